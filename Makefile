@@ -1,44 +1,100 @@
 # Builds, runs and proves the ankle-foot orthosis controller: `make help`.
-CC ?= gcc
+#
+# Sources are found by wildcard. A room that needs rules of its own (an image for
+# a board, a fuzzer) puts them in a fragment beside its sources, ROOM/NAME.mk.
+# Other compilers and options build side by side: make BUILD=build/clang CC=clang
+CC := $(if $(filter default,$(origin CC)),gcc,$(CC))
 BUILD ?= build
 OPT ?= -O2
 SANITIZE ?=
+JOBS ?= $(shell nproc 2>/dev/null || echo 1)
+PYTHON ?= $(firstword $(wildcard build/venv/bin/python) /usr/bin/python3)
+
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(JOBS)
+endif
+.DELETE_ON_ERROR:
+.SECONDARY:
+.SUFFIXES:
+.DEFAULT_GOAL := all
 
 WARN := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes \
         -Wmissing-prototypes -Wundef -Wvla -Werror
 # Same bits on every machine: no contraction to fused multiply-add, no errno paths in sqrt.
 BITS := -ffp-contract=off -fno-math-errno -fno-strict-aliasing
-CFLAGS_ALL := -std=c11 -D_GNU_SOURCE $(OPT) -g $(WARN) $(BITS) $(SANITIZE) -I. $(CFLAGS)
+CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(OPT) -g $(WARN) $(BITS) $(SANITIZE) -I. $(CFLAGS)
+LDFLAGS_ALL = $(SANITIZE) $(LDFLAGS)
 LDLIBS_SIM := -lm -lpthread
 
-SRC_MODEL := $(wildcard model/*.c)
+# ---- Sources -----------------------------------------------------------------
+SRC_MODEL := $(wildcard model/*.c model/*/*.c)
 SRC_CONTROLLER := $(wildcard controller/*.c controller/*/*.c)
-SRC_HAL := $(wildcard hal/*.c hal/canopen/*.c hal/port_socketcan/*.c)
+# Of the ports only those that a Linux host can build; a board's fragment names its own.
+SRC_HAL := $(filter-out hal/port_%,$(wildcard hal/*.c hal/*/*.c)) $(wildcard hal/port_socketcan/*.c)
 SRC_FIRMWARE := $(wildcard firmware/*.c)
-SRC_SIM_F64 := $(wildcard sim_host/plant/*.c sim_host/study/*.c sim_host/batch/*.c)
-SRC_SIM_F32 := $(wildcard sim_host/*.c sim_host/bus/*.c sim_host/nodes/*.c sim_host/host/*.c)
+SRC_SIM := $(filter-out sim_host/programs/%,$(wildcard sim_host/*.c sim_host/*/*.c))
+SRC_SIM_F64 := $(filter sim_host/plant/% sim_host/study/% sim_host/batch/%,$(SRC_SIM))
+SRC_SIM_F32 := $(filter-out $(SRC_SIM_F64),$(SRC_SIM))
 SRC_PROGRAMS := $(wildcard sim_host/programs/*.c)
-SRC_TESTS := $(wildcard tests/*/test_*.c tests/*/*/test_*.c)
+SRC_TESTS := $(wildcard tests/*/test_*.c tests/*/*/test_*.c tests/*/*/*/test_*.c)
 SRC_SUPPORT := $(wildcard tests/support/*.c)
 
 OBJ_F32 = $(patsubst %.c,$(BUILD)/f32/%.o,$(1))
 OBJ_F64 = $(patsubst %.c,$(BUILD)/f64/%.o,$(1))
+PROGRAM_OF = $(BUILD)/$(subst _,-,$(basename $(notdir $(1))))
 
 LIBS := $(addprefix $(BUILD)/lib/,libsim.a libfirmware.a libhal.a libcontroller_f32.a libcontroller_f64.a \
         libmodel_f32.a libmodel_f64.a)
-PROGRAMS := $(foreach p,$(SRC_PROGRAMS),$(BUILD)/$(subst _,-,$(basename $(notdir $(p)))))
+PROGRAMS := $(foreach p,$(SRC_PROGRAMS),$(call PROGRAM_OF,$(p)))
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(SRC_TESTS))
 
-.PHONY: all tests clean
-all: $(LIBS) $(PROGRAMS)
+.PHONY: all programs tests FORCE
+all: programs ## build everything that runs on this machine (the default)
+programs: $(LIBS) $(PROGRAMS)
 tests: $(TESTS)
 
-$(BUILD)/f32/%.o: %.c
+# ---- What was built with what ------------------------------------------------
+# The version is git's word on the commit; the build id depends on the sources
+# alone, so that every compiler and machine gives the same one.
+VERSION_BASE := 0.1.0
+GIT_COMMIT := $(shell git rev-parse --short=10 HEAD 2>/dev/null)
+GIT_DIRTY := $(if $(GIT_COMMIT),$(shell git status --porcelain -uno 2>/dev/null | head -1))
+VERSION := $(VERSION_BASE)$(if $(GIT_COMMIT),+g$(GIT_COMMIT))$(if $(GIT_DIRTY),.dirty)
+BUILD_ID := 0x$(shell find model controller hal firmware sim_host -name '*.[chS]' 2>/dev/null | LC_ALL=C sort | \
+        xargs -r sha256sum | sha256sum | cut -c1-8)
+IDENTITY := -DAFO_VERSION='"$(VERSION)"' -DAFO_BUILD_ID=$(BUILD_ID)u
+
+# Stamps that change only when their text does: objects follow the flags, archives
+# the list of sources (a removed file leaves its archive), version.o the identity.
+define STAMP
+@mkdir -p $(@D)
+@printf '%s\n' '$(subst ','\'',$(1))' >$@.new; if cmp -s $@.new $@; then rm -f $@.new; else mv -f $@.new $@; fi
+endef
+$(BUILD)/stamp/flags: FORCE
+	$(call STAMP,$(shell $(CC) --version 2>&1 | head -1) $(CC) $(CFLAGS_ALL) $(LDFLAGS_ALL))
+$(BUILD)/stamp/sources: FORCE
+	$(call STAMP,$(SRC_MODEL) $(SRC_CONTROLLER) $(SRC_HAL) $(SRC_FIRMWARE) $(SRC_SIM))
+$(BUILD)/stamp/identity: FORCE
+	$(call STAMP,$(IDENTITY))
+
+# ---- Rules -------------------------------------------------------------------
+Q := $(if $(V),,@)
+SAY = @echo '  $(1)'
+ifneq ($(V),)
+SAY = @:
+endif
+
+$(BUILD)/f32/firmware/version.o: private CFLAGS_ALL += $(IDENTITY)
+$(BUILD)/f32/firmware/version.o: $(BUILD)/stamp/identity
+
+$(BUILD)/f32/%.o: %.c $(BUILD)/stamp/flags
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_ALL) -MMD -MP -c $< -o $@
-$(BUILD)/f64/%.o: %.c
+	$(call SAY,CC     $<)
+	$(Q)$(CC) $(CFLAGS_ALL) -MMD -MP -c $< -o $@
+$(BUILD)/f64/%.o: %.c $(BUILD)/stamp/flags
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_ALL) -DREAL_IS_DOUBLE -MMD -MP -c $< -o $@
+	$(call SAY,CC64   $<)
+	$(Q)$(CC) $(CFLAGS_ALL) -DREAL_IS_DOUBLE -MMD -MP -c $< -o $@
 
 $(BUILD)/lib/libmodel_f32.a: $(call OBJ_F32,$(SRC_MODEL))
 $(BUILD)/lib/libmodel_f64.a: $(call OBJ_F64,$(SRC_MODEL))
@@ -47,27 +103,104 @@ $(BUILD)/lib/libcontroller_f64.a: $(call OBJ_F64,$(SRC_CONTROLLER))
 $(BUILD)/lib/libhal.a: $(call OBJ_F32,$(SRC_HAL))
 $(BUILD)/lib/libfirmware.a: $(call OBJ_F32,$(SRC_FIRMWARE))
 $(BUILD)/lib/libsim.a: $(call OBJ_F32,$(SRC_SIM_F32)) $(call OBJ_F64,$(SRC_SIM_F64))
-$(BUILD)/lib/%.a:
+$(BUILD)/lib/%.a: $(BUILD)/stamp/sources
 	@mkdir -p $(@D)
-	@rm -f $@
-	ar rcs $@ $^
+	$(call SAY,AR     $@)
+	$(Q)rm -f $@ $@.new && ar rcsD $@.new $(filter %.o,$^) && mv $@.new $@
 
 define PROGRAM_RULE
-$(BUILD)/$(subst _,-,$(basename $(notdir $(1)))): $(call OBJ_F32,$(1)) $(LIBS)
-	$$(CC) $$(SANITIZE) $$< $(LIBS) $$(LDLIBS_SIM) -o $$@
+$(call PROGRAM_OF,$(1)): $(call OBJ_F32,$(1)) $(LIBS)
+	$$(call SAY,LD     $$@)
+	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(filter %.o,$$^) $$(LIBS) $$(LDLIBS_SIM) -o $$@
 endef
 $(foreach p,$(SRC_PROGRAMS),$(eval $(call PROGRAM_RULE,$(p))))
 
 # Tests named *_f64 see the double-precision model, all others the float one.
+define LINK_TEST
+@mkdir -p $(@D)
+$(call SAY,LD     $@)
+$(Q)$(CC) $(LDFLAGS_ALL) $(filter %.o,$^) $(LIBS) $$(pkg-config --libs check) $(LDLIBS_SIM) -o $@
+endef
 $(BUILD)/tests/%_f64: $(BUILD)/f64/tests/%_f64.o $(call OBJ_F64,$(SRC_SUPPORT)) $(LIBS)
-	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(filter %.o,$^) $(LIBS) $(LDLIBS_SIM) $$(pkg-config --libs check) -o $@
+	$(LINK_TEST)
 $(BUILD)/tests/%: $(BUILD)/f32/tests/%.o $(call OBJ_F32,$(SRC_SUPPORT)) $(LIBS)
-	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(filter %.o,$^) $(LIBS) $(LDLIBS_SIM) $$(pkg-config --libs check) -o $@
+	$(LINK_TEST)
 
-clean:
-	rm -rf $(BUILD)
+SRC_ALL := $(SRC_MODEL) $(SRC_CONTROLLER) $(SRC_HAL) $(SRC_FIRMWARE) $(SRC_SIM) $(SRC_PROGRAMS) $(SRC_TESTS) \
+        $(SRC_SUPPORT)
+-include $(wildcard $(patsubst %.o,%.d,$(call OBJ_F32,$(SRC_ALL)) $(call OBJ_F64,$(SRC_ALL))))
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.SECONDARY:
+# ---- The same tree under other compilers and checkers --------------------------
+# make VARIANT builds it in build/VARIANT; make VARIANT-check runs its C tests.
+VARIANTS := gcc-O1 gcc-O3 clang clang-O1 clang-O3 asan tsan coverage
+ASAN := -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
+variant_gcc-O1 := CC=gcc OPT=-O1
+variant_gcc-O3 := CC=gcc OPT=-O3
+variant_clang := CC=clang
+variant_clang-O1 := CC=clang OPT=-O1
+variant_clang-O3 := CC=clang OPT=-O3
+variant_asan := CC=gcc OPT=-O1 SANITIZE="$(ASAN)"
+variant_tsan := CC=gcc OPT=-O1 SANITIZE=-fsanitize=thread
+variant_coverage := CC=gcc OPT=-O0 SANITIZE="--coverage -fprofile-abs-path -fprofile-update=atomic"
+BITS_VARIANTS := gcc-O1 gcc-O3 clang-O1 clang-O3
+
+.PHONY: $(VARIANTS) $(VARIANTS:%=%-programs) $(VARIANTS:%=%-check) ubsan
+$(VARIANTS): ## (asan, tsan, coverage, clang, gcc-O3, ...) build the same tree that way in build/NAME
+	$(Q)$(MAKE) --no-print-directory BUILD=build/$@ $(variant_$@) programs tests
+$(VARIANTS:%=%-programs):
+	$(Q)$(MAKE) --no-print-directory BUILD=build/$(@:%-programs=%) $(variant_$(@:%-programs=%)) programs
+$(VARIANTS:%=%-check): %-check: % ## (asan-check, ...) build that way and run the C tests
+	$(Q)scripts/run-tests --build build/$*
+ubsan: asan
+
+.PHONY: coverage-report
+coverage-report: coverage ## lines and branches of model/, controller/, hal/, firmware/ that the C tests reach
+	$(Q)find build/coverage -name '*.gcda' -delete
+	$(Q)scripts/run-tests --build build/coverage
+	$(Q)scripts/coverage-report build/coverage
+
+# ---- What one asks for ---------------------------------------------------------
+.PHONY: run test test-long bench format lint clean help setup-% check-static
+setup-%:
+	$(Q)scripts/setup $*
+
+run: ## the main job: a walk in closed loop on the in-process bus, its report and pictures
+	$(Q)scripts/setup run
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)scripts/demo-walk $(BUILD)
+
+test: ## everything that must hold (some minutes on two cores)
+	$(Q)scripts/setup test
+	$(Q)$(MAKE) --no-print-directory programs tests $(TEST_NEEDS)
+	$(Q)$(MAKE) --no-print-directory clang asan $(BITS_VARIANTS:%=%-programs)
+	$(Q)scripts/run-tests --build build --build build/clang --build build/asan --python --scripts
+
+test-long: ## what takes longer than `make test` may: tests marked long
+	$(Q)scripts/setup test
+	$(Q)$(MAKE) --no-print-directory programs tests $(TEST_NEEDS)
+	$(Q)scripts/run-tests --build build --python --long
+
+bench: ## how fast it is, as ratios measured side by side
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)scripts/bench $(BUILD)
+
+FORMATTED := $(shell find model controller hal firmware sim_host tests -name '*.[ch]' 2>/dev/null)
+format: ## lay out all C sources as .clang-format says
+	$(Q)clang-format -i $(FORMATTED)
+
+lint: ## layout, layering, symbols, cppcheck with MISRA, clang-tidy, gcc -fanalyzer
+	$(Q)scripts/setup lint
+	$(Q)scripts/lint
+
+clean: ## remove everything that was built
+	rm -rf build $(BUILD)
+
+help: ## this list
+	@echo 'make TARGET [BUILD=dir] [CC=gcc|clang] [OPT=-O2] [JOBS=n] [V=1]'; \
+	grep -hE '^[a-zA-Z$$()%: _-]+:.*## ' $(MAKEFILE_LIST) | \
+	sed -E 's/^\$$\(VARIANTS:[^#]*## \(([^)]*)\)/\1 : ##/; s/^\$$\(VARIANTS\)[^#]*## \(([^)]*)\)/\1 : ##/' | \
+	awk -F ':.*## ' '{ printf "  %-18s %s\n", $$1, $$2 }'
+
+# Last, so that a fragment can use everything above and add to TEST_NEEDS, which
+# `make test` builds before it starts.
+include $(sort $(wildcard firmware/*.mk hal/*.mk sim_host/*.mk tests/*.mk tests/*/*.mk))
