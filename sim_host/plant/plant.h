@@ -1,0 +1,160 @@
+/* The plant: what the orthosis moves and what its sensors see.
+ *
+ * Either the 3-DOF walker with two SEAs, held by a hand until it may walk, or a
+ * recorded wearer whom the SEAs work against; in both cases two sensors per the
+ * presets. One plant_advance() is one tick, from SYNC k to SYNC k+1. The order in
+ * a process that owns a plant, at SYNC k:
+ *     plant_set_command() for each side whose command takes effect now
+ *     plant_sample(), plant_sea_output()   (what the nodes answer)
+ *     plant_advance()
+ * Own parameters throughout (never the controller's), all in double and in plain
+ * types, so that float-compiled code may include this header.
+ *
+ * Nothing is idealised by default: plant_config_default() gives the real SEA and
+ * 17-bit sensors. The heap is used by plant_init() for a recording only, and given
+ * back by plant_free(). Without a recording struct plant is plain data: a copy is
+ * a snapshot from which the same future follows bit for bit; with one, copies
+ * share the recording and only one of them may be freed.
+ * Same config and commands: same bits with gcc and clang at any -O.
+ */
+#ifndef SIM_HOST_PLANT_PLANT_H
+#define SIM_HOST_PLANT_PLANT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "model/side.h"
+#include "sim_host/plant/sea.h"
+#include "sim_host/plant/sensors.h"
+#include "sim_host/plant/support.h"
+#include "sim_host/plant/walk.h"
+#include "sim_host/plant/wearer.h"
+
+enum plant_kind { PLANT_WALKER = 0, PLANT_WEARER = 1 };
+
+enum { PLANT_PATH_MAX = 512, PLANT_ERROR_MAX = 384 };
+
+struct plant_config {
+    enum plant_kind kind;
+    double tick_s;                       /* SYNC period; default 0.001 */
+    uint64_t seed;                       /* sensors, release jitter, rough ground */
+    struct walk_params walk;             /* body, slope, ...; body also of a wearer's subject */
+    struct walk_pose start;              /* just after lift-off of the start gait */
+    struct support_params support;
+    struct sea_params sea[SIDE_COUNT];
+    struct sensor_params sensors[SIDE_COUNT];
+    double roughness_m;                  /* standard deviation of foothold heights; default 0 */
+    const double *heights_m;             /* heights of footholds 1.. above the slope line, or NULL; */
+    size_t heights_count;                /* caller's, must outlive the plant; after the last: 0 */
+    char wearer_path[PLANT_PATH_MAX];    /* PLANT_WEARER: the recording */
+    struct wearer_format wearer_format;
+    uint64_t wearer_start_tick;          /* the recording runs from this tick on (its first sample
+                                            is held before); default 1000 */
+};
+
+enum plant_error {
+    PLANT_OK = 0,
+    PLANT_BAD_BODY = -1,
+    PLANT_BAD_WALK = -2,
+    PLANT_BAD_START = -3,
+    PLANT_BAD_SUPPORT = -4,
+    PLANT_BAD_SEA = -5,
+    PLANT_BAD_SENSOR = -6,
+    PLANT_BAD_GROUND = -7,
+    PLANT_BAD_WEARER = -8,
+    PLANT_BAD_TICK = -9   /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
+};
+
+/* Cumulative energies (J) since init. */
+struct plant_energy {
+    double walker_J;              /* kinetic + potential, now */
+    double springs_J;             /* in both springs, now */
+    double collision_loss_J;
+    double device_work_J[SIDE_COUNT];   /* on the walker or wearer, at the ankle */
+    double own_work_J;
+    double motor_work_J[SIDE_COUNT];
+    double motor_positive_work_J[SIDE_COUNT];
+};
+
+struct plant {
+    struct plant_config config;
+    uint64_t tick;
+    struct sea sea[SIDE_COUNT];
+    struct sensor sensor[SIDE_COUNT];
+    struct support support;
+    struct walk walk;
+    struct rng ground_rng;
+    uint64_t footholds;
+    double foothold_height_m;
+    double collision_loss_J, own_work_J, device_work_J[SIDE_COUNT];
+    double wearer_energy_mark[SIDE_COUNT];
+    struct wearer wearer;
+    struct wearer_state person;
+    size_t wearer_cursor;
+};
+
+/* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665), real SEAs,
+ * 17-bit sensors, level ground, start pose of the gait at r0 = 0.05 with the left
+ * leg in stance. */
+void plant_config_default(struct plant_config *config);
+
+/* The same for another body and spring: SEAs, sensors, support, limits scaled to
+ * it; the start pose's rates are scaled by sqrt(g/l) (right for a walker with the
+ * same m/M and k l / (M g); for another subject set config->start yourself). */
+void plant_config_for(const struct walker3_params *body, double spring_N_per_m,
+                      enum sea_preset_kind sea, enum sensor_preset_kind sensors,
+                      struct plant_config *config);
+
+/* Checks everything, loads the recording, starts at tick 0. On failure nothing is
+ * held, *plant must not be used, and message (PLANT_ERROR_MAX bytes, never NULL)
+ * names the field or the file's line. */
+enum plant_error plant_init(struct plant *plant, const struct plant_config *config, char *message);
+void plant_free(struct plant *plant);
+
+/* From now (a SYNC) on. Drives start in SEA_TORQUE_OFF. */
+void plant_set_command(struct plant *plant, enum side side, const struct sea_command *command);
+
+/* What the nodes measure at this SYNC: call once per tick and side, before
+ * plant_advance() (the sensors' noise and delay line advance here). */
+void plant_sample(struct plant *plant, enum side side, struct sensor_sample *sample);
+void plant_sea_output(const struct plant *plant, enum side side, struct sea_output *output);
+
+/* One tick. Cost: below 8 us on average on a 2 GHz x86-64 core. */
+void plant_advance(struct plant *plant);
+
+/* The truth, for records and judgements; no node may look. */
+struct plant_truth {
+    uint64_t tick;
+    double time_s;
+    double leg_angle_rad[SIDE_COUNT], leg_rate_rad_s[SIDE_COUNT];
+    double ankle_m[SIDE_COUNT], ankle_rate_m_s[SIDE_COUNT];
+    bool contact[SIDE_COUNT];
+    double ground_force_N[SIDE_COUNT][2]; /* walker only */
+    double hip_m[2];                      /* walker only, world */
+    double toe_m[SIDE_COUNT][2];          /* walker only, world */
+    enum side stance;
+    enum walk_phase phase;
+    enum walk_fault fault;
+    bool finished;                        /* the recording is over */
+};
+void plant_truth(const struct plant *plant, struct plant_truth *truth);
+void plant_energy(const struct plant *plant, struct plant_energy *energy);
+
+/* Next unread event or finished step (walk.h); a wearer's heel strikes, toe-offs
+ * and releases come as events too. false if there is none. */
+bool plant_next_event(struct plant *plant, struct walk_event *event);
+bool plant_next_step(struct plant *plant, struct walk_step *step);
+
+enum walk_fault plant_fault(const struct plant *plant);
+
+/* Disturbances, effective at once. */
+void plant_push(struct plant *plant, double impulse_x_Ns, double impulse_y_Ns);
+/* scale 1: as configured; 0: broken; > 1: stiffer. Clamped to 0 .. 100. */
+void plant_set_spring_scale(struct plant *plant, enum side side, double scale);
+/* The wearer's own push-off: a spring of the given stiffness and rest extension at
+ * the trailing ankle, from heel strike on; 0 ends it at the next step. */
+void plant_set_own_push(struct plant *plant, double stiffness_N_per_m, double rest_m);
+void plant_set_next_height(struct plant *plant, double height_m);
+
+#endif

@@ -1,0 +1,204 @@
+/* One series elastic actuator with its drive and its latch.
+ *
+ * motor -> screw -> spring -> latch -> ankle. The motor's position is given in
+ * metres of spring (precompression: with the ankle at r = 0 and the motor at x
+ * the spring pushes k x). The latch holds the spring's output:
+ *   CLOSED    output held; the motor may compress, the ankle may extend freely,
+ *             no force reaches it
+ *   RELEASED  the spring pushes the ankle, k (x - r), as long as x > r
+ *   SLACK     it has pushed to its end (lift-off); the foot follows the motor;
+ *             closes again when the output is back at reclose_m or below
+ * An armed latch is released by its own node, release_latency_s after the cause
+ * chosen by release_on. The drive runs its position loop at its own fast rate
+ * and reacts to a dead link by itself (SEA_UNLOAD).
+ *
+ * Time inside: sea_drive_period() computes one period of the drive's loop; in it
+ * the motor moves with constant acceleration, so that the walker can integrate
+ * against motor position(tau) at any step size.
+ *
+ * No heap, no globals, no I/O; callable from anywhere that may use double;
+ * every function O(1) unless it says otherwise. struct sea is plain data: a copy
+ * is a snapshot.
+ */
+#ifndef SIM_HOST_PLANT_SEA_H
+#define SIM_HOST_PLANT_SEA_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim_host/plant/rng.h"
+
+enum sea_latch { SEA_LATCH_CLOSED = 0, SEA_LATCH_RELEASED = 1, SEA_LATCH_SLACK = 2 };
+
+enum sea_mode {
+    SEA_TORQUE_OFF = 0, /* motor without current: a loaded spring drives it back */
+    SEA_POSITION = 1,   /* follows target_position_m (cyclic synchronous position) */
+    SEA_UNLOAD = 2      /* the drive's own reaction: back to 0 at unload_rate_m_s */
+};
+
+enum sea_release {
+    SEA_RELEASE_CONTACT_OR_EXTENSION = 0, /* whichever comes first */
+    SEA_RELEASE_CONTACT = 1,              /* contact input of the other foot */
+    SEA_RELEASE_EXTENSION = 2,            /* own ankle beyond extension_trigger_m */
+    SEA_RELEASE_COMMAND = 3               /* as soon as armed: timed by the controller */
+};
+
+/* Everything a SEA can be. sea_preset() fills all of it; subject files override. */
+struct sea_params {
+    double spring_N_per_m;
+    bool ideal_motor;            /* true: position = clamped target at once, force unlimited */
+    bool ideal_foot;             /* true: after lift-off the foot is at r = 0 and latched at once */
+    double drive_period_s;       /* of the position loop, divides 1 ms */
+    double motor_mass_kg;        /* rotor and screw, reflected to metres of spring */
+    double viscous_N_per_m_s;
+    double coulomb_N;            /* also holds the motor at rest */
+    double loop_bandwidth_rad_s; /* position loop */
+    double loop_damping;
+    double loop_integral_rad_s;  /* corner of the integral part */
+    double force_limit_N;        /* motor force, both directions (current limit) */
+    double speed_limit_m_s;
+    double acceleration_limit_m_s2; /* of the drive's reference */
+    double stroke_min_m, stroke_max_m;      /* commanded positions are clamped to these */
+    double end_stop_min_m, end_stop_max_m;  /* hard, without rebound */
+    double unload_rate_m_s;
+    double counts_per_m;         /* drive position counts per metre of spring, > 0 */
+    double zero_offset_m;        /* reported position = true position + this */
+    enum sea_release release_on;
+    double release_latency_s;    /* 0 .. 10 ms */
+    double release_jitter_s;     /* 0 .. 10 ms, added: uniform in [0, this) */
+    double extension_trigger_m;  /* > 0 */
+    double reclose_m;            /* >= 0 */
+    double rated_force_N;        /* 1000 per mille of object 0x6077 */
+    double thermal_rise_K;       /* winding above ambient at rated force for ever */
+    double thermal_time_s;
+    double ambient_degC;
+    double dc_link_V;            /* no load */
+    double dc_link_ohm;          /* source resistance */
+    double force_per_current_N_A;
+};
+
+struct sea_command {
+    enum sea_mode mode;
+    double target_position_m; /* in reported coordinates; ignored unless SEA_POSITION */
+    bool latch_armed;
+};
+
+/* What a node can report at a SYNC, and what the tests look at. */
+struct sea_output {
+    double position_m;       /* true motor position */
+    double reported_position_m; /* quantised to counts, with the zero offset */
+    int32_t position_counts; /* the same, as the drive reports it */
+    double speed_m_s;
+    double motor_force_N;
+    double torque_per_mille; /* motor force / rated force * 1000 */
+    double spring_force_N;   /* in the spring, whoever holds it, >= 0 */
+    double ankle_force_N;    /* the part that reaches the ankle, >= 0 */
+    enum sea_latch latch;
+    bool armed;
+    bool release_pending;    /* cause seen, latency running */
+    bool target_clamped;     /* target outside the stroke limits */
+    bool force_limited;      /* motor force at its limit in the last period */
+    bool at_end_stop;
+    bool unloaded;           /* spring force below 1 % of spring * stroke_max */
+    double temperature_degC;
+    double dc_link_V;
+};
+
+struct sea {
+    struct sea_params params;
+    struct sea_command command;
+    /* motor, at the start of the current drive period */
+    double position_m, speed_m_s, acceleration_m_s2;
+    double motor_force_N, spring_force_N;
+    /* drive */
+    double reference_m, reference_speed_m_s;
+    double target_from_m, target_to_m; /* interpolated over one SYNC period */
+    uint32_t periods_since_sync;
+    double integral_N;
+    double measured_m, measured_speed_m_s;
+    double temperature_degC;
+    bool force_limited, at_end_stop, target_clamped;
+    /* latch */
+    enum sea_latch latch;
+    double output_m;          /* where the latch holds the spring's output */
+    bool release_pending;
+    double release_time_s;    /* walker's time */
+    struct rng rng;
+    /* energy since init */
+    double motor_work_J;      /* by the motor on screw and spring */
+    double motor_positive_work_J;
+    double friction_loss_J;
+    uint64_t releases;        /* counter */
+};
+
+enum sea_preset_kind { SEA_IDEAL = 0, SEA_REAL = 1 };
+
+/* The subject a preset is scaled to. */
+struct sea_subject {
+    double total_mass_kg;  /* M + 2 m */
+    double leg_length_m;
+    double gravity_m_s2;
+    double spring_N_per_m;
+};
+
+/* Fills every field of *params.
+ * SEA_IDEAL: motor position is the target from the SYNC on, nothing limits it
+ *   but the stroke (0 .. 0.5 l), foot back at once, release without latency.
+ * SEA_REAL: reflected motor mass 4 (M + 2m), 60 Hz loop at 10 kHz, damping 1,
+ *   Coulomb 1 % and viscous friction, force limit 2.5 k stroke, speed limit
+ *   0.6 sqrt(g l), stroke 0 .. 0.35 l, end stops 5 mm l outside, 16-bit motor
+ *   encoder on a 5 mm screw, release on contact or extension after 0.1 ms,
+ *   foot follows the motor back. Numbers and reasons: sea_presets.c. */
+void sea_preset(enum sea_preset_kind kind, const struct sea_subject *subject,
+                struct sea_params *params);
+
+/* "ideal" or "real" -> kind; false for any other name. */
+bool sea_preset_from_name(const char *name, enum sea_preset_kind *kind);
+
+/* NULL if every field is in range, else the name of the first that is not. */
+const char *sea_params_check(const struct sea_params *params);
+
+/* At rest at 0, unloaded, latch closed, torque off. Params are copied. */
+void sea_init(struct sea *sea, const struct sea_params *params, uint64_t seed);
+
+/* A command takes effect; call at SYNC, once per tick at most. A non-finite
+ * target leaves the old one and sets target_clamped. now_s is the walker's time
+ * (SEA_RELEASE_COMMAND starts its latency here). Disarming before the latency
+ * has run cancels the release. */
+void sea_set_command(struct sea *sea, const struct sea_command *command, double now_s);
+
+/* Closes the drive's last period and opens the next: runs the loop once and fixes
+ * the motor's acceleration. ankle_m is the ankle's extension now (where the
+ * spring's output is, if not latched). */
+void sea_drive_period(struct sea *sea, double ankle_m);
+
+/* Motor position and speed tau_s after the start of the current period,
+ * 0 <= tau_s <= drive_period_s. */
+double sea_position_at_m(const struct sea *sea, double tau_s);
+double sea_speed_at_m_s(const struct sea *sea, double tau_s);
+
+/* Moves the motor to the end of the current period (energy is accounted here). */
+void sea_finish_period(struct sea *sea);
+
+/* The causes of a release, at the walker's time now_s: the other foot touched
+ * the ground, or the own ankle passed extension_trigger_m. If armed, chosen as a
+ * cause and closed, release_time_s is set. */
+void sea_other_foot_contact(struct sea *sea, double now_s);
+void sea_ankle_extends(struct sea *sea, double now_s);
+
+/* The moment has come / the spring has reached its motor / the foot is back.
+ * sea_reclose() does nothing unless SLACK and foot_m <= reclose_m. */
+void sea_release_now(struct sea *sea);
+void sea_lift_off(struct sea *sea);
+void sea_reclose(struct sea *sea, double foot_m);
+
+/* Force that the ankle at ankle_m feels now (>= 0; 0 while closed). */
+double sea_ankle_force_N(const struct sea *sea, double ankle_m);
+
+/* Reported counts -> metres in reported coordinates, and back (saturating). */
+double sea_counts_to_m(const struct sea_params *params, int32_t counts);
+int32_t sea_m_to_counts(const struct sea_params *params, double position_m);
+
+void sea_read(const struct sea *sea, double ankle_m, struct sea_output *output);
+
+#endif
