@@ -243,7 +243,7 @@ enum stride_fault stride_from_lift_off(const struct walker *walker, const struct
 enum stride_fault stride(const struct walker *walker, const struct stride_settings *settings,
                          const struct apex *from, real spring_rest_m, struct stride_result *result)
 {
-    *result = (struct stride_result){ STRIDE_OK };
+    *result = (struct stride_result){ .fault = STRIDE_OK };
     result->fault = stride_to_strike(walker, settings, from, result);
     if (result->fault == STRIDE_OK) {
         result->fault = stride_push_off(walker, settings, spring_rest_m, result);
