@@ -37,7 +37,7 @@ SRC_SIM_F64 := $(filter sim_host/plant/% sim_host/study/% sim_host/batch/%,$(SRC
 SRC_SIM_F32 := $(filter-out $(SRC_SIM_F64),$(SRC_SIM))
 SRC_PROGRAMS := $(wildcard sim_host/programs/*.c)
 SRC_TESTS := $(wildcard tests/*/test_*.c tests/*/*/test_*.c tests/*/*/*/test_*.c)
-SRC_SUPPORT := $(wildcard tests/support/*.c)
+SRC_SUPPORT := $(filter-out tests/support/test_%,$(wildcard tests/support/*.c))
 
 OBJ_F32 = $(patsubst %.c,$(BUILD)/f32/%.o,$(1))
 OBJ_F64 = $(patsubst %.c,$(BUILD)/f64/%.o,$(1))
