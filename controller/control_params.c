@@ -1,0 +1,33 @@
+#include "controller/control_params.h"
+
+#define DESCRIPTOR(field, unit, minimum, maximum, meaning)                                   \
+    {#field, unit, REAL(minimum), REAL(maximum), meaning,                                    \
+     (uint16_t)offsetof(struct control_params, field)},
+const struct control_param_descriptor control_param_descriptors[CONTROL_PARAM_COUNT] = {
+    CONTROL_PARAM_TABLE(DESCRIPTOR)};
+#undef DESCRIPTOR
+
+int control_params_validate(const struct control_params *params)
+{
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        const struct control_param_descriptor *d = &control_param_descriptors[i];
+        const real value = *(const real *)((const char *)params + d->offset);
+        if (!(value >= d->minimum && value <= d->maximum)) {
+            return i;
+        }
+    }
+    if (speed_table_check(&params->table) != SPEED_TABLE_OK) {
+        return CONTROL_PARAMS_BAD_TABLE;
+    }
+    if (!(params->r0_min_m <= params->start_r0_m && params->start_r0_m <= params->r0_max_m)) {
+        return CONTROL_PARAMS_R0_ORDER;
+    }
+    if (params->r0_max_m > REAL(0.4) * params->leg_length_m) {
+        return CONTROL_PARAMS_R0_STROKE;
+    }
+    if (params->law == (real)LAW_OPEN_LOOP && (params->open_loop_r0_m < params->r0_min_m ||
+                                               params->open_loop_r0_m > params->r0_max_m)) {
+        return CONTROL_PARAMS_OPEN_LOOP;
+    }
+    return CONTROL_PARAMS_OK;
+}

@@ -1,0 +1,90 @@
+/* Every number that tunes the controller, in one struct, validated once.
+ *
+ * All fields are `real` (no padding, the same layout in flash, over SDO and in
+ * logs). CONTROL_PARAM_TABLE is the single list of names, units and ranges: the
+ * subject file's reader, the validator and the object dictionary share it.
+ * Ranges are what the law and the arithmetic bear, from a 1 kg table-top walker
+ * to a 150 kg person; a person's own limits are set inside them.
+ */
+#ifndef CONTROLLER_CONTROL_PARAMS_H
+#define CONTROLLER_CONTROL_PARAMS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "controller/speed_table.h"
+#include "model/real.h"
+
+#define control_params_validate REAL_SYMBOL(control_params_validate)
+#define control_param_descriptors REAL_SYMBOL(control_param_descriptors)
+
+/* Which law turns a step's apex speed into the next precompression. */
+enum law_mode {
+    LAW_PROPORTIONAL = 0, /* paper eq. (16) */
+    LAW_OPEN_LOOP = 1     /* constant r0, approached by a ramp from the start gait */
+};
+
+/*  X(field, unit, minimum, maximum, meaning) */
+#define CONTROL_PARAM_TABLE(X)                                                                      \
+    X(torso_mass_kg, "kg", 0.1, 200.0, "M, the mass at the hip")                                    \
+    X(leg_mass_kg, "kg", 0.0001, 30.0, "m, the mass in the middle of each leg")                     \
+    X(leg_length_m, "m", 0.1, 1.5, "l, hip to heel")                                                \
+    X(spring_stiffness_n_m, "N/m", 1.0, 100000.0, "k of the ankle spring")                          \
+    X(gravity_m_s2, "m/s^2", 1.0, 20.0, "g")                                                        \
+    X(law, "-", 0.0, 1.0, "0 = proportional, eq. (16); 1 = open loop")                              \
+    X(kp_m_s_rad, "m/(rad/s)", 0.0, 1.0, "gain of eq. (16) on the forward apex speed")              \
+    X(start_r0_m, "m", 0.0001, 0.6, "precompression of the gait that walking starts from")          \
+    X(speed_ramp_rad_s, "rad/s per step", 0.00001, 1.0, "largest change of the speed command")      \
+    X(r0_min_m, "m", 0.0001, 0.6, "smallest precompression the law may ask for")                    \
+    X(r0_max_m, "m", 0.0001, 0.6, "largest precompression the law may ask for")                     \
+    X(r0_change_max_m, "m per step", 0.00001, 0.6, "largest change of r0 from step to step")        \
+    X(open_loop_r0_m, "m", 0.0001, 0.6, "r0 of the open-loop law")                                  \
+    X(open_loop_ramp_m, "m per step", 0.000001, 0.6, "its ramp from start_r0_m")                    \
+    X(apex_window_s, "s", 0.004, 0.1, "half width of the fit around the apex")                      \
+    X(angle_hysteresis_rad, "rad", 0.0001, 0.2, "swing of an angle below which it is no event")     \
+    X(sea_speed_max_m_s, "m/s", 0.001, 10.0, "speed limit of the SEA reference")                    \
+    X(sea_acceleration_m_s2, "m/s^2", 0.01, 1000.0, "acceleration limit of the SEA reference")      \
+    X(sea_tolerance_m, "m", 0.00001, 0.05, "the spring counts as loaded, or unloaded, within this") \
+    X(sensor_age_max_s, "s", 0.001, 0.1, "older leg or drive values are a fault")                   \
+    X(step_timeout_s, "s", 0.2, 10.0, "no apex for this long: walking has ended")                   \
+    X(fall_angle_rad, "rad", 0.3, 1.57, "a leg beyond this angle is a fall")                        \
+    X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")
+
+#define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
+struct control_params {
+    CONTROL_PARAM_TABLE(CONTROL_PARAM_FIELD)
+    struct speed_table table; /* finv of eq. (16) for this walker */
+};
+#undef CONTROL_PARAM_FIELD
+
+#define CONTROL_PARAM_COUNT_ONE(field, unit, minimum, maximum, meaning) +1
+enum { CONTROL_PARAM_COUNT = 0 CONTROL_PARAM_TABLE(CONTROL_PARAM_COUNT_ONE) };
+#undef CONTROL_PARAM_COUNT_ONE
+
+struct control_param_descriptor {
+    const char *name;
+    const char *unit;
+    real minimum;
+    real maximum;
+    const char *meaning;
+    uint16_t offset; /* of the field in struct control_params, bytes */
+};
+
+extern const struct control_param_descriptor control_param_descriptors[CONTROL_PARAM_COUNT];
+
+/* What control_params_validate found. */
+enum {
+    CONTROL_PARAMS_OK = -1,
+    CONTROL_PARAMS_BAD_TABLE = CONTROL_PARAM_COUNT,       /* speed table unusable */
+    CONTROL_PARAMS_R0_ORDER = CONTROL_PARAM_COUNT + 1,    /* not r0_min <= start_r0 <= r0_max */
+    CONTROL_PARAMS_R0_STROKE = CONTROL_PARAM_COUNT + 2,   /* r0_max beyond 0.4 leg lengths */
+    CONTROL_PARAMS_OPEN_LOOP = CONTROL_PARAM_COUNT + 3    /* open_loop_r0 outside r0_min..r0_max */
+};
+
+/* Checks every field against its range and the fields against each other.
+ * Returns CONTROL_PARAMS_OK, the index into control_param_descriptors of the
+ * first field out of range or not finite, or one of the codes above. Bounded:
+ * one pass over the fields and the table. */
+int control_params_validate(const struct control_params *params);
+
+#endif

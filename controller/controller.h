@@ -1,0 +1,52 @@
+/* The whole controller: measurements of one tick in, SEA commands out.
+ *
+ * Pure: all state is in struct controller, time is the tick number of the input.
+ * The same object code runs on the orthosis, on the emulated target, on a laptop
+ * against the simulated walker, and on a replayed log.
+ */
+#ifndef CONTROLLER_CONTROLLER_H
+#define CONTROLLER_CONTROLLER_H
+
+#include "controller/control_params.h"
+#include "controller/gait_observer.h"
+#include "controller/sea_reference.h"
+#include "controller/signals.h"
+#include "controller/step_law.h"
+#include "controller/supervisor.h"
+
+#define controller_init REAL_SYMBOL(controller_init)
+#define controller_update REAL_SYMBOL(controller_update)
+
+struct controller {
+    const struct control_params *params; /* the caller's; constant while walking */
+    struct gait_observer observer;
+    struct step_law law;
+    struct sea_reference sea[SIDE_COUNT];
+    struct supervisor supervisor;
+    struct step_record last_step;
+    real held_angle_rad[SIDE_COUNT]; /* bridges single lost samples */
+    real held_rate_rad[SIDE_COUNT];  /* change per tick at the last fresh sample */
+    uint32_t last_apex_tick;
+    bool apex_seen;
+    bool observing; /* the observer has been started */
+};
+
+struct controller_output {
+    struct sea_command sea[SIDE_COUNT];
+    enum supervisor_state state;
+    enum supervisor_fault fault; /* latched */
+    bool new_step;               /* last_step was written in this tick */
+};
+
+/* Prepares a controller that waits in SUPERVISOR_INIT. *params stays the
+ * caller's and must outlive the controller. Returns CONTROL_PARAMS_OK or what
+ * control_params_validate says; then the controller must not be used. */
+int controller_init(struct controller *controller, const struct control_params *params);
+
+/* One tick, called once per SYNC in order of ticks. Every command field is
+ * finite and within its limits whatever the input holds. Cost: see the budget
+ * test; the worst tick is that of an apex fit. Loop only, not ISR. */
+void controller_update(struct controller *controller, const struct controller_input *input,
+                       struct controller_output *output);
+
+#endif

@@ -1,0 +1,64 @@
+#include "controller/sea_reference.h"
+
+void sea_reference_init(struct sea_reference *sea, real position_m)
+{
+    *sea = (struct sea_reference){SEA_UNLOADED, REAL(0.0), position_m, REAL(0.0)};
+}
+
+void sea_reference_load(struct sea_reference *sea, real r0_m)
+{
+    sea->phase = SEA_LOADING;
+    sea->target_m = r0_m;
+}
+
+void sea_reference_trim(struct sea_reference *sea, real r0_m)
+{
+    if (sea->phase == SEA_LOADING || sea->phase == SEA_TRIMMED) {
+        sea->phase = SEA_TRIMMED;
+        sea->target_m = r0_m;
+    }
+}
+
+void sea_reference_unload(struct sea_reference *sea)
+{
+    if (sea->phase != SEA_UNLOADED) {
+        sea->phase = SEA_UNLOADING;
+    }
+    sea->target_m = REAL(0.0);
+}
+
+/* Trapezoidal profile: as fast as the limits allow, but never faster than it can
+ * still brake before the target. */
+static void advance(struct sea_reference *sea, real speed_max, real acceleration)
+{
+    const real change = acceleration * CONTROL_PERIOD_S;
+    const real distance = sea->target_m - sea->position_m;
+    const real left = real_abs(distance);
+    const real brake = real_sqrt(REAL(2.0) * acceleration * left);
+    const real allowed = brake < speed_max ? brake : speed_max;
+    const real wanted = distance < REAL(0.0) ? -allowed : allowed;
+
+    sea->speed_m_s += real_clamp(wanted - sea->speed_m_s, -change, change);
+    const real step = sea->speed_m_s * CONTROL_PERIOD_S;
+    if (left <= real_abs(step) || (left < change * CONTROL_PERIOD_S &&
+                                   real_abs(sea->speed_m_s) <= REAL(2.0) * change)) {
+        sea->position_m = sea->target_m;
+        sea->speed_m_s = REAL(0.0);
+    } else {
+        sea->position_m += step;
+    }
+}
+
+struct sea_command sea_reference_update(struct sea_reference *sea,
+                                        const struct control_params *params, real measured_m)
+{
+    advance(sea, params->sea_speed_max_m_s, params->sea_acceleration_m_s2);
+    const bool arrived = sea->position_m == sea->target_m &&
+                         real_abs(measured_m - sea->target_m) <= params->sea_tolerance_m;
+    if (sea->phase == SEA_TRIMMED && arrived) {
+        sea->phase = SEA_ARMED;
+    } else if (sea->phase == SEA_UNLOADING && arrived) {
+        sea->phase = SEA_UNLOADED;
+    }
+    return (struct sea_command){sea->position_m, false, sea->phase == SEA_ARMED};
+}

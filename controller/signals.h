@@ -1,0 +1,107 @@
+/* What flows between the stages of the controller, with the unit in each name.
+ *
+ *   measurements -> gait observer -> gait events -> step law -> SEA reference -> commands
+ *                         \______________ supervisor ______________/
+ *
+ * Angles follow model/: 0 is vertical, positive is the foot ahead of the hip, so
+ * the stance leg's angle falls while walking forward. Arrays are indexed by
+ * enum side. Enum values are explicit: they appear on the bus and in logs.
+ */
+#ifndef CONTROLLER_SIGNALS_H
+#define CONTROLLER_SIGNALS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "model/real.h"
+#include "model/side.h"
+
+enum { CONTROL_RATE_HZ = 1000 };
+#define CONTROL_PERIOD_S REAL(0.001)
+
+/* An age that stands for "never received". */
+enum { AGE_NEVER = UINT16_MAX };
+
+/* One leg's sensor, as sampled at a SYNC. */
+struct leg_measurement {
+    real leg_angle_rad;     /* -pi..pi */
+    real ankle_extension_m; /* 0 = heel down; positive = ankle extended */
+    uint16_t age_ticks;     /* 0 = sampled at the newest SYNC; AGE_NEVER = no value yet */
+};
+
+/* A drive as the controller needs to know it, whatever its protocol. */
+enum drive_state {
+    DRIVE_UNKNOWN = 0,  /* no valid status received */
+    DRIVE_DISABLED = 1, /* alive, no torque */
+    DRIVE_STARTING = 2, /* on its way to enabled */
+    DRIVE_ENABLED = 3,  /* follows its target */
+    DRIVE_STOPPING = 4, /* quick stop or fault reaction under way */
+    DRIVE_FAULT = 5
+};
+
+struct sea_measurement {
+    real precompression_m; /* motor position in metres of spring, 0 = unloaded */
+    enum drive_state state;
+    uint16_t age_ticks;
+};
+
+/* Everything one control tick sees. */
+struct controller_input {
+    uint32_t tick; /* number of the SYNC at which the values were sampled */
+    struct leg_measurement leg[SIDE_COUNT];
+    struct sea_measurement sea[SIDE_COUNT];
+    real desired_speed_rad_s; /* forward apex speed asked for, > 0 */
+    bool nodes_operational;   /* all four nodes alive and in NMT operational */
+    bool emergency_stop;      /* true = pressed, or its state unknown */
+    bool walk_requested;      /* the operator's wish that the device assists */
+    bool reset_requested;     /* clear a latched fault; obeyed at standstill only */
+};
+
+/* What happened in the gait, at most one of each kind a tick. */
+enum gait_event_kind {
+    GAIT_APEX = 0,        /* the stance leg passed the vertical */
+    GAIT_HEEL_STRIKE = 1, /* side = the foot that landed */
+    GAIT_LIFT_OFF = 2,    /* side = the foot that left the ground */
+    GAIT_EVENT_KINDS = 3
+};
+
+struct gait_event {
+    bool happened;      /* reported in this tick; the event itself may be older */
+    enum side side;
+    uint32_t tick;      /* first SYNC at or after the event */
+    real before_tick_s; /* the event lies this long before that SYNC, >= 0: interpolated */
+    real speed_rad_s;   /* GAIT_APEX: forward speed -theta', > 0; otherwise 0 */
+};
+
+enum gait_phase {
+    PHASE_UNKNOWN = 0,
+    PHASE_SINGLE_SUPPORT = 1, /* stance = the supporting leg */
+    PHASE_DOUBLE_SUPPORT = 2  /* stance = the trailing leg, the one that pushes off */
+};
+
+struct gait_state {
+    enum gait_phase phase;
+    enum side stance;
+    uint32_t phase_since_tick;
+    bool stance_past_apex; /* single support, and theta_s already negative */
+    struct gait_event event[GAIT_EVENT_KINDS];
+};
+
+/* One SEA's command of this tick. */
+struct sea_command {
+    real precompression_m; /* 0..stroke limit, already rate limited */
+    bool enable;           /* torque on, follow the target */
+    bool latch_armed;      /* the node may release by itself at the other foot's heel strike */
+};
+
+/* The record of one step, made once, at the apex. */
+struct step_record {
+    uint32_t number; /* 1 = the first apex; 0 = none yet */
+    uint32_t tick;
+    enum side side;
+    real measured_speed_rad_s;
+    real commanded_speed_rad_s; /* after the ramp */
+    real r0_m;                  /* what the law asked for, after its limits */
+};
+
+#endif
