@@ -1,0 +1,87 @@
+/* The control task: one object code for the orthosis, the laptop, the emulator
+ * and the replay.
+ *
+ * A tick, from the task's point of view:
+ *   - control_task_start_cycle() queues SYNC k (a timer's doing, or lock-step's);
+ *   - control_task_poll() fetches frames; at its own SYNC k, as seen on the bus, it
+ *     runs the controller on exactly the frames between SYNC k-1 and SYNC k (the
+ *     answers sampled at SYNC k-1) and sends the commands right behind SYNC k;
+ *   - drives obey them at SYNC k+1.
+ * So the order of frames in a log defines what the controller saw, and a replay
+ * reproduces every command. Nothing here knows a clock or an operating system.
+ */
+#ifndef FIRMWARE_CONTROL_TASK_H
+#define FIRMWARE_CONTROL_TASK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "controller/controller.h"
+#include "hal/can_bus.h"
+#include "hal/emergency_stop.h"
+#include "hal/leg_sensors.h"
+#include "hal/network.h"
+#include "hal/sea_drives.h"
+
+/* What control_task_poll did; the bits feed the watchdog's gate. */
+enum control_task_progress {
+    CONTROL_TASK_TICKED = 1 << 0,     /* a tick ran to its end */
+    CONTROL_TASK_BUS_ALIVE = 1 << 1,  /* the own SYNC was seen on the bus */
+    CONTROL_TASK_SUPERVISED = 1 << 2, /* the supervisor evaluated its rules */
+    CONTROL_TASK_NEW_STEP = 1 << 3    /* task->controller.last_step is new */
+};
+
+struct control_task_config {
+    const struct control_params *params; /* the caller's, constant while running */
+    struct can_bus bus;
+    struct sea_drives drives;
+    struct emergency_stop stop;
+    struct leg_sensor_config leg_sensor[LEG_COUNT];
+    float desired_speed_rad_s; /* at the start; forward apex speed */
+    bool walk_requested;       /* at the start */
+};
+
+struct control_task_counters { /* all saturate */
+    uint32_t syncs_sent;
+    uint32_t syncs_refused; /* the bus took no SYNC: full or down */
+    uint32_t send_failures; /* command frames the bus did not take */
+    uint32_t error_frames;
+    uint32_t foreign_frames; /* received, nobody's */
+    uint32_t late_answers;   /* ticks in which an answer of the cycle was missing */
+};
+
+struct control_task {
+    struct control_task_config config;
+    struct network network;
+    struct leg_sensors sensors;
+    struct controller controller;
+    struct controller_output output;       /* of the last tick */
+    struct control_task_counters counters;
+    uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet */
+    uint16_t state_wait;  /* ticks until the controller state frame repeats */
+    uint8_t sent_state[2];
+    bool emergency_stop;  /* as used in the last tick, and as sent */
+    bool walk_requested;  /* may be changed between ticks */
+    bool reset_requested; /* may be set between ticks; cleared by the next tick */
+    float desired_speed_rad_s; /* may be changed between ticks */
+};
+
+/* Prepares the task; nothing is sent yet. *config is copied, what it points to
+ * stays the caller's. Returns CONTROL_PARAMS_OK or what control_params_validate
+ * says; then the task must not be used. */
+int control_task_init(struct control_task *task, const struct control_task_config *config);
+
+/* Queues the SYNC of the next cycle. Loop only. Returns what the bus says. */
+enum can_result control_task_start_cycle(struct control_task *task);
+
+/* Fetches waiting frames (at most CONTROL_TASK_POLL_FRAMES a call) and runs a tick
+ * for each own SYNC among them. Returns bits of enum control_task_progress.
+ * Never blocks. Loop only. */
+unsigned control_task_poll(struct control_task *task);
+enum { CONTROL_TASK_POLL_FRAMES = 64 };
+
+/* True when all four answers to the last SYNC have arrived: lock-step may start
+ * the next cycle. */
+bool control_task_cycle_complete(const struct control_task *task);
+
+#endif

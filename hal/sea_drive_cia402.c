@@ -1,0 +1,212 @@
+#include "hal/sea_drive_cia402.h"
+
+#include "hal/bytes.h"
+#include "hal/frame_table.h"
+
+/* Controlwords, object 0x6040 (CiA 402-2, table of device control commands). */
+enum {
+    CONTROLWORD_DISABLE_VOLTAGE = 0x00,
+    CONTROLWORD_SHUTDOWN = 0x06,
+    CONTROLWORD_SWITCH_ON = 0x07,
+    CONTROLWORD_ENABLE_OPERATION = 0x0F,
+    CONTROLWORD_FAULT_RESET = 0x80
+};
+
+/* States as the statusword 0x6041 spells them under its masks. */
+enum cia402_state {
+    CIA402_NOT_READY,
+    CIA402_SWITCH_ON_DISABLED,
+    CIA402_READY,
+    CIA402_SWITCHED_ON,
+    CIA402_ENABLED,
+    CIA402_QUICK_STOP,
+    CIA402_FAULT_REACTION,
+    CIA402_FAULT
+};
+
+static enum cia402_state state_of(uint16_t statusword)
+{
+    switch (statusword & 0x4Fu) {
+    case 0x40:
+        return CIA402_SWITCH_ON_DISABLED;
+    case 0x0F:
+        return CIA402_FAULT_REACTION;
+    case 0x08:
+        return CIA402_FAULT;
+    case 0x00:
+        return CIA402_NOT_READY;
+    default:
+        break;
+    }
+    switch (statusword & 0x6Fu) {
+    case 0x21:
+        return CIA402_READY;
+    case 0x23:
+        return CIA402_SWITCHED_ON;
+    case 0x27:
+        return CIA402_ENABLED;
+    case 0x07:
+        return CIA402_QUICK_STOP;
+    default:
+        return CIA402_NOT_READY;
+    }
+}
+
+void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_config *config)
+{
+    *drives = (struct cia402_drives){0};
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        drives->axis[leg].config = config[leg];
+        drives->axis[leg].age_ticks = UINT16_MAX;
+        drives->axis[leg].ticks_since_sent = SLOW_PDO_TICKS;
+    }
+}
+
+static bool receive(void *context, const struct can_msg *message)
+{
+    struct cia402_drives *drives = (struct cia402_drives *)context;
+    if (message->id != FRAME_DRIVE_STATE_LEFT && message->id != FRAME_DRIVE_STATE_RIGHT) {
+        return false;
+    }
+    if (message->length != FRAME_BYTES_DRIVE_STATE_LEFT || message->flags != 0) {
+        if (drives->rx_malformed < UINT32_MAX) {
+            drives->rx_malformed++;
+        }
+        return true;
+    }
+    struct cia402_axis *axis =
+        &drives->axis[message->id == FRAME_DRIVE_STATE_RIGHT ? LEG_RIGHT : LEG_LEFT];
+    axis->statusword = bytes_get_u16(message->data);
+    axis->position_counts = bytes_get_i32(message->data + 2);
+    axis->age_ticks = 0;
+    return true;
+}
+
+static float metres_from_counts(const struct cia402_axis_config *config, int32_t counts)
+{
+    const int64_t travel = ((int64_t)counts - config->zero_counts) * config->direction;
+    return (float)travel / config->counts_per_m;
+}
+
+static int32_t counts_from_metres(const struct cia402_axis_config *config, float metres)
+{
+    const int32_t travel =
+        bytes_saturate_i32(metres * config->counts_per_m, INT32_MIN / 2, INT32_MAX / 2);
+    return config->zero_counts + travel * config->direction;
+}
+
+static void read_axis(const void *context, enum leg leg, struct sea_drive_reading *reading)
+{
+    const struct cia402_axis *axis = &((const struct cia402_drives *)context)->axis[leg];
+    static const enum sea_drive_state meaning[] = {
+        [CIA402_NOT_READY] = SEA_DRIVE_DISABLED,      [CIA402_SWITCH_ON_DISABLED] = SEA_DRIVE_DISABLED,
+        [CIA402_READY] = SEA_DRIVE_DISABLED,          [CIA402_SWITCHED_ON] = SEA_DRIVE_STARTING,
+        [CIA402_ENABLED] = SEA_DRIVE_ENABLED,         [CIA402_QUICK_STOP] = SEA_DRIVE_STOPPING,
+        [CIA402_FAULT_REACTION] = SEA_DRIVE_STOPPING, [CIA402_FAULT] = SEA_DRIVE_FAULT,
+    };
+    reading->age_ticks = axis->age_ticks;
+    reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
+    reading->state =
+        axis->age_ticks == UINT16_MAX ? SEA_DRIVE_UNKNOWN : meaning[state_of(axis->statusword)];
+}
+
+static void age(void *context)
+{
+    struct cia402_drives *drives = (struct cia402_drives *)context;
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        if (drives->axis[leg].age_ticks < UINT16_MAX) {
+            drives->axis[leg].age_ticks++;
+        }
+    }
+}
+
+/* The next controlword on the way from the reported state to the wish. */
+static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_wish *wish)
+{
+    const enum cia402_state state = state_of(axis->statusword);
+    const bool was_resetting = axis->resetting;
+    axis->resetting = false;
+    if (axis->age_ticks == UINT16_MAX) {
+        return CONTROLWORD_DISABLE_VOLTAGE;
+    }
+    if (state == CIA402_FAULT) {
+        /* The reset acts on the rising edge: the bit must go away in between. */
+        axis->resetting = wish->clear_fault && !was_resetting;
+        return axis->resetting ? CONTROLWORD_FAULT_RESET : CONTROLWORD_DISABLE_VOLTAGE;
+    }
+    if (!wish->enable) {
+        return state == CIA402_SWITCH_ON_DISABLED || state == CIA402_QUICK_STOP
+                   ? CONTROLWORD_DISABLE_VOLTAGE
+                   : CONTROLWORD_SHUTDOWN;
+    }
+    switch (state) {
+    case CIA402_READY:
+        return CONTROLWORD_SWITCH_ON;
+    case CIA402_SWITCHED_ON:
+    case CIA402_ENABLED:
+        return CONTROLWORD_ENABLE_OPERATION;
+    case CIA402_QUICK_STOP:
+        return CONTROLWORD_DISABLE_VOLTAGE;
+    default:
+        return CONTROLWORD_SHUTDOWN;
+    }
+}
+
+static enum can_result send_axis_command(struct cia402_axis *axis, enum leg leg,
+                                         const struct sea_drive_wish *wish,
+                                         const struct can_bus *bus)
+{
+    const uint16_t controlword = next_controlword(axis, wish);
+    const bool armed = wish->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
+    const uint32_t outputs = armed ? DRIVE_OUTPUT_LATCH_ARMED : 0;
+    if (controlword == axis->sent_controlword && outputs == axis->sent_outputs &&
+        axis->ticks_since_sent < SLOW_PDO_TICKS) {
+        axis->ticks_since_sent++;
+        return CAN_OK;
+    }
+    struct can_msg message = {.id = leg == LEG_LEFT ? FRAME_DRIVE_COMMAND_LEFT
+                                                    : FRAME_DRIVE_COMMAND_RIGHT,
+                              .length = FRAME_BYTES_DRIVE_COMMAND_LEFT};
+    bytes_put_u16(message.data, controlword);
+    bytes_put_u32(message.data + 2, outputs);
+    const enum can_result result = can_bus_send(bus, &message);
+    if (result == CAN_OK) {
+        axis->sent_controlword = controlword;
+        axis->sent_outputs = outputs;
+        axis->ticks_since_sent = 1;
+    }
+    return result;
+}
+
+static enum can_result command(void *context, const struct sea_drive_wish *wish,
+                               const struct can_bus *bus)
+{
+    struct cia402_drives *drives = (struct cia402_drives *)context;
+    struct can_msg targets = {.id = FRAME_DRIVE_TARGETS, .length = FRAME_BYTES_DRIVE_TARGETS};
+    enum can_result first_failure = CAN_OK;
+
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct cia402_axis *axis = &drives->axis[leg];
+        const bool follows = wish[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
+        const int32_t target = follows
+                                   ? counts_from_metres(&axis->config, wish[leg].precompression_m)
+                                   : axis->position_counts;
+        bytes_put_u32(targets.data + 4 * leg, (uint32_t)target);
+    }
+    first_failure = can_bus_send(bus, &targets);
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        const enum can_result result =
+            send_axis_command(&drives->axis[leg], (enum leg)leg, &wish[leg], bus);
+        if (first_failure == CAN_OK) {
+            first_failure = result;
+        }
+    }
+    return first_failure;
+}
+
+static const struct sea_drives_ops cia402_ops = {receive, read_axis, age, command};
+
+struct sea_drives cia402_drives_interface(struct cia402_drives *drives)
+{
+    return (struct sea_drives){&cia402_ops, drives};
+}

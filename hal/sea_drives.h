@@ -1,0 +1,80 @@
+/* Both SEA drives behind one interface, whatever protocol they speak.
+ *
+ * The controller thinks in metres of spring and in wishes ("enabled, at 0.05 m,
+ * armed"); a protocol turns that into frames, walks the drive's own state
+ * machine towards the wish, and turns frames into readings with their age.
+ */
+#ifndef HAL_SEA_DRIVES_H
+#define HAL_SEA_DRIVES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/can_bus.h"
+#include "hal/legs.h"
+
+/* Values as in controller/signals.h, checked there. */
+enum sea_drive_state {
+    SEA_DRIVE_UNKNOWN = 0,
+    SEA_DRIVE_DISABLED = 1,
+    SEA_DRIVE_STARTING = 2,
+    SEA_DRIVE_ENABLED = 3,
+    SEA_DRIVE_STOPPING = 4,
+    SEA_DRIVE_FAULT = 5
+};
+
+struct sea_drive_reading {
+    float precompression_m; /* motor position in metres of spring */
+    enum sea_drive_state state;
+    uint16_t age_ticks; /* 0 = from the newest cycle; UINT16_MAX = never */
+};
+
+struct sea_drive_wish {
+    float precompression_m;
+    bool enable;
+    bool latch_armed;
+    bool clear_fault; /* ask the drive to leave its fault state (rising edge) */
+};
+
+struct sea_drives_ops {
+    /* Takes a frame if it is one of the drives' and says whether it did. */
+    bool (*receive)(void *context, const struct can_msg *message);
+    void (*read)(const void *context, enum leg leg, struct sea_drive_reading *reading);
+    /* A cycle has ended: readings grow one tick older (saturating). */
+    void (*age)(void *context);
+    /* Sends this tick's command frames; LEG_COUNT wishes. Returns the first
+     * failure of can_bus_send, CAN_OK if none; frames not sent are sent again
+     * at the next tick. */
+    enum can_result (*command)(void *context, const struct sea_drive_wish *wish,
+                               const struct can_bus *bus);
+};
+
+struct sea_drives {
+    const struct sea_drives_ops *ops;
+    void *context;
+};
+
+static inline bool sea_drives_receive(const struct sea_drives *drives, const struct can_msg *message)
+{
+    return drives->ops->receive(drives->context, message);
+}
+
+static inline void sea_drives_read(const struct sea_drives *drives, enum leg leg,
+                                   struct sea_drive_reading *reading)
+{
+    drives->ops->read(drives->context, leg, reading);
+}
+
+static inline void sea_drives_age(const struct sea_drives *drives)
+{
+    drives->ops->age(drives->context);
+}
+
+static inline enum can_result sea_drives_command(const struct sea_drives *drives,
+                                                 const struct sea_drive_wish *wish,
+                                                 const struct can_bus *bus)
+{
+    return drives->ops->command(drives->context, wish, bus);
+}
+
+#endif
