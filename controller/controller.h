@@ -32,7 +32,7 @@ struct controller {
 };
 
 struct controller_output {
-    struct sea_command sea[SIDE_COUNT];
+    struct sea_request sea[SIDE_COUNT];
     enum supervisor_state state;
     enum supervisor_fault fault; /* latched */
     bool new_step;               /* last_step was written in this tick */

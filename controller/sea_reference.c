@@ -49,7 +49,7 @@ static void advance(struct sea_reference *sea, real speed_max, real acceleration
     }
 }
 
-struct sea_command sea_reference_update(struct sea_reference *sea,
+struct sea_request sea_reference_update(struct sea_reference *sea,
                                         const struct control_params *params, real measured_m)
 {
     advance(sea, params->sea_speed_max_m_s, params->sea_acceleration_m_s2);
@@ -60,5 +60,5 @@ struct sea_command sea_reference_update(struct sea_reference *sea,
     } else if (sea->phase == SEA_UNLOADING && arrived) {
         sea->phase = SEA_UNLOADED;
     }
-    return (struct sea_command){sea->position_m, false, sea->phase == SEA_ARMED};
+    return (struct sea_request){sea->position_m, false, sea->phase == SEA_ARMED};
 }

@@ -51,7 +51,7 @@ void sea_reference_unload(struct sea_reference *sea);
 
 /* Advances one tick. measured_m is the motor's position in metres of spring.
  * The command's enable field is left to the supervisor. Constant cost. */
-struct sea_command sea_reference_update(struct sea_reference *sea,
+struct sea_request sea_reference_update(struct sea_reference *sea,
                                         const struct control_params *params, real measured_m);
 
 #endif

@@ -88,7 +88,7 @@ struct gait_state {
 };
 
 /* One SEA's command of this tick. */
-struct sea_command {
+struct sea_request {
     real precompression_m; /* 0..stroke limit, already rate limited */
     bool enable;           /* torque on, follow the target */
     bool latch_armed;      /* the node may release by itself at the other foot's heel strike */

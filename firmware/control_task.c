@@ -99,7 +99,7 @@ static void send_commands(struct control_task *task)
 {
     struct sea_drive_wish wish[LEG_COUNT];
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        const struct sea_command *command = &task->output.sea[leg];
+        const struct sea_request *command = &task->output.sea[leg];
         wish[leg] = (struct sea_drive_wish){command->precompression_m, command->enable,
                                             command->latch_armed, task->reset_requested};
     }
