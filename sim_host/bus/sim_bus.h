@@ -24,6 +24,7 @@
 enum {
     SIM_BUS_PORTS_MAX = 16,
     SIM_BUS_TX_QUEUE = 32,
+    SIM_BUS_DELAYED_MAX = 32,
     SIM_BUS_RX_QUEUE = 128
 };
 
@@ -69,8 +70,16 @@ typedef struct sim_bus_fault (*sim_bus_fault_hook)(void *context, const struct c
 /* Called after a frame reached this node's receive queue. May receive and send. */
 typedef void (*sim_bus_wake)(void *context, uint64_t now_ns);
 
+enum sim_bus_phase { SIM_BUS_IDLE = 0, SIM_BUS_TRANSMIT = 1, SIM_BUS_INTERMISSION = 2 };
+
+/* How the frame on the wire will end. */
+enum sim_bus_outcome {
+    SIM_BUS_ENDS_WELL = 0,
+    SIM_BUS_ENDS_DESTROYED = 1,  /* a bit error, or two senders of one identifier */
+    SIM_BUS_ENDS_UNHEARD = 2     /* nobody acknowledged */
+};
+
 struct sim_bus_stats {
-    uint64_t busy_bits; /* bit times taken by frames, error frames and intermissions */
     uint64_t frames;
     uint64_t error_frames;
     uint64_t faults[6]; /* by enum sim_bus_fault_kind: what the hook really did */
@@ -79,6 +88,8 @@ struct sim_bus_stats {
 
 struct sim_bus_tx_entry {
     uint32_t key; /* arbitration field, smaller wins */
+    bool hook_done; /* a fault hook had its say already */
+    bool is_babble;
     uint64_t queued_ns;
     struct can_msg message;
 };
@@ -86,6 +97,12 @@ struct sim_bus_tx_entry {
 struct sim_bus_rx_entry {
     uint64_t time_ns;
     struct can_msg message;
+};
+
+struct sim_bus_delayed {
+    uint64_t due_ns;
+    unsigned port;
+    struct sim_bus_tx_entry entry;
 };
 
 struct sim_bus;
@@ -109,7 +126,7 @@ struct sim_bus_port {
     unsigned tx_count;
     unsigned rx_head;
     unsigned rx_count;
-    struct sim_bus_tx_entry tx[SIM_BUS_TX_QUEUE]; /* sorted, last wins */
+    struct sim_bus_tx_entry tx[SIM_BUS_TX_QUEUE + 1]; /* sorted, last wins; one for a repeat */
     struct sim_bus_rx_entry rx[SIM_BUS_RX_QUEUE];
 };
 
@@ -125,18 +142,18 @@ struct sim_bus {
     uint64_t now_ns;
     uint64_t idle_since_ns;
     /* The frame on the wire. */
-    bool busy;
-    bool in_intermission;
+    enum sim_bus_phase phase;
+    enum sim_bus_outcome outcome;
     uint64_t phase_end_ns;
-    uint64_t start_ns;
+    uint64_t busy_ns;    /* taken time up to the end of the last phase */
     uint32_t contenders; /* ports sending this same frame, normally one */
     unsigned sender;
-    bool destroyed;
     struct sim_bus_fault fault;
     struct sim_bus_tx_entry wire;
+    struct sim_bus_tx_entry rivals[SIM_BUS_PORTS_MAX]; /* what each contender sends */
     /* Frames a fault hook delayed. */
     unsigned delayed_count;
-    struct { uint64_t due_ns; unsigned port; struct can_msg message; } delayed[SIM_BUS_TX_QUEUE];
+    struct sim_bus_delayed delayed[SIM_BUS_DELAYED_MAX];
 
     sim_bus_tap tap;
     void *tap_context;
@@ -144,6 +161,8 @@ struct sim_bus {
     void *fault_context;
     struct sim_bus_response *response;
     struct sim_bus_stats stats;
+    uint32_t pending;    /* ports with something to send */
+    uint32_t recovering; /* ports counting recessive bits */
     unsigned port_count;
     struct sim_bus_port ports[SIM_BUS_PORTS_MAX];
 };
@@ -182,7 +201,7 @@ void sim_bus_set_fault_hook(struct sim_bus *bus, sim_bus_fault_hook hook, void *
 void sim_bus_measure_response(struct sim_bus *bus, struct sim_bus_response *response);
 
 /* Pulls or plugs the connector of a port. Pulled: it neither hears nor
- * acknowledges, its own frames fail for want of an acknowledgement. */
+ * acknowledges, and its own frames wait in its queue until that is full. */
 void sim_bus_connect(struct sim_bus *bus, int port, bool connected);
 
 /* Replaces the node behind a port by a fresh one: queues and error counters
