@@ -1,0 +1,198 @@
+#include "hal/param_store.h"
+
+#include <string.h>
+
+#include "hal/crc.h"
+
+enum { COMMIT_WORD = 0, HEADER_WORD = 1, PAYLOAD_WORD = 2 };
+
+struct bank_header {
+    uint32_t sequence;
+    uint32_t crc;
+    uint16_t version;
+    uint16_t payload_bytes;
+};
+
+static uint32_t get_u32(const uint8_t *bytes)
+{
+    return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8) | ((uint32_t)bytes[2] << 16) |
+           ((uint32_t)bytes[3] << 24);
+}
+
+static void put_u32(uint8_t *bytes, uint32_t value)
+{
+    bytes[0] = (uint8_t)value;
+    bytes[1] = (uint8_t)(value >> 8);
+    bytes[2] = (uint8_t)(value >> 16);
+    bytes[3] = (uint8_t)(value >> 24);
+}
+
+static uint32_t words_of(uint32_t payload_bytes)
+{
+    return (payload_bytes + NV_WORD_BYTES - 1U) / NV_WORD_BYTES;
+}
+
+static bool read_word(struct param_store *store, uint32_t bank, uint32_t index, uint8_t *out)
+{
+    enum nv_result result = store->nv.ops->read_word(store->nv.context, bank, index, out);
+
+    if (result == NV_CORRUPT && store->corrupt_words < UINT32_MAX) {
+        store->corrupt_words++;
+    }
+    return result == NV_OK;
+}
+
+/* True when the bank holds a complete copy; then *header is filled in. */
+static bool bank_is_valid(struct param_store *store, uint32_t bank, struct bank_header *header)
+{
+    uint8_t word[NV_WORD_BYTES];
+    uint32_t words, crc;
+
+    if (!read_word(store, bank, COMMIT_WORD, word) || get_u32(word) != PARAM_STORE_MAGIC) {
+        return false;
+    }
+    header->crc = get_u32(word + 4);
+    if (!read_word(store, bank, HEADER_WORD, word)) {
+        return false;
+    }
+    header->sequence = get_u32(word);
+    header->version = (uint16_t)(word[4] | ((uint32_t)word[5] << 8));
+    header->payload_bytes = (uint16_t)(word[6] | ((uint32_t)word[7] << 8));
+    words = words_of(header->payload_bytes);
+    if (words > store->nv.ops->bank_words(store->nv.context) - PAYLOAD_WORD) {
+        return false;
+    }
+    crc = crc32_update(CRC32_INIT, word, sizeof word);
+    for (uint32_t i = 0; i < words; i++) {
+        if (!read_word(store, bank, PAYLOAD_WORD + i, word)) {
+            return false;
+        }
+        crc = crc32_update(crc, word, sizeof word);
+    }
+    return crc == header->crc;
+}
+
+/* Serial-number arithmetic, so that a wrapped sequence still counts as newer. */
+static bool is_newer(uint32_t a, uint32_t b)
+{
+    return a != b && (a - b) < 0x80000000U;
+}
+
+enum param_store_result param_store_open(struct param_store *store, const struct nv_store *nv,
+                                         uint16_t version, uint16_t payload_bytes)
+{
+    bool found = false;
+    struct bank_header best = {0};
+
+    memset(store, 0, sizeof *store);
+    store->nv = *nv;
+    store->version = version;
+    store->payload_bytes = payload_bytes;
+    if (words_of(payload_bytes) + PAYLOAD_WORD > nv->ops->bank_words(nv->context)) {
+        return PARAM_STORE_TOO_LARGE;
+    }
+    for (uint32_t bank = 0; bank < NV_BANK_COUNT; bank++) {
+        struct bank_header header = {0};
+        if (bank_is_valid(store, bank, &header) &&
+            (!found || is_newer(header.sequence, best.sequence))) {
+            found = true;
+            best = header;
+            store->active_bank = bank;
+        }
+    }
+    if (!found) {
+        return PARAM_STORE_EMPTY;
+    }
+    store->sequence = best.sequence;
+    store->crc = best.crc;
+    if (best.version != version || best.payload_bytes != payload_bytes) {
+        return PARAM_STORE_VERSION;
+    }
+    return PARAM_STORE_OK;
+}
+
+enum param_store_result param_store_load(struct param_store *store, void *out)
+{
+    struct bank_header header = {0};
+    uint8_t word[NV_WORD_BYTES];
+    uint8_t *bytes = out;
+    uint32_t left = store->payload_bytes;
+
+    if (!bank_is_valid(store, store->active_bank, &header)) {
+        return PARAM_STORE_EMPTY;
+    }
+    if (header.version != store->version || header.payload_bytes != store->payload_bytes) {
+        return PARAM_STORE_VERSION;
+    }
+    for (uint32_t i = 0; left > 0; i++) {
+        uint32_t take = left < NV_WORD_BYTES ? left : (uint32_t)NV_WORD_BYTES;
+        if (!read_word(store, store->active_bank, PAYLOAD_WORD + i, word)) {
+            return PARAM_STORE_EMPTY;
+        }
+        memcpy(bytes, word, take);
+        bytes += take;
+        left -= take;
+    }
+    return PARAM_STORE_OK;
+}
+
+/* Writes header and payload of a new copy; returns its CRC in *crc. */
+static bool write_copy(struct param_store *store, uint32_t bank, uint32_t sequence,
+                       const uint8_t *payload, uint32_t *crc)
+{
+    const struct nv_store *nv = &store->nv;
+    uint8_t word[NV_WORD_BYTES];
+    uint32_t left = store->payload_bytes;
+
+    put_u32(word, sequence);
+    put_u32(word + 4, (uint32_t)store->version | ((uint32_t)store->payload_bytes << 16));
+    *crc = crc32_update(CRC32_INIT, word, sizeof word);
+    if (nv->ops->write_word(nv->context, bank, HEADER_WORD, word) != NV_OK) {
+        return false;
+    }
+    for (uint32_t i = 0; left > 0; i++) {
+        uint32_t take = left < NV_WORD_BYTES ? left : (uint32_t)NV_WORD_BYTES;
+        memset(word, 0xFF, sizeof word);
+        memcpy(word, payload, take);
+        payload += take;
+        left -= take;
+        *crc = crc32_update(*crc, word, sizeof word);
+        if (nv->ops->write_word(nv->context, bank, PAYLOAD_WORD + i, word) != NV_OK) {
+            return false;
+        }
+    }
+    return true;
+}
+
+enum param_store_result param_store_save(struct param_store *store, const void *payload,
+                                         bool standstill)
+{
+    const struct nv_store *nv = &store->nv;
+    bool has_copy = store->crc != 0U || store->sequence != 0U;
+    uint32_t bank = has_copy ? store->active_bank ^ 1U : 0U;
+    uint32_t sequence = store->sequence + 1U;
+    struct bank_header header = {0};
+    uint8_t word[NV_WORD_BYTES];
+    uint32_t crc;
+
+    if (!standstill) {
+        return PARAM_STORE_MOVING;
+    }
+    if (words_of(store->payload_bytes) + PAYLOAD_WORD > nv->ops->bank_words(nv->context)) {
+        return PARAM_STORE_TOO_LARGE;
+    }
+    if (nv->ops->erase(nv->context, bank) != NV_OK ||
+        !write_copy(store, bank, sequence, payload, &crc)) {
+        return PARAM_STORE_FAILED;
+    }
+    put_u32(word, PARAM_STORE_MAGIC);
+    put_u32(word + 4, crc);
+    if (nv->ops->write_word(nv->context, bank, COMMIT_WORD, word) != NV_OK ||
+        !bank_is_valid(store, bank, &header) || header.crc != crc) {
+        return PARAM_STORE_FAILED;
+    }
+    store->active_bank = bank;
+    store->sequence = sequence;
+    store->crc = crc;
+    return PARAM_STORE_OK;
+}
