@@ -1,0 +1,37 @@
+"""How the system tests start the programs: as a user would, from the outside."""
+import functools
+import json
+import os
+import pathlib
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("AFO_BUILD", ROOT / "build")).resolve()
+SIM = BUILD / "afo-sim"
+LIMIT_S = 240
+
+STEP_COLUMNS = ["step", "time_s", "side", "apex_speed_rad_s", "measured_speed_rad_s",
+                "target_speed_rad_s", "r0_m", "step_time_s", "step_length_m"]
+TICK_COLUMNS = ["tick", "time_s", "stance", "phase", "theta_left_rad", "theta_right_rad",
+                "rate_left_rad_s", "rate_right_rad_s", "ankle_left_m", "ankle_right_m",
+                "motor_left_m", "motor_right_m", "hip_x_m", "hip_y_m", "event"]
+
+
+def run(*arguments, program=SIM, cwd=ROOT):
+    """Runs the program to its end; a hang fails the test."""
+    return subprocess.run([str(program), *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=LIMIT_S)
+
+
+@functools.lru_cache(maxsize=None)
+def walk(*arguments):
+    """(exit status, the JSON object) of a run; the same run is made once only."""
+    done = run("--json", "--quiet", *arguments)
+    assert done.stdout, f"no JSON; standard error says: {done.stderr}"
+    return done.returncode, json.loads(done.stdout)
+
+
+def recording():
+    """The recorded human walk, which belongs to other people and lies outside the tree."""
+    place = os.environ.get("AFO_GAIT_CSV")
+    return pathlib.Path(place) if place else ROOT.parent / "shared" / "data" / "gait_young.csv"

@@ -1,0 +1,205 @@
+"""afo-sim's command line: output files, exit statuses, and what it says to bad input."""
+import csv
+import json
+import re
+
+import pytest
+
+from afo import ROOT, STEP_COLUMNS, TICK_COLUMNS, run
+
+SHORT = ("--speed", "0.42", "--steps", "8", "--sensors", "ideal", "--quiet")
+
+
+def test_help_names_every_flag():
+    done = run("--help")
+    assert done.returncode == 0 and not done.stderr
+    for flag in ("--speed", "--steps", "--open-loop", "--r0", "--kp", "--sensors", "--subject", "--seed",
+                 "--csv", "--ticks", "--log", "--quiet", "--json", "--wearer", "--help", "--version"):
+        assert flag in done.stdout, flag
+
+
+def test_version():
+    done = run("--version")
+    assert done.returncode == 0 and not done.stderr
+    assert re.search(r"\d+\.\d+\.\d+", done.stdout)
+
+
+def test_quiet_says_nothing():
+    done = run(*SHORT)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_json_is_one_object_on_standard_output():
+    done = run(*SHORT, "--json")
+    result = json.loads(done.stdout)
+    assert done.returncode == 0
+    for key in ("fell", "fault", "steps", "target_speed_rad_s", "apex_speed_rad_s", "r0_m", "bus_load",
+                "simulated_s"):
+        assert key in result, key
+    assert result["steps"] == len(result["apex_speed_rad_s"]) == len(result["r0_m"]) == 8
+
+
+def test_a_report_a_person_can_read():
+    done = run("--speed", "0.42", "--steps", "8", "--sensors", "ideal")
+    assert done.returncode == 0
+    assert "speed" in done.stdout and "r0" in done.stdout
+    # No terminal, no progress line.
+    assert "\r" not in done.stdout + done.stderr and "\033" not in done.stdout + done.stderr
+
+
+def read_csv(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    return rows[0], rows[1:]
+
+
+def test_csv_by_step(tmp_path):
+    done = run(*SHORT, "--json", "--csv", tmp_path / "steps.csv")
+    header, rows = read_csv(tmp_path / "steps.csv")
+    result = json.loads(done.stdout)
+    assert header == STEP_COLUMNS
+    assert len(rows) == 8
+    column = {name: [row[i] for row in rows] for i, name in enumerate(header)}
+    assert [float(v) for v in column["apex_speed_rad_s"]] == pytest.approx(result["apex_speed_rad_s"], rel=1e-6)
+    assert [float(v) for v in column["r0_m"]] == pytest.approx(result["r0_m"], rel=1e-6)
+    assert len(set(column["side"])) == 2
+    assert all(a != b for a, b in zip(column["side"], column["side"][1:]))
+    times = [float(v) for v in column["time_s"]]
+    assert all(b > a for a, b in zip(times, times[1:]))
+
+
+def test_csv_by_tick(tmp_path):
+    assert run(*SHORT, "--csv", tmp_path / "ticks.csv", "--ticks").returncode == 0
+    header, rows = read_csv(tmp_path / "ticks.csv")
+    assert header == TICK_COLUMNS
+    times = [float(row[1]) for row in rows]
+    assert len(rows) > 4000  # eight steps of about a second
+    assert all(b - a == pytest.approx(1e-3, abs=1e-9) for a, b in zip(times, times[1:]))
+
+
+LOG_LINE = re.compile(r"^\((\d+\.\d{6})\) (\S+) ([0-9A-F]{3}|[0-9A-F]{8})#((?:[0-9A-F]{2}){0,8}|R\d?)$")
+
+
+def frame_table():
+    """Identifier -> data bytes, read from the header that the code is built from."""
+    text = (ROOT / "hal" / "frame_table.h").read_text(encoding="utf-8")
+    return {int(identifier, 16): int(length)
+            for identifier, length in re.findall(r"X\(\w+, (0x[0-9A-Fa-f]+), (\d),", text)}
+
+
+def test_log_is_candump_format_and_keeps_the_frame_table(tmp_path):
+    assert run(*SHORT, "--log", tmp_path / "walk.log").returncode == 0
+    lengths = frame_table()
+    previous, syncs = -1.0, []
+    for line in (tmp_path / "walk.log").read_text().splitlines():
+        match = LOG_LINE.match(line)
+        assert match, line
+        time, identifier = float(match[1]), int(match[3], 16)
+        assert time >= previous
+        previous = time
+        assert identifier in lengths, line
+        if not 0x580 <= identifier < 0x680 and identifier != 0x000:
+            assert len(match[4]) == 2 * lengths[identifier], line
+        if identifier == 0x080:
+            syncs.append(time)
+    periods = [b - a for a, b in zip(syncs, syncs[1:])]
+    assert len(syncs) > 4000
+    assert sum(periods) / len(periods) == pytest.approx(1e-3, rel=1e-4)
+    assert max(periods) < 1.2e-3 and min(periods) > 0.8e-3
+
+
+def test_same_seed_same_log_other_seed_other_log(tmp_path):
+    logs = []
+    for number, seed in enumerate((11, 11, 12)):
+        path = tmp_path / f"{number}.log"
+        run("--speed", "0.42", "--steps", "6", "--sensors", "17bit", "--quiet", "--seed", seed, "--log", path)
+        logs.append(path.read_bytes())
+    assert len(logs[0]) > 100000
+    assert logs[0] == logs[1]
+    assert logs[0] != logs[2]
+
+
+@pytest.mark.parametrize("arguments,words", [
+    (["--no-such-flag"], ["--no-such-flag"]),
+    (["surplus"], ["surplus"]),
+    (["--speed"], ["--speed"]),
+    (["--speed", "fast"], ["--speed", "fast"]),
+    (["--speed", "nan"], ["--speed"]),
+    (["--speed", "0.5x"], ["--speed", "0.5x"]),
+    (["--speed", "-0.5"], ["--speed"]),
+    (["--speed", "50"], ["--speed"]),
+    (["--steps", "0"], ["--steps"]),
+    (["--steps", "-3"], ["--steps"]),
+    (["--steps", "1e99"], ["--steps"]),
+    (["--seed", "x"], ["--seed"]),
+    (["--kp", "inf"], ["--kp"]),
+    (["--open-loop", "--r0", "-0.1"], ["--r0"]),
+    (["--open-loop", "--r0", "7"], ["--r0"]),
+    (["--sensors", "perfect"], ["--sensors", "perfect", "17bit"]),
+    (["--subject", "/no/such/file.ini"], ["/no/such/file.ini"]),
+    (["--wearer", "/no/such/file.csv"], ["/no/such/file.csv"]),
+    (["--csv", "/no/such/folder/x.csv"], ["/no/such/folder/x.csv"]),
+    (["--log", "/no/such/folder/x.log"], ["/no/such/folder/x.log"]),
+])
+def test_bad_arguments(arguments, words):
+    done = run("--steps", "5", *arguments)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) <= 4
+    for word in words:
+        assert word in done.stderr
+
+
+def paper_subject():
+    return (ROOT / "sim_host" / "subjects" / "paper.ini").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("value,what", [
+    ("-1", "allowed"), ("0", "allowed"), ("1e30", "allowed"), ("nan", ""), ("heavy", ""), ("", ""), ("1 2", ""),
+])
+def test_bad_value_in_a_subject_names_key_and_line(tmp_path, value, what):
+    lines = paper_subject().splitlines()
+    number = next(i for i, line in enumerate(lines) if re.match(r"\s*M\s*=", line))
+    lines[number] = f"M = {value}"
+    path = tmp_path / "bad.ini"
+    path.write_text("\n".join(lines) + "\n")
+    done = run(*SHORT, "--subject", path, "--csv", tmp_path / "out.csv")
+    assert done.returncode == 2
+    assert re.search(r"\bM\b", done.stderr)
+    assert str(number + 1) in done.stderr
+    assert "bad.ini" in done.stderr
+    if what:  # what is allowed: a range of two numbers
+        assert len(re.findall(r"\d+(?:\.\d+)?", done.stderr.replace("bad.ini", ""))) >= 3
+    assert not (tmp_path / "out.csv").exists()
+
+
+@pytest.mark.parametrize("line", ["unheard_of = 1", "no equals sign", "[unfinished", "= 3", "M = 1\nM = 2"])
+def test_malformed_subject_is_refused(tmp_path, line):
+    path = tmp_path / "bad.ini"
+    path.write_text(paper_subject() + line + "\n")
+    done = run(*SHORT, "--subject", path)
+    assert done.returncode == 2
+    assert "bad.ini" in done.stderr and str(len(path.read_text().splitlines())) in done.stderr
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00\xff\xfe" * 100, b"M = 1\n", b"k" * 100000])
+def test_a_subject_that_is_no_subject_is_refused(tmp_path, content):
+    path = tmp_path / "bad.ini"
+    path.write_bytes(content)
+    done = run(*SHORT, "--subject", path)
+    assert done.returncode == 2
+    assert "bad.ini" in done.stderr
+
+
+def test_no_partial_file_is_left_behind(tmp_path):
+    """One output can be written, the other not: neither is there afterwards."""
+    done = run(*SHORT, "--csv", tmp_path / "good.csv", "--log", tmp_path / "absent" / "bad.log")
+    assert done.returncode == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_noticed():
+    """/dev/full takes the open and refuses the write."""
+    done = run(*SHORT, "--csv", "/dev/full", "--ticks")
+    assert done.returncode == 2
+    assert "/dev/full" in done.stderr

@@ -1,0 +1,70 @@
+"""afo-sim --wearer on a recorded human walk: one apex per stance, none missed, none false.
+
+The recording is other people's data and not part of the tree. It is looked for
+where AFO_GAIT_CSV says, else in shared/data/ beside the tree.
+"""
+import csv
+import math
+import subprocess
+
+import pytest
+
+from afo import ROOT, recording, run, walk
+
+
+def read_recording():
+    with open(recording(), newline="", encoding="utf-8") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def stances_with_apex(rows, side):
+    """How often the virtual leg falls through the vertical while its foot is down."""
+    count, previous = 0, None
+    for row in rows:
+        thigh, shank = (math.radians(row[f"{part}_{side}_deg"]) for part in ("thigh", "shank"))
+        pitch = math.atan2(math.sin(thigh) + math.sin(shank), math.cos(thigh) + math.cos(shank))
+        if previous is not None and previous > 0 >= pitch and row[f"contact_{side}"] == 1:
+            count += 1
+        previous = pitch
+    return count
+
+
+@pytest.fixture(scope="module")
+def wearer():
+    if not recording().is_file():
+        pytest.skip(f"no recording at {recording()}; set AFO_GAIT_CSV to one")
+    return walk("--wearer", recording())
+
+
+def test_one_apex_per_stance(wearer):
+    _, result = wearer
+    rows = read_recording()
+    assert result["apexes_left"] == stances_with_apex(rows, "l")
+    assert result["apexes_right"] == stances_with_apex(rows, "r")
+    if recording().name == "gait_young.csv":
+        assert (result["apexes_left"], result["apexes_right"]) == (45, 44)
+
+
+def test_r0_is_reported_for_every_step(wearer):
+    _, result = wearer
+    assert len(result["r0_m"]) > 0
+    assert all(math.isfinite(r0) and 0 <= r0 < 0.3 for r0 in result["r0_m"])
+
+
+def test_a_recording_that_is_none_is_refused(tmp_path):
+    for name, text in (("empty.csv", ""), ("other.csv", "a,b\n1,2\n"),
+                       ("short.csv", "time_s,thigh_l_deg\n0,1\n0.005,x\n")):
+        (tmp_path / name).write_text(text)
+        done = run("--wearer", tmp_path / name, "--json")
+        assert done.returncode == 2
+        assert name in done.stderr
+        assert done.stdout == ""
+
+
+def test_nothing_of_the_recording_is_in_the_tree():
+    if not recording().is_file():
+        pytest.skip(f"no recording at {recording()}")
+    line = recording().read_text(encoding="utf-8").splitlines()[1000]
+    found = subprocess.run(["git", "grep", "-lF", line], cwd=ROOT,
+                           capture_output=True, text=True)
+    assert found.stdout == ""
