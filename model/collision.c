@@ -4,13 +4,15 @@
 
 #include "model/trig.h"
 
-void collision_map(const struct walker *walker, real angle_difference_rad, real ankle_m, real map[3][3])
+void collision_map(const struct walker *walker, real angle_difference_rad, real ankle_m,
+                   real map[3][3])
 {
-    const real M = walker->params.hip_mass_kg, m = walker->params.leg_mass_kg, l = walker->params.leg_length_m;
+    const real M = walker->params.hip_mass_kg, m = walker->params.leg_mass_kg,
+               l = walker->params.leg_length_m;
     const real r = ankle_m, l1 = l + r;
     real s, c;
     real_sincos(angle_difference_rad, &s, &c);
-    const real s2 = REAL(2.0) * s * c;         /* sin 2D */
+    const real s2 = REAL(2.0) * s * c;             /* sin 2D */
     const real c2 = REAL(1.0) - REAL(2.0) * s * s; /* cos 2D */
     const real bracket = l * l * (REAL(3.0) * m + REAL(4.0) * M) + REAL(8.0) * l * (m + M) * r +
                          (REAL(6.0) * m + REAL(4.0) * M) * r * r;
@@ -31,29 +33,31 @@ void collision_map(const struct walker *walker, real angle_difference_rad, real 
     map[2][2] = scale * (REAL(-2.0) * heavy * l1 * l1 * s * s);
 }
 
-struct collision_rates collision_apply(const struct walker *walker, real angle_difference_rad, real ankle_m,
-                                       struct collision_rates before)
+struct collision_rates collision_apply(const struct walker *walker, real angle_difference_rad,
+                                       real ankle_m, struct collision_rates before)
 {
     real h[3][3];
     collision_map(walker, angle_difference_rad, ankle_m, h);
-    const real in[3] = { before.stance_rad_s, before.swing_rad_s, before.ankle_m_s };
+    const real in[3] = {before.stance_rad_s, before.swing_rad_s, before.ankle_m_s};
     real out[3];
     for (int i = 0; i < 3; i++) {
         out[i] = h[i][0] * in[0] + h[i][1] * in[1] + h[i][2] * in[2];
     }
-    const struct collision_rates after = { out[0], out[1], out[2] };
+    const struct collision_rates after = {out[0], out[1], out[2]};
     return after;
 }
 
-real collision_ankle_rate_m_s(const struct walker *walker, real angle_difference_rad, real stance_rate_rad_s,
-                              real swing_rate_rad_s)
+real collision_ankle_rate_m_s(const struct walker *walker, real angle_difference_rad,
+                              real stance_rate_rad_s, real swing_rate_rad_s)
 {
-    const real M = walker->params.hip_mass_kg, m = walker->params.leg_mass_kg, l = walker->params.leg_length_m;
+    const real M = walker->params.hip_mass_kg, m = walker->params.leg_mass_kg,
+               l = walker->params.leg_length_m;
     real s, c;
     real_sincos(angle_difference_rad, &s, &c);
     /* 7m + 8M - 3m cos 2D, and sin 2D = 2 s c */
     const real divisor = REAL(4.0) * m + REAL(8.0) * M + REAL(6.0) * m * s * s;
-    const real drive = (REAL(3.0) * m + REAL(4.0) * M) * c * stance_rate_rad_s - m * swing_rate_rad_s;
+    const real drive =
+        (REAL(3.0) * m + REAL(4.0) * M) * c * stance_rate_rad_s - m * swing_rate_rad_s;
     return REAL(2.0) * l * s * drive / divisor;
 }
 

@@ -22,16 +22,17 @@ struct collision_rates {
 /* The general map H_c for leg angles difference D = ts - tn (rad) and ankle extension r >= 0 (m),
  * row by row. Precondition: sin D != 0 or r != 0 (else both feet are at one place, and the map
  * is not needed; its entries are finite all the same for the walker's masses). Constant cost. */
-void collision_map(const struct walker *walker, real angle_difference_rad, real ankle_m, real map[3][3]);
+void collision_map(const struct walker *walker, real angle_difference_rad, real ankle_m,
+                   real map[3][3]);
 
 /* Rates after impact = H_c times rates before it. Same preconditions. */
-struct collision_rates collision_apply(const struct walker *walker, real angle_difference_rad, real ankle_m,
-                                       struct collision_rates before);
+struct collision_rates collision_apply(const struct walker *walker, real angle_difference_rad,
+                                       real ankle_m, struct collision_rates before);
 
 /* The special case r = r' = 0 before impact: the ankle's rate after it, m/s (paper eq. 11 with its
  * lost sign, l and m). Positive for a forward step with less than a right angle between the legs. */
-real collision_ankle_rate_m_s(const struct walker *walker, real angle_difference_rad, real stance_rate_rad_s,
-                              real swing_rate_rad_s);
+real collision_ankle_rate_m_s(const struct walker *walker, real angle_difference_rad,
+                              real stance_rate_rad_s, real swing_rate_rad_s);
 
 /* The one-directional joint: the heel cannot go underground, so a negative rate after impact becomes 0
  * and the walker is at rest until the spring starts it. *clamped (may be NULL) tells whether it acted.

@@ -36,7 +36,8 @@ struct chain double_support_chain(const struct double_support *phase, real ankle
 
     /* Hip speed squared per r'^2, and its derivative; cos_d' = 1/l - cos_d/l1. */
     const real hip = REAL(1.0) / (t.sin_d * t.sin_d);
-    const real hip_slope = REAL(2.0) * t.cos_d * (REAL(1.0) / l - t.cos_d / t.trailing_m) * hip * hip;
+    const real hip_slope =
+        REAL(2.0) * t.cos_d * (REAL(1.0) / l - t.cos_d / t.trailing_m) * hip * hip;
     /* The trailing leg's mass is at share s = (r + l/2) / (l + r) of the way to the hip: radial speed 1,
      * tangential speed s times the hip's, hence s^2 (hip - 1) + 1. */
     const real e = REAL(0.5) * l / t.trailing_m;
@@ -50,7 +51,8 @@ struct chain double_support_chain(const struct double_support *phase, real ankle
 
     struct chain chain;
     chain.effective_mass_kg = mass_at_hip * hip + m * (REAL(1.0) - s * s);
-    chain.mass_slope_kg_m = mass_at_hip * hip_slope + REAL(2.0) * m * s * s_slope * (hip - REAL(1.0));
+    chain.mass_slope_kg_m =
+        mass_at_hip * hip_slope + REAL(2.0) * m * s * s_slope * (hip - REAL(1.0));
     chain.potential_J = g * weight_at_hip * height;
     chain.potential_slope_N = g * (weight_at_hip * height_slope + m * s_slope * height);
     return chain;
@@ -75,16 +77,19 @@ void double_support_rates(const void *context, const real *state, real *rates)
     const struct double_support *phase = (const struct double_support *)context;
     const struct chain chain = double_support_chain(phase, state[ANKLE]);
     const real v = state[ANKLE_RATE];
-    const real spring = phase->walker->params.ankle_stiffness_N_m * (phase->spring_rest_m - state[ANKLE]);
+    const real spring =
+        phase->walker->params.ankle_stiffness_N_m * (phase->spring_rest_m - state[ANKLE]);
     rates[ANKLE] = v;
-    rates[ANKLE_RATE] = (spring - chain.potential_slope_N - REAL(0.5) * chain.mass_slope_kg_m * v * v) /
-                        chain.effective_mass_kg;
+    rates[ANKLE_RATE] =
+        (spring - chain.potential_slope_N - REAL(0.5) * chain.mass_slope_kg_m * v * v) /
+        chain.effective_mass_kg;
 }
 
 real double_support_energy_J(const struct double_support *phase, const real *state)
 {
     const struct chain chain = double_support_chain(phase, state[ANKLE]);
     const real stretch = phase->spring_rest_m - state[ANKLE];
-    return REAL(0.5) * chain.effective_mass_kg * state[ANKLE_RATE] * state[ANKLE_RATE] + chain.potential_J +
+    return REAL(0.5) * chain.effective_mass_kg * state[ANKLE_RATE] * state[ANKLE_RATE] +
+           chain.potential_J +
            REAL(0.5) * phase->walker->params.ankle_stiffness_N_m * stretch * stretch;
 }

@@ -22,10 +22,10 @@ struct double_support {
 
 /* Everything that follows from r. */
 struct chain {
-    real effective_mass_kg;  /* mu */
-    real mass_slope_kg_m;    /* mu' = d mu / dr */
-    real potential_J;        /* V, gravity only */
-    real potential_slope_N;  /* dV/dr */
+    real effective_mass_kg; /* mu */
+    real mass_slope_kg_m;   /* mu' = d mu / dr */
+    real potential_J;       /* V, gravity only */
+    real potential_slope_N; /* dV/dr */
 };
 
 struct chain_angles {

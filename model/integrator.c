@@ -14,53 +14,53 @@ struct rk8_row {
 
 /* Cooper, Verner (1972), SIAM J. Numer. Anal. 9, 389: eleven stages, order eight. */
 static const struct rk8_row rk8_rows[RK8_STAGES] = {
-    { 0, { { 0, REAL(0.0) } } },
-    { 1, { { 0, REAL(1.0) / REAL(2.0) } } },
-    { 2, { { 0, REAL(1.0) / REAL(4.0) }, { 1, REAL(1.0) / REAL(4.0) } } },
-    { 3,
-      { { 0, REAL(1.0) / REAL(7.0) },
-        { 1, (REAL(-7.0) - REAL(3.0) * S) / REAL(98.0) },
-        { 2, (REAL(21.0) + REAL(5.0) * S) / REAL(49.0) } } },
-    { 3,
-      { { 0, (REAL(11.0) + S) / REAL(84.0) },
-        { 2, (REAL(18.0) + REAL(4.0) * S) / REAL(63.0) },
-        { 3, (REAL(21.0) - S) / REAL(252.0) } } },
-    { 4,
-      { { 0, (REAL(5.0) + S) / REAL(48.0) },
-        { 2, (REAL(9.0) + S) / REAL(36.0) },
-        { 3, (REAL(-231.0) + REAL(14.0) * S) / REAL(360.0) },
-        { 4, (REAL(63.0) - REAL(7.0) * S) / REAL(80.0) } } },
-    { 5,
-      { { 0, (REAL(10.0) - S) / REAL(42.0) },
-        { 2, (REAL(-432.0) + REAL(92.0) * S) / REAL(315.0) },
-        { 3, (REAL(633.0) - REAL(145.0) * S) / REAL(90.0) },
-        { 4, (REAL(-504.0) + REAL(115.0) * S) / REAL(70.0) },
-        { 5, (REAL(63.0) - REAL(13.0) * S) / REAL(35.0) } } },
-    { 4,
-      { { 0, REAL(1.0) / REAL(14.0) },
-        { 4, (REAL(14.0) - REAL(3.0) * S) / REAL(126.0) },
-        { 5, (REAL(13.0) - REAL(3.0) * S) / REAL(63.0) },
-        { 6, REAL(1.0) / REAL(9.0) } } },
-    { 5,
-      { { 0, REAL(1.0) / REAL(32.0) },
-        { 4, (REAL(91.0) - REAL(21.0) * S) / REAL(576.0) },
-        { 5, REAL(11.0) / REAL(72.0) },
-        { 6, (REAL(-385.0) - REAL(75.0) * S) / REAL(1152.0) },
-        { 7, (REAL(63.0) + REAL(13.0) * S) / REAL(128.0) } } },
-    { 6,
-      { { 0, REAL(1.0) / REAL(14.0) },
-        { 4, REAL(1.0) / REAL(9.0) },
-        { 5, (REAL(-733.0) - REAL(147.0) * S) / REAL(2205.0) },
-        { 6, (REAL(515.0) + REAL(111.0) * S) / REAL(504.0) },
-        { 7, (REAL(-51.0) - REAL(11.0) * S) / REAL(56.0) },
-        { 8, (REAL(132.0) + REAL(28.0) * S) / REAL(245.0) } } },
-    { 6,
-      { { 4, (REAL(-42.0) + REAL(7.0) * S) / REAL(18.0) },
-        { 5, (REAL(-18.0) + REAL(28.0) * S) / REAL(45.0) },
-        { 6, (REAL(-273.0) - REAL(53.0) * S) / REAL(72.0) },
-        { 7, (REAL(301.0) + REAL(53.0) * S) / REAL(72.0) },
-        { 8, (REAL(28.0) - REAL(28.0) * S) / REAL(45.0) },
-        { 9, (REAL(49.0) - REAL(7.0) * S) / REAL(18.0) } } },
+    {0, {{0, REAL(0.0)}}},
+    {1, {{0, REAL(1.0) / REAL(2.0)}}},
+    {2, {{0, REAL(1.0) / REAL(4.0)}, {1, REAL(1.0) / REAL(4.0)}}},
+    {3,
+     {{0, REAL(1.0) / REAL(7.0)},
+      {1, (REAL(-7.0) - REAL(3.0) * S) / REAL(98.0)},
+      {2, (REAL(21.0) + REAL(5.0) * S) / REAL(49.0)}}},
+    {3,
+     {{0, (REAL(11.0) + S) / REAL(84.0)},
+      {2, (REAL(18.0) + REAL(4.0) * S) / REAL(63.0)},
+      {3, (REAL(21.0) - S) / REAL(252.0)}}},
+    {4,
+     {{0, (REAL(5.0) + S) / REAL(48.0)},
+      {2, (REAL(9.0) + S) / REAL(36.0)},
+      {3, (REAL(-231.0) + REAL(14.0) * S) / REAL(360.0)},
+      {4, (REAL(63.0) - REAL(7.0) * S) / REAL(80.0)}}},
+    {5,
+     {{0, (REAL(10.0) - S) / REAL(42.0)},
+      {2, (REAL(-432.0) + REAL(92.0) * S) / REAL(315.0)},
+      {3, (REAL(633.0) - REAL(145.0) * S) / REAL(90.0)},
+      {4, (REAL(-504.0) + REAL(115.0) * S) / REAL(70.0)},
+      {5, (REAL(63.0) - REAL(13.0) * S) / REAL(35.0)}}},
+    {4,
+     {{0, REAL(1.0) / REAL(14.0)},
+      {4, (REAL(14.0) - REAL(3.0) * S) / REAL(126.0)},
+      {5, (REAL(13.0) - REAL(3.0) * S) / REAL(63.0)},
+      {6, REAL(1.0) / REAL(9.0)}}},
+    {5,
+     {{0, REAL(1.0) / REAL(32.0)},
+      {4, (REAL(91.0) - REAL(21.0) * S) / REAL(576.0)},
+      {5, REAL(11.0) / REAL(72.0)},
+      {6, (REAL(-385.0) - REAL(75.0) * S) / REAL(1152.0)},
+      {7, (REAL(63.0) + REAL(13.0) * S) / REAL(128.0)}}},
+    {6,
+     {{0, REAL(1.0) / REAL(14.0)},
+      {4, REAL(1.0) / REAL(9.0)},
+      {5, (REAL(-733.0) - REAL(147.0) * S) / REAL(2205.0)},
+      {6, (REAL(515.0) + REAL(111.0) * S) / REAL(504.0)},
+      {7, (REAL(-51.0) - REAL(11.0) * S) / REAL(56.0)},
+      {8, (REAL(132.0) + REAL(28.0) * S) / REAL(245.0)}}},
+    {6,
+     {{4, (REAL(-42.0) + REAL(7.0) * S) / REAL(18.0)},
+      {5, (REAL(-18.0) + REAL(28.0) * S) / REAL(45.0)},
+      {6, (REAL(-273.0) - REAL(53.0) * S) / REAL(72.0)},
+      {7, (REAL(301.0) + REAL(53.0) * S) / REAL(72.0)},
+      {8, (REAL(28.0) - REAL(28.0) * S) / REAL(45.0)},
+      {9, (REAL(49.0) - REAL(7.0) * S) / REAL(18.0)}}},
 };
 
 static void rk8_step(const struct ode *ode, real h, const real *state, real *next)
@@ -90,7 +90,8 @@ static void rk8_step(const struct ode *ode, real h, const real *state, real *nex
 
 static void rk4_step(const struct ode *ode, real h, const real *state, real *next)
 {
-    real a[ODE_MAX_STATES], b[ODE_MAX_STATES], c[ODE_MAX_STATES], d[ODE_MAX_STATES], point[ODE_MAX_STATES];
+    real a[ODE_MAX_STATES], b[ODE_MAX_STATES], c[ODE_MAX_STATES], d[ODE_MAX_STATES],
+        point[ODE_MAX_STATES];
     const int n = ode->count;
     const real half = REAL(0.5) * h;
 
@@ -112,7 +113,8 @@ static void rk4_step(const struct ode *ode, real h, const real *state, real *nex
     }
 }
 
-void ode_step(const struct ode *ode, enum ode_method method, real h_s, const real *state, real *next)
+void ode_step(const struct ode *ode, enum ode_method method, real h_s, const real *state,
+              real *next)
 {
     if (method == ODE_RK8) {
         rk8_step(ode, h_s, state, next);
@@ -133,8 +135,8 @@ real ode_event_value(const struct ode_event *event, const real *state)
 }
 
 /* Value and slope of the event at a state. */
-static void event_and_slope(const struct ode *ode, const struct ode_event *event, const real *state, real *rates,
-                            real *value, real *slope)
+static void event_and_slope(const struct ode *ode, const struct ode_event *event, const real *state,
+                            real *rates, real *value, real *slope)
 {
     struct ode_event speed = *event;
     speed.offset = REAL(0.0);
@@ -148,7 +150,8 @@ static real cubic_root(real v0, real v1, real s0, real s1)
 {
     real low = REAL(0.0), high = REAL(1.0);
     real u = v0 / (v0 - v1);
-    const real c = s0, b = REAL(3.0) * (v1 - v0) - REAL(2.0) * s0 - s1, a = REAL(2.0) * (v0 - v1) + s0 + s1;
+    const real c = s0, b = REAL(3.0) * (v1 - v0) - REAL(2.0) * s0 - s1,
+               a = REAL(2.0) * (v0 - v1) + s0 + s1;
     for (int i = 0; i < 6; i++) {
         const real v = v0 + u * (c + u * (b + u * a));
         const real s = c + u * (REAL(2.0) * b + REAL(3.0) * u * a);
@@ -182,8 +185,9 @@ static void move(const struct ode *ode, const real *state, const real *rates, re
     }
 }
 
-struct ode_landing ode_land(const struct ode *ode, enum ode_method method, const struct ode_event *event,
-                            const real *state, real h_s, const real *end, real *landed)
+struct ode_landing ode_land(const struct ode *ode, enum ode_method method,
+                            const struct ode_event *event, const real *state, real h_s,
+                            const real *end, real *landed)
 {
     /* One correction smaller than this is exact to rounding when taken to first order. */
 #ifdef REAL_IS_DOUBLE
@@ -195,7 +199,7 @@ struct ode_landing ode_land(const struct ode *ode, enum ode_method method, const
     real v0, v1, s0, s1;
     event_and_slope(ode, event, state, rates, &v0, &s0);
     event_and_slope(ode, event, end, rates, &v1, &s1);
-    struct ode_landing result = { h_s, 0 };
+    struct ode_landing result = {h_s, 0};
     if (v1 == REAL(0.0)) {
         move(ode, end, rates, REAL(0.0), landed);
         return result;

@@ -43,7 +43,8 @@ struct ode_landing {
 
 /* One step of h_s seconds (any sign) from `state` to `next` (count values each; may be the same array).
  * Cannot fail; non-finite values pass through. Cost: 4 or 11 evaluations of the rates. */
-void ode_step(const struct ode *ode, enum ode_method method, real h_s, const real *state, real *next);
+void ode_step(const struct ode *ode, enum ode_method method, real h_s, const real *state,
+              real *next);
 
 /* Value of the event function for a state, or its rate of change for the state's rates with offset 0. */
 real ode_event_value(const struct ode_event *event, const real *state);
@@ -53,7 +54,8 @@ real ode_event_value(const struct ode_event *event, const real *state);
  * or one of them is zero. Safeguarded Newton on re-steps from `state`; the last correction, below the
  * square root of the precision, is applied to first order. In double the time is good to 1e-12 s.
  * `landed` receives count values. Bounded: ODE_MAX_LANDING_STEPS re-steps (3 is usual). */
-struct ode_landing ode_land(const struct ode *ode, enum ode_method method, const struct ode_event *event,
-                            const real *state, real h_s, const real *end, real *landed);
+struct ode_landing ode_land(const struct ode *ode, enum ode_method method,
+                            const struct ode_event *event, const real *state, real h_s,
+                            const real *end, real *landed);
 
 #endif

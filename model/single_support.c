@@ -41,15 +41,15 @@ real single_support_energy_J(const struct walker *walker, const real *state)
 struct point single_support_hip(const struct walker *walker, const real *state)
 {
     const real l = walker->params.leg_length_m;
-    const struct point hip = { l * real_sin(state[STANCE_ANGLE]), l * real_cos(state[STANCE_ANGLE]) };
+    const struct point hip = {l * real_sin(state[STANCE_ANGLE]), l * real_cos(state[STANCE_ANGLE])};
     return hip;
 }
 
 struct point single_support_swing_toe(const struct walker *walker, const real *state)
 {
     const real l = walker->params.leg_length_m;
-    const struct point toe = { l * (real_sin(state[STANCE_ANGLE]) - real_sin(state[SWING_ANGLE])),
-                               l * (real_cos(state[STANCE_ANGLE]) - real_cos(state[SWING_ANGLE])) };
+    const struct point toe = {l * (real_sin(state[STANCE_ANGLE]) - real_sin(state[SWING_ANGLE])),
+                              l * (real_cos(state[STANCE_ANGLE]) - real_cos(state[SWING_ANGLE]))};
     return toe;
 }
 
@@ -59,7 +59,6 @@ struct point single_support_swing_toe_speed(const struct walker *walker, const r
     const real stance = l * state[STANCE_RATE], swing = l * state[SWING_RATE];
     const struct point speed = {
         stance * real_cos(state[STANCE_ANGLE]) - swing * real_cos(state[SWING_ANGLE]),
-        swing * real_sin(state[SWING_ANGLE]) - stance * real_sin(state[STANCE_ANGLE])
-    };
+        swing * real_sin(state[SWING_ANGLE]) - stance * real_sin(state[STANCE_ANGLE])};
     return speed;
 }

@@ -7,9 +7,12 @@
 #define MAX_STEPS_PER_PHASE 100000
 #define MAX_HALVINGS 12
 
-static const struct ode_event legs_symmetric = { { REAL(1.0), REAL(1.0), REAL(0.0), REAL(0.0) }, REAL(0.0) };
-static const struct ode_event legs_closest = { { REAL(0.0), REAL(0.0), REAL(1.0), REAL(1.0) }, REAL(0.0) };
-static const struct ode_event stance_vertical = { { REAL(1.0), REAL(0.0), REAL(0.0), REAL(0.0) }, REAL(0.0) };
+static const struct ode_event legs_symmetric = {{REAL(1.0), REAL(1.0), REAL(0.0), REAL(0.0)},
+                                                REAL(0.0)};
+static const struct ode_event legs_closest = {{REAL(0.0), REAL(0.0), REAL(1.0), REAL(1.0)},
+                                              REAL(0.0)};
+static const struct ode_event stance_vertical = {{REAL(1.0), REAL(0.0), REAL(0.0), REAL(0.0)},
+                                                 REAL(0.0)};
 
 static int all_finite(const real *values, int count)
 {
@@ -47,7 +50,8 @@ static int settings_are_good(const struct stride_settings *settings)
 /* One step in single support on the way to heel strike, cut at the strike if it falls within.
  * The toe touches the ground where g = ts + tn falls through zero; g rising is the mid-stance scuff, ignored.
  * Returns 1 at the strike; *step_s is then the time to it, and `next` the state there. */
-static int strike_within(const struct ode *ode, enum ode_method method, const real *state, real *next, real *step_s)
+static int strike_within(const struct ode *ode, enum ode_method method, const real *state,
+                         real *next, real *step_s)
 {
     const real before = ode_event_value(&legs_symmetric, state);
     const real after = ode_event_value(&legs_symmetric, next);
@@ -62,10 +66,12 @@ static int strike_within(const struct ode *ode, enum ode_method method, const re
     if (before <= REAL(0.0)) {
         /* Up and down again within one step? Look at the highest point of g between. */
         real top[SINGLE_SUPPORT_STATES];
-        if (!(ode_event_value(&legs_closest, state) > REAL(0.0) && ode_event_value(&legs_closest, next) < REAL(0.0))) {
+        if (!(ode_event_value(&legs_closest, state) > REAL(0.0) &&
+              ode_event_value(&legs_closest, next) < REAL(0.0))) {
             return 0;
         }
-        const struct ode_landing peak = ode_land(ode, method, &legs_closest, state, length, next, top);
+        const struct ode_landing peak =
+            ode_land(ode, method, &legs_closest, state, length, next, top);
         if (!(ode_event_value(&legs_symmetric, top) > REAL(0.0))) {
             return 0;
         }
@@ -78,12 +84,13 @@ static int strike_within(const struct ode *ode, enum ode_method method, const re
     return 1;
 }
 
-enum stride_fault stride_to_strike(const struct walker *walker, const struct stride_settings *settings,
-                                   const struct apex *from, struct stride_result *result)
+enum stride_fault stride_to_strike(const struct walker *walker,
+                                   const struct stride_settings *settings, const struct apex *from,
+                                   struct stride_result *result)
 {
-    const struct ode ode = { single_support_rates, walker, SINGLE_SUPPORT_STATES };
-    real state[SINGLE_SUPPORT_STATES] = { REAL(0.0), from->swing_angle_rad, from->stance_rate_rad_s,
-                                          from->swing_rate_rad_s };
+    const struct ode ode = {single_support_rates, walker, SINGLE_SUPPORT_STATES};
+    real state[SINGLE_SUPPORT_STATES] = {REAL(0.0), from->swing_angle_rad, from->stance_rate_rad_s,
+                                         from->swing_rate_rad_s};
     real time = REAL(0.0);
     if (!settings_are_good(settings) || !all_finite(state, SINGLE_SUPPORT_STATES)) {
         return STRIDE_BAD_INPUT;
@@ -119,11 +126,13 @@ static enum stride_fault check_double_support(const real *state)
 }
 
 /* Integrates r from 0 to r0; lift_off receives r and r' there. */
-static enum stride_fault extend_ankle(const struct double_support *phase, const struct stride_settings *settings,
-                                      real *lift_off, real *time_s)
+static enum stride_fault extend_ankle(const struct double_support *phase,
+                                      const struct stride_settings *settings, real *lift_off,
+                                      real *time_s)
 {
-    const struct ode ode = { double_support_rates, phase, DOUBLE_SUPPORT_STATES };
-    const struct ode_event extended = { { REAL(1.0), REAL(0.0), REAL(0.0), REAL(0.0) }, -phase->spring_rest_m };
+    const struct ode ode = {double_support_rates, phase, DOUBLE_SUPPORT_STATES};
+    const struct ode_event extended = {{REAL(1.0), REAL(0.0), REAL(0.0), REAL(0.0)},
+                                       -phase->spring_rest_m};
     real step = settings->double_step_s;
     int halvings = 0;
     enum stride_fault fault = check_double_support(lift_off);
@@ -134,7 +143,8 @@ static enum stride_fault extend_ankle(const struct double_support *phase, const 
             return STRIDE_NO_LIFT_OFF;
         }
         ode_step(&ode, settings->method, step, lift_off, next);
-        if (!(all_finite(next, DOUBLE_SUPPORT_STATES) && double_support_is_possible(phase, next[ANKLE])) &&
+        if (!(all_finite(next, DOUBLE_SUPPORT_STATES) &&
+              double_support_is_possible(phase, next[ANKLE])) &&
             halvings < MAX_HALVINGS) {
             /* The step ran beyond the point where the legs can still reach: go there more slowly. */
             step *= REAL(0.5);
@@ -143,7 +153,7 @@ static enum stride_fault extend_ankle(const struct double_support *phase, const 
         }
         real length = step;
         if (next[ANKLE] >= phase->spring_rest_m) {
-            real end[DOUBLE_SUPPORT_STATES] = { next[ANKLE], next[ANKLE_RATE] };
+            real end[DOUBLE_SUPPORT_STATES] = {next[ANKLE], next[ANKLE_RATE]};
             length = ode_land(&ode, settings->method, &extended, lift_off, step, end, next).step_s;
             next[ANKLE] = phase->spring_rest_m;
         }
@@ -155,8 +165,9 @@ static enum stride_fault extend_ankle(const struct double_support *phase, const 
     return fault;
 }
 
-enum stride_fault stride_push_off(const struct walker *walker, const struct stride_settings *settings,
-                                  real spring_rest_m, struct stride_result *result)
+enum stride_fault stride_push_off(const struct walker *walker,
+                                  const struct stride_settings *settings, real spring_rest_m,
+                                  struct stride_result *result)
 {
     const real *strike = result->strike;
     if (!settings_are_good(settings) || !all_finite(strike, SINGLE_SUPPORT_STATES) ||
@@ -168,18 +179,21 @@ enum stride_fault stride_push_off(const struct walker *walker, const struct stri
     if (result->inter_leg_rad > REAL_PI) {
         return STRIDE_INTER_LEG_ANGLE;
     }
-    const struct double_support phase = {
-        walker, REAL(2.0) * walker->params.leg_length_m * real_sin(REAL(0.5) * result->inter_leg_rad), spring_rest_m
-    };
+    const struct double_support phase = {walker,
+                                         REAL(2.0) * walker->params.leg_length_m *
+                                             real_sin(REAL(0.5) * result->inter_leg_rad),
+                                         spring_rest_m};
     result->step_length_m = phase.toe_distance_m;
     if (!(phase.toe_distance_m > spring_rest_m)) {
         return STRIDE_NO_ROOM_TO_EXTEND;
     }
     result->ankle_rate_m_s = collision_clamp_m_s(
-        collision_ankle_rate_m_s(walker, difference, strike[STANCE_RATE], strike[SWING_RATE]), &result->clamped);
+        collision_ankle_rate_m_s(walker, difference, strike[STANCE_RATE], strike[SWING_RATE]),
+        &result->clamped);
 
-    real ankle[DOUBLE_SUPPORT_STATES] = { REAL(0.0), result->ankle_rate_m_s };
-    const enum stride_fault fault = extend_ankle(&phase, settings, ankle, &result->double_support_s);
+    real ankle[DOUBLE_SUPPORT_STATES] = {REAL(0.0), result->ankle_rate_m_s};
+    const enum stride_fault fault =
+        extend_ankle(&phase, settings, ankle, &result->double_support_s);
     if (fault != STRIDE_OK) {
         return fault;
     }
@@ -190,13 +204,14 @@ enum stride_fault stride_push_off(const struct walker *walker, const struct stri
     result->lift_off[STANCE_RATE] = angles.leading_slope * ankle[ANKLE_RATE];
     result->lift_off[SWING_RATE] = angles.trailing_slope * ankle[ANKLE_RATE];
     return result->lift_off[STANCE_ANGLE] <= REAL(0.0) ? STRIDE_LIFT_OFF_PAST_APEX
-                                                      : check_single_support(result->lift_off);
+                                                       : check_single_support(result->lift_off);
 }
 
-enum stride_fault stride_from_lift_off(const struct walker *walker, const struct stride_settings *settings,
+enum stride_fault stride_from_lift_off(const struct walker *walker,
+                                       const struct stride_settings *settings,
                                        struct stride_result *result)
 {
-    const struct ode ode = { single_support_rates, walker, SINGLE_SUPPORT_STATES };
+    const struct ode ode = {single_support_rates, walker, SINGLE_SUPPORT_STATES};
     real state[SINGLE_SUPPORT_STATES];
     real time = REAL(0.0);
     for (int k = 0; k < SINGLE_SUPPORT_STATES; k++) {
@@ -222,7 +237,8 @@ enum stride_fault stride_from_lift_off(const struct walker *walker, const struct
             for (int k = 0; k < SINGLE_SUPPORT_STATES; k++) {
                 end[k] = next[k];
             }
-            step = ode_land(&ode, settings->method, &stance_vertical, state, step, end, next).step_s;
+            step =
+                ode_land(&ode, settings->method, &stance_vertical, state, step, end, next).step_s;
         }
         time += step;
         result->lift_off_to_apex_s = time;
@@ -243,7 +259,7 @@ enum stride_fault stride_from_lift_off(const struct walker *walker, const struct
 enum stride_fault stride(const struct walker *walker, const struct stride_settings *settings,
                          const struct apex *from, real spring_rest_m, struct stride_result *result)
 {
-    *result = (struct stride_result){ .fault = STRIDE_OK };
+    *result = (struct stride_result){.fault = STRIDE_OK};
     result->fault = stride_to_strike(walker, settings, from, result);
     if (result->fault == STRIDE_OK) {
         result->fault = stride_push_off(walker, settings, spring_rest_m, result);

@@ -35,23 +35,25 @@ enum stride_fault {
 /* How to integrate. Steps in seconds, all > 0. */
 struct stride_settings {
     enum ode_method method;
-    real single_step_s;  /* in single support */
-    real double_step_s;  /* in double support */
-    real phase_limit_s;  /* longest duration of one phase */
+    real single_step_s; /* in single support */
+    real double_step_s; /* in double support */
+    real phase_limit_s; /* longest duration of one phase */
 };
 
 struct stride_result {
     enum stride_fault fault;
-    struct apex next;          /* valid when fault == STRIDE_OK, as all below; on a fault: as far as it got, else 0 */
+    struct apex
+        next; /* valid when fault == STRIDE_OK, as all below; on a fault: as far as it got, else 0 */
     real apex_to_strike_s;
     real double_support_s;
     real lift_off_to_apex_s;
-    real strike[SINGLE_SUPPORT_STATES];   /* just before the collision */
-    real lift_off[SINGLE_SUPPORT_STATES]; /* just after, legs renamed: start of the new single support */
-    real inter_leg_rad;        /* 2a, at heel strike */
-    real step_length_m;        /* d, toe to toe */
-    real ankle_rate_m_s;       /* r'+ after collision and clamp */
-    int clamped;               /* the clamp acted */
+    real strike[SINGLE_SUPPORT_STATES]; /* just before the collision */
+    real lift_off
+        [SINGLE_SUPPORT_STATES]; /* just after, legs renamed: start of the new single support */
+    real inter_leg_rad;          /* 2a, at heel strike */
+    real step_length_m;          /* d, toe to toe */
+    real ankle_rate_m_s;         /* r'+ after collision and clamp */
+    int clamped;                 /* the clamp acted */
 };
 
 #define stride_settings_fixed REAL_SYMBOL(stride_settings_fixed)
@@ -76,11 +78,14 @@ enum stride_fault stride(const struct walker *walker, const struct stride_settin
 
 /* The three phases by themselves, each with the faults of its own; each reads what the one before
  * it left in *result (apex -> strike -> lift_off -> next), so a caller may start anywhere. */
-enum stride_fault stride_to_strike(const struct walker *walker, const struct stride_settings *settings,
-                                   const struct apex *from, struct stride_result *result);
-enum stride_fault stride_push_off(const struct walker *walker, const struct stride_settings *settings,
-                                  real spring_rest_m, struct stride_result *result);
-enum stride_fault stride_from_lift_off(const struct walker *walker, const struct stride_settings *settings,
+enum stride_fault stride_to_strike(const struct walker *walker,
+                                   const struct stride_settings *settings, const struct apex *from,
+                                   struct stride_result *result);
+enum stride_fault stride_push_off(const struct walker *walker,
+                                  const struct stride_settings *settings, real spring_rest_m,
+                                  struct stride_result *result);
+enum stride_fault stride_from_lift_off(const struct walker *walker,
+                                       const struct stride_settings *settings,
                                        struct stride_result *result);
 
 /* "walking backwards" and so on. A static string; never NULL, also for values outside the enum. */

@@ -5,15 +5,16 @@
 
 struct stride_settings stride_settings_fixed(const struct walker *walker, real step_s)
 {
-    const struct stride_settings settings = { ODE_RK4, step_s, step_s, PHASE_LIMIT_UNITS * walker->time_unit_s };
+    const struct stride_settings settings = {ODE_RK4, step_s, step_s,
+                                             PHASE_LIMIT_UNITS * walker->time_unit_s};
     return settings;
 }
 
 struct stride_settings stride_settings_accurate(const struct walker *walker)
 {
-    const struct stride_settings settings = { ODE_RK8, REAL(0.125) * walker->time_unit_s,
-                                              REAL(0.25) * walker->push_time_s,
-                                              PHASE_LIMIT_UNITS * walker->time_unit_s };
+    const struct stride_settings settings = {ODE_RK8, REAL(0.125) * walker->time_unit_s,
+                                             REAL(0.25) * walker->push_time_s,
+                                             PHASE_LIMIT_UNITS * walker->time_unit_s};
     return settings;
 }
 

@@ -119,7 +119,8 @@ real real_acos(real x)
     real root = real_sqrt(z);
     real scaled = root * SPLIT_FACTOR;
     real root_head = scaled - (scaled - root);
-    real root_tail = root > REAL(0.0) ? (z - root_head * root_head) / (root + root_head) : REAL(0.0);
+    real root_tail =
+        root > REAL(0.0) ? (z - root_head * root_head) / (root + root_head) : REAL(0.0);
     real excess = asin_excess(root, z);
     if (c > REAL(0.0)) {
         return REAL(2.0) * (root_head + (root_tail + excess));

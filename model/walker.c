@@ -13,15 +13,16 @@ static int is_outside(real value, const struct limit *limit)
 enum walker_error walker_init(struct walker *walker, const struct walker_params *params)
 {
     static const struct limit limits[] = {
-        { WALKER_BAD_HIP_MASS, REAL(1e-3), REAL(1e4) },
-        { WALKER_BAD_LEG_MASS, REAL(0.0), REAL(1e4) },
-        { WALKER_BAD_LEG_LENGTH, REAL(0.01), REAL(100.0) },
-        { WALKER_BAD_ANKLE_STIFFNESS, REAL(1e-3), REAL(1e8) },
-        { WALKER_BAD_GRAVITY, REAL(1e-3), REAL(1e3) },
+        {WALKER_BAD_HIP_MASS, REAL(1e-3), REAL(1e4)},
+        {WALKER_BAD_LEG_MASS, REAL(0.0), REAL(1e4)},
+        {WALKER_BAD_LEG_LENGTH, REAL(0.01), REAL(100.0)},
+        {WALKER_BAD_ANKLE_STIFFNESS, REAL(1e-3), REAL(1e8)},
+        {WALKER_BAD_GRAVITY, REAL(1e-3), REAL(1e3)},
     };
-    const real values[] = { params->hip_mass_kg, params->leg_mass_kg, params->leg_length_m,
-                            params->ankle_stiffness_N_m, params->gravity_m_s2 };
-    _Static_assert(sizeof values / sizeof values[0] == sizeof limits / sizeof limits[0], "a limit per field");
+    const real values[] = {params->hip_mass_kg, params->leg_mass_kg, params->leg_length_m,
+                           params->ankle_stiffness_N_m, params->gravity_m_s2};
+    _Static_assert(sizeof values / sizeof values[0] == sizeof limits / sizeof limits[0],
+                   "a limit per field");
     for (unsigned i = 0; i < sizeof limits / sizeof limits[0]; i++) {
         if (is_outside(values[i], &limits[i])) {
             return limits[i].error;
@@ -64,6 +65,7 @@ const char *walker_error_name(enum walker_error error)
 
 struct walker_params walker_paper_params(void)
 {
-    const struct walker_params paper = { REAL(1.0), REAL(0.01), REAL(1.0), REAL(100.0), REAL(9.80665) };
+    const struct walker_params paper = {REAL(1.0), REAL(0.01), REAL(1.0), REAL(100.0),
+                                        REAL(9.80665)};
     return paper;
 }

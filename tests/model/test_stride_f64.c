@@ -13,9 +13,10 @@ static struct walker paper_walker(void)
 }
 
 /* Iterates the map from a state near the stable gait until it settles. */
-static struct apex settle(const struct walker *walker, const struct stride_settings *settings, double r0)
+static struct apex settle(const struct walker *walker, const struct stride_settings *settings,
+                          double r0)
 {
-    struct apex x = { -0.4069, -0.0596, 1.7568 };
+    struct apex x = {-0.4069, -0.0596, 1.7568};
     for (int i = 0; i < 80; i++) {
         struct stride_result result;
         ck_assert_int_eq(stride(walker, settings, &x, r0, &result), STRIDE_OK);

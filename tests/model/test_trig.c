@@ -23,10 +23,11 @@ START_TEST(double_functions_stay_within_one_and_a_half_units)
         worst_sin = fmax(worst_sin, ulps((long double)s, sinl((long double)x), 53));
         worst_cos = fmax(worst_cos, ulps((long double)c, cosl((long double)x), 53));
         double y = (double)i / 400000.0;
-        worst_acos = fmax(worst_acos, ulps((long double)trig_acos_f64(y), acosl((long double)y), 53));
+        worst_acos =
+            fmax(worst_acos, ulps((long double)trig_acos_f64(y), acosl((long double)y), 53));
     }
-    ck_assert_msg(worst_sin < 1.5 && worst_cos < 1.5 && worst_acos < 1.5, "%g %g %g", worst_sin, worst_cos,
-                  worst_acos);
+    ck_assert_msg(worst_sin < 1.5 && worst_cos < 1.5 && worst_acos < 1.5, "%g %g %g", worst_sin,
+                  worst_cos, worst_acos);
 }
 END_TEST
 
@@ -41,10 +42,11 @@ START_TEST(float_functions_stay_within_one_and_a_half_units)
         worst_sin = fmax(worst_sin, ulps((long double)s, sinl((long double)x), 24));
         worst_cos = fmax(worst_cos, ulps((long double)c, cosl((long double)x), 24));
         float y = (float)i / 400000.0f;
-        worst_acos = fmax(worst_acos, ulps((long double)trig_acos_f32(y), acosl((long double)y), 24));
+        worst_acos =
+            fmax(worst_acos, ulps((long double)trig_acos_f32(y), acosl((long double)y), 24));
     }
-    ck_assert_msg(worst_sin < 1.5 && worst_cos < 1.5 && worst_acos < 1.5, "%g %g %g", worst_sin, worst_cos,
-                  worst_acos);
+    ck_assert_msg(worst_sin < 1.5 && worst_cos < 1.5 && worst_acos < 1.5, "%g %g %g", worst_sin,
+                  worst_cos, worst_acos);
 }
 END_TEST
 
@@ -73,7 +75,7 @@ START_TEST(large_angles_are_served)
         assert_close(trig_sin_f32(y), sinl((long double)y), 4e-7, 0.0);
         assert_close(trig_cos_f32(y), cosl((long double)y), 4e-7, 0.0);
     }
-    double beyond[] = { 1e7, -1e12, 1e300 };
+    double beyond[] = {1e7, -1e12, 1e300};
     for (int i = 0; i < 3; i++) {
         ck_assert(fabs(trig_sin_f64(beyond[i])) < 1.1 && fabs(trig_cos_f64(beyond[i])) < 1.1);
         float y = (float)fmax(fmin(beyond[i], 3e38), -3e38);
@@ -85,7 +87,8 @@ END_TEST
 START_TEST(edges)
 {
     ck_assert(trig_acos_f64(1.0) == 0.0 && trig_acos_f64(2.0) == 0.0);
-    ck_assert(trig_acos_f64(-1.0) == 3.14159265358979323846 && trig_acos_f64(-7.0) == trig_acos_f64(-1.0));
+    ck_assert(trig_acos_f64(-1.0) == 3.14159265358979323846 &&
+              trig_acos_f64(-7.0) == trig_acos_f64(-1.0));
     ck_assert(trig_acos_f32(1.0f) == 0.0f && trig_acos_f32(-1.0f) == 3.14159274f);
     ck_assert(trig_sin_f64(0.0) == 0.0 && trig_cos_f64(0.0) == 1.0);
     ck_assert(isnan(trig_sin_f64((double)NAN)) && isnan(trig_cos_f64((double)INFINITY)));
