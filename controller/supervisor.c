@@ -62,3 +62,17 @@ bool supervisor_may_assist(enum supervisor_state state)
 {
     return ASSISTING & (1u << state);
 }
+
+const char *supervisor_fault_name(enum supervisor_fault fault)
+{
+    static const char *const names[SUPERVISOR_FAULTS] = {"none",
+                                                         "emergency stop",
+                                                         "node lost",
+                                                         "leg sensor silent",
+                                                         "drive silent",
+                                                         "drive fault",
+                                                         "sensor out of range",
+                                                         "leg beyond the fall angle",
+                                                         "bad parameters"};
+    return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
+}

@@ -21,6 +21,7 @@
 #define supervisor_may_enable REAL_SYMBOL(supervisor_may_enable)
 #define supervisor_may_assist REAL_SYMBOL(supervisor_may_assist)
 #define supervisor_rows REAL_SYMBOL(supervisor_rows)
+#define supervisor_fault_name REAL_SYMBOL(supervisor_fault_name)
 
 /* The values appear on the bus and in logs. */
 enum supervisor_state {
@@ -44,7 +45,8 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_DRIVE = 5,        /* a drive reports fault or left enabled by itself */
     SUPERVISOR_FAULT_SENSOR_RANGE = 6, /* not finite or beyond what a leg can do */
     SUPERVISOR_FAULT_FALL = 7,         /* a leg beyond the fall angle */
-    SUPERVISOR_FAULT_PARAMETERS = 8
+    SUPERVISOR_FAULT_PARAMETERS = 8,
+    SUPERVISOR_FAULTS = 9
 };
 
 /* Conditions, one bit each. */
@@ -88,6 +90,9 @@ void supervisor_init(struct supervisor *supervisor);
  * transition a tick. Returns true when the state changed. */
 bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t conditions,
                        enum supervisor_fault fault);
+
+/* "emergency stop" and so on; a static string, never NULL, for any value. */
+const char *supervisor_fault_name(enum supervisor_fault fault);
 
 /* True in the states in which drives may be under torque. */
 bool supervisor_may_enable(enum supervisor_state state);

@@ -1,0 +1,87 @@
+#include "sim_host/host/ini.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+static char *trim(char *text)
+{
+    while (isspace((unsigned char)*text)) {
+        text++;
+    }
+    size_t length = strlen(text);
+    while (length > 0 && isspace((unsigned char)text[length - 1])) {
+        text[--length] = '\0';
+    }
+    return text;
+}
+
+static int read_line(const char *path, int line, char *text, char *section, ini_handler handler,
+                     void *context, char *message, size_t message_size)
+{
+    text[strcspn(text, ";#")] = '\0';
+    char *content = trim(text);
+    if (*content == '\0') {
+        return 0;
+    }
+    if (*content == '[') {
+        const size_t length = strlen(content);
+        if (content[length - 1] != ']' || length < 3) {
+            snprintf(message, message_size, "%s:%d: a section is written [name]", path, line);
+            return -1;
+        }
+        content[length - 1] = '\0';
+        snprintf(section, INI_LINE_MAX, "%s", trim(content + 1));
+        return 0;
+    }
+    char *equals = strchr(content, '=');
+    if (equals == NULL || equals == content) {
+        snprintf(message, message_size, "%s:%d: expected key = value, found \"%.80s\"", path, line,
+                 content);
+        return -1;
+    }
+    *equals = '\0';
+    char reason[256] = "";
+    if (handler(context, section, trim(content), trim(equals + 1), line, reason, sizeof reason) != 0) {
+        snprintf(message, message_size, "%s:%d: %s", path, line, reason);
+        return -1;
+    }
+    return 0;
+}
+
+int ini_read(const char *path, ini_handler handler, void *context, char *message, size_t message_size)
+{
+    FILE *file = fopen(path, "r");
+    if (file == NULL) {
+        snprintf(message, message_size, "%s: %s", path, strerror(errno));
+        return -1;
+    }
+    char text[INI_LINE_MAX + 2];
+    char section[INI_LINE_MAX] = "";
+    int result = 0;
+    for (int line = 1; result == 0; line++) {
+        memset(text, 1, sizeof text);
+        if (fgets(text, sizeof text, file) == NULL) {
+            if (ferror(file)) {
+                snprintf(message, message_size, "%s: %s", path, strerror(errno));
+                result = -1;
+            }
+            break;
+        }
+        const size_t length = strlen(text);
+        const char *newline = (const char *)memchr(text, '\n', sizeof text);
+        if (newline != NULL && newline != text + length - 1) {
+            snprintf(message, message_size, "%s:%d: a NUL byte in a text file", path, line);
+            result = -1;
+        } else if (length > INI_LINE_MAX) {
+            snprintf(message, message_size, "%s:%d: line longer than %d characters", path, line,
+                     INI_LINE_MAX);
+            result = -1;
+        } else {
+            result = read_line(path, line, text, section, handler, context, message, message_size);
+        }
+    }
+    fclose(file);
+    return result;
+}

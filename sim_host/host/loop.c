@@ -1,0 +1,295 @@
+#include "sim_host/host/loop.h"
+
+#include <string.h>
+
+#include "hal/frame_table.h"
+#include "sim_host/bus/candump_log.h"
+
+enum { TICK_NS = TICK_PERIOD_US * 1000 };
+
+/* ---- configuration -------------------------------------------------------- */
+
+static void configure_actuators(struct plant_config *plant, const struct subject *subject)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct sea_params *sea = &plant->sea[side];
+        sea->counts_per_m = subject->counts_per_m;
+        if (subject->stroke_max_m > 0.0) {
+            sea->stroke_max_m = subject->stroke_max_m;
+            sea->end_stop_max_m = subject->stroke_max_m + 0.005 * subject->leg_length_m;
+        }
+        if (subject->speed_max_m_s > 0.0) {
+            sea->speed_limit_m_s = subject->speed_max_m_s;
+        }
+        if (subject->force_max_N > 0.0) {
+            sea->force_limit_N = subject->force_max_N;
+        }
+        struct sensor_params *sensors = &plant->sensors[side];
+        sensors->ankle_is_lever = subject->ankle == ANKLE_LEVER;
+        sensors->ankle_lever_m = subject->ankle_lever_m;
+        sensors->ankle_neutral_rad = subject->ankle_neutral_rad;
+    }
+}
+
+int loop_configure(struct loop_config *config, const struct subject *subject,
+                   enum sensor_preset_kind sensors, uint64_t seed, char *message)
+{
+    memset(config, 0, sizeof *config);
+    config->subject = *subject;
+    if (subject_control_params(subject, &config->params, message) != 0) {
+        return -1;
+    }
+    const struct gait_walker walker = subject_gait_walker(subject);
+    struct gait_point start;
+    const enum gait_curve_error error =
+        gait_curve(&walker, (double)config->params.start_r0_m, 0.0, 1, &start, NULL);
+    if (error != GAIT_CURVE_OK) {
+        snprintf(message, LOOP_MESSAGE_MAX, "no steady gait to start from at r0 = %g m: %s",
+                 (double)config->params.start_r0_m, gait_curve_error_name(error));
+        return -1;
+    }
+    const struct walker3_params body = {.hip_mass_kg = subject->torso_mass_kg,
+                                        .leg_mass_kg = subject->leg_mass_kg,
+                                        .leg_length_m = subject->leg_length_m,
+                                        .gravity_m_s2 = subject->gravity_m_s2};
+    plant_config_for(&body, subject->spring_N_per_m, SEA_REAL, sensors, &config->plant);
+    configure_actuators(&config->plant, subject);
+    config->plant.seed = seed;
+    config->plant.start = (struct walk_pose){.stance = SIDE_LEFT,
+                                             .theta_s_rad = start.lift_off[0],
+                                             .theta_n_rad = start.lift_off[1],
+                                             .theta_s_rate_rad_s = start.lift_off[2],
+                                             .theta_n_rate_rad_s = start.lift_off[3]};
+    config->desired_speed_rad_s = start.speed_rad_s;
+    return 0;
+}
+
+/* ---- the bus's hooks ------------------------------------------------------- */
+
+static void write_log(void *context, const struct sim_bus_event *event)
+{
+    struct loop *loop = (struct loop *)context;
+    if (event->kind != SIM_BUS_FRAME || loop->log == NULL) {
+        return;
+    }
+    loop->logged_frames++;
+    if (!candump_write(loop->log, event->time_ns / 1000u, "can0", &event->message)) {
+        loop->log_failed = true;
+    }
+}
+
+static bool is_drive_frame(uint32_t id)
+{
+    return id == FRAME_DRIVE_STATE_LEFT || id == FRAME_DRIVE_STATE_RIGHT ||
+           id == FRAME_DRIVE_TARGETS || id == FRAME_DRIVE_COMMAND_LEFT ||
+           id == FRAME_DRIVE_COMMAND_RIGHT;
+}
+
+static bool is_dropped_sample(const struct loop *loop, uint32_t id)
+{
+    return (id == FRAME_LEG_STATE_LEFT && !loop->sample[SIDE_LEFT].sent) ||
+           (id == FRAME_LEG_STATE_RIGHT && !loop->sample[SIDE_RIGHT].sent);
+}
+
+static struct sim_bus_fault inject(void *context, const struct can_msg *message, unsigned sender,
+                                   uint64_t time_ns)
+{
+    const struct loop *loop = (const struct loop *)context;
+    struct sim_bus_fault fault = {.kind = SIM_BUS_FAULT_NONE};
+    (void)sender;
+    (void)time_ns;
+    if (is_dropped_sample(loop, message->id)) {
+        fault.kind = SIM_BUS_FAULT_DROP;
+    } else if (!loop->fault_active) {
+        return fault;
+    } else if (loop->config.fault == LOOP_FAULT_CUT_DRIVES && is_drive_frame(message->id)) {
+        fault.kind = SIM_BUS_FAULT_DROP;
+    } else if (loop->config.fault == LOOP_FAULT_NEVER_ARMED &&
+               (message->id == FRAME_DRIVE_COMMAND_LEFT ||
+                message->id == FRAME_DRIVE_COMMAND_RIGHT) &&
+               (message->data[4] & 1u) != 0) {
+        fault.kind = SIM_BUS_FAULT_ALTER;
+        fault.flip[4] = 1; /* bit 16 of the outputs at bytes 2..5 */
+    }
+    return fault;
+}
+
+/* ---- building -------------------------------------------------------------- */
+
+static void wake_drive(void *context, uint64_t now_ns)
+{
+    drive_node_poll((struct drive_node *)context, now_ns);
+}
+
+static void wake_sensor(void *context, uint64_t now_ns)
+{
+    leg_sensor_node_poll((struct leg_sensor_node *)context, now_ns);
+}
+
+static void wake_task(void *context, uint64_t now_ns)
+{
+    (void)now_ns;
+    (void)control_task_poll((struct control_task *)context);
+}
+
+static bool never_pressed(void *context)
+{
+    (void)context;
+    return false;
+}
+
+static const struct emergency_stop_ops released_stop = {never_pressed};
+
+static int init_nodes(struct loop *loop, char *message)
+{
+    const struct subject *subject = &loop->config.subject;
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        const enum side side = (enum side)i;
+        const struct sea_params *sea = &loop->config.plant.sea[side];
+        const struct drive_node_config drive = {
+            .side = side,
+            .node_id = (uint8_t)(NODE_DRIVE_LEFT + i),
+            .counts_per_m = (uint32_t)sea->counts_per_m,
+            .stroke_m = sea->stroke_max_m,
+            .max_speed_m_per_s = sea->speed_limit_m_s,
+            .rated_force_N = sea->rated_force_N,
+            .following_error_m = 0.1 * subject->leg_length_m,
+            .unload_rate_m_per_s = sea->unload_rate_m_s,
+        };
+        const struct leg_sensor_node_config sensor = {
+            .side = side,
+            .node_id = (uint8_t)(NODE_SENSOR_LEFT + i),
+            .ankle_is_lever = subject->ankle == ANKLE_LEVER,
+        };
+        const int drive_port =
+            sim_bus_attach(&loop->bus, i == 0 ? "drive left" : "drive right", wake_drive,
+                           &loop->drive[i]);
+        const int sensor_port =
+            sim_bus_attach(&loop->bus, i == 0 ? "sensor left" : "sensor right", wake_sensor,
+                           &loop->sensor[i]);
+        if (drive_node_init(&loop->drive[i], &drive, sim_bus_port(&loop->bus, drive_port), 0) != 0 ||
+            leg_sensor_node_init(&loop->sensor[i], &sensor, sim_bus_port(&loop->bus, sensor_port),
+                                 0) != 0) {
+            snprintf(message, LOOP_MESSAGE_MAX, "a virtual node refuses its configuration");
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static int init_task(struct loop *loop, int port)
+{
+    const struct subject *subject = &loop->config.subject;
+    struct cia402_axis_config axes[LEG_COUNT];
+    struct control_task_config config = {
+        .params = &loop->config.params,
+        .bus = sim_bus_port(&loop->bus, port),
+        .drives = cia402_drives_interface(&loop->cia402),
+        .stop = {&released_stop, NULL},
+        .desired_speed_rad_s = (float)loop->config.desired_speed_rad_s,
+        .walk_requested = true,
+    };
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        axes[leg] = (struct cia402_axis_config){(float)subject->counts_per_m, 0, 1};
+        config.leg_sensor[leg] = (struct leg_sensor_config){
+            .angle_direction = 1,
+            .ankle_is_lever = subject->ankle == ANKLE_LEVER,
+            .ankle_lever_m = (float)subject->ankle_lever_m,
+            .ankle_neutral_rad = (float)subject->ankle_neutral_rad,
+        };
+    }
+    cia402_drives_init(&loop->cia402, axes);
+    return control_task_init(&loop->task, &config) == CONTROL_PARAMS_OK ? 0 : -1;
+}
+
+int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, char *message)
+{
+    memset(loop, 0, sizeof *loop);
+    loop->config = *config;
+    loop->log = log;
+    loop->fault_active = config->fault == LOOP_FAULT_SWAPPED;
+    if (plant_init(&loop->plant, &loop->config.plant, message) != PLANT_OK) {
+        return -1;
+    }
+    sim_bus_init(&loop->bus, BUS_BITRATE);
+    sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
+    sim_bus_set_fault_hook(&loop->bus, inject, loop);
+    const int port = sim_bus_attach(&loop->bus, "controller", wake_task, &loop->task);
+    if (init_task(loop, port) != 0) {
+        snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
+        plant_free(&loop->plant);
+        return -1;
+    }
+    if (init_nodes(loop, message) != 0) {
+        plant_free(&loop->plant);
+        return -1;
+    }
+    return 0;
+}
+
+void loop_free(struct loop *loop)
+{
+    plant_free(&loop->plant);
+}
+
+/* ---- one period ------------------------------------------------------------ */
+
+static void measure(struct loop *loop)
+{
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        struct sea_output out;
+        plant_sea_output(&loop->plant, (enum side)i, &out);
+        const struct drive_axis_feedback feedback = {
+            .position_m = out.reported_position_m,
+            .velocity_m_per_s = out.speed_m_s,
+            .force_N = out.motor_force_N,
+            .temperature_degC = out.temperature_degC,
+            .dc_link_V = out.dc_link_V,
+            .latch_holds = out.latch == SEA_LATCH_CLOSED,
+        };
+        drive_node_measure(&loop->drive[i], &feedback);
+        plant_sample(&loop->plant, (enum side)i, &loop->sample[i]);
+    }
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        const bool swapped = loop->fault_active && loop->config.fault == LOOP_FAULT_SWAPPED;
+        const struct sensor_sample *sample = &loop->sample[swapped ? 1 - i : i];
+        leg_sensor_node_measure(&loop->sensor[i], sample->leg_angle_rad,
+                                loop->config.subject.ankle == ANKLE_LEVER
+                                    ? (double)sample->ankle_counts * (6.283185307179586 / 65536.0)
+                                    : sample->ankle_extension_m);
+    }
+}
+
+static void actuate(struct loop *loop)
+{
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        struct drive_axis_command axis;
+        drive_node_command(&loop->drive[i], TICK_NS, &axis);
+        const struct sea_command command = {
+            .mode = axis.powered ? SEA_POSITION : SEA_TORQUE_OFF,
+            .target_position_m = axis.target_m,
+            .latch_armed = axis.latch_armed,
+        };
+        plant_set_command(&loop->plant, (enum side)i, &command);
+    }
+}
+
+void loop_tick(struct loop *loop)
+{
+    const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
+    sim_bus_run_until(&loop->bus, sync_ns);
+    measure(loop);
+    (void)control_task_start_cycle(&loop->task); /* refused: counted, seen by the supervisor */
+    sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        drive_node_poll(&loop->drive[i], sync_ns + TICK_NS - 1);
+        leg_sensor_node_poll(&loop->sensor[i], sync_ns + TICK_NS - 1);
+    }
+    actuate(loop);
+    plant_advance(&loop->plant);
+    if (!loop->fault_active && loop->config.fault != LOOP_FAULT_NONE &&
+        loop->task.controller.last_step.number >= loop->config.fault_step) {
+        loop->fault_active = true;
+    }
+    loop->tick++;
+}

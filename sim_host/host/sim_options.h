@@ -1,0 +1,35 @@
+/* Command line of afo-sim. */
+#ifndef SIM_HOST_HOST_SIM_OPTIONS_H
+#define SIM_HOST_HOST_SIM_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim_host/host/loop.h"
+
+struct sim_options {
+    double speed_rad_s; /* 0 = not given */
+    uint32_t steps;
+    bool open_loop;
+    double r0_m;        /* 0 = not given */
+    double start_r0_m;  /* 0 = not given */
+    double kp;          /* < 0 = not given */
+    enum sensor_preset_kind sensors;
+    const char *sensors_name;
+    const char *subject_path; /* NULL = the paper's walker */
+    uint64_t seed;
+    const char *csv_path;
+    bool ticks;
+    const char *log_path;
+    const char *wearer_path;
+    enum loop_fault fault;
+    uint32_t fault_step;
+    bool quiet;
+    bool json;
+};
+
+/* Parses the command line; --help and --version end the process with 0, a usage
+ * error with a message on standard error and 2. */
+void sim_options_parse(struct sim_options *options, int argc, char **argv);
+
+#endif

@@ -1,0 +1,50 @@
+/* Whom the device walks: body, spring, actuator limits, transmission, law.
+ *
+ * One INI file per subject (sim_host/subjects has two). From it come both the
+ * controller's parameters and the plant's, separately: the plant never sees the
+ * controller's structs.
+ */
+#ifndef SIM_HOST_HOST_SUBJECT_H
+#define SIM_HOST_HOST_SUBJECT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "controller/control_params.h"
+#include "sim_host/study/gait_curve.h"
+
+enum { SUBJECT_NAME_MAX = 64, SUBJECT_MESSAGE_MAX = 768 };
+
+enum ankle_kind { ANKLE_LINEAR = 0, ANKLE_LEVER = 1 };
+
+/* SI units. The keys of the file are in subject_keys (subject.c), with ranges. */
+struct subject {
+    char name[SUBJECT_NAME_MAX];
+    double torso_mass_kg, leg_mass_kg, leg_length_m, spring_N_per_m, gravity_m_s2;
+    double stroke_max_m, speed_max_m_s, force_max_N; /* of the SEA; 0 = by the body's scale */
+    double counts_per_m;                             /* motor counts per metre of spring */
+    enum ankle_kind ankle;
+    double ankle_lever_m, ankle_neutral_rad;
+    double control_override[CONTROL_PARAM_COUNT]; /* [controller] section, by parameter */
+    bool control_overridden[CONTROL_PARAM_COUNT];
+};
+
+/* The paper's walker with everything else by its scale. */
+void subject_default(struct subject *subject);
+
+/* Reads a subject file over the default. Returns 0, or -1 with file, line, key
+ * and what is allowed in message (SUBJECT_MESSAGE_MAX bytes); *subject is then
+ * not to be used. */
+int subject_read(struct subject *subject, const char *path, char *message);
+
+/* The subject's body as the study tools know it. */
+struct gait_walker subject_gait_walker(const struct subject *subject);
+
+/* The controller's parameters for this subject: gains and limits scaled from the
+ * paper's walker (kp with l sqrt(l/g), speeds with sqrt(g/l), lengths with l and
+ * the spring's energy), finv computed from the model for this very walker, then
+ * the file's overrides. Returns 0, or -1 with the reason in message. */
+int subject_control_params(const struct subject *subject, struct control_params *params,
+                           char *message);
+
+#endif
