@@ -1,0 +1,125 @@
+"""The build is incremental and honest: what changed is rebuilt, what did not is not."""
+import os
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+TREE = {
+    "model/one.h": "#ifdef REAL_IS_DOUBLE\n#define one one_f64\n#else\n#define one one_f32\n#endif\nint one(void);\n",
+    "model/one.c": '#include "model/one.h"\nint one(void)\n{\n    return 1;\n}\n',
+    "model/two.c": '#include "model/one.h"\ntypedef int nothing;\n',
+    "sim_host/programs/afo_say.c":
+        '#include <stdio.h>\n#include "firmware/version.h"\n#include "model/one.h"\n'
+        'int main(void)\n{\n    printf("%s %08x %d\\n", version_text(), (unsigned)version_build_id(), one());\n'
+        "    return 0;\n}\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path):
+    for name, text in TREE.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    (tmp_path / "firmware").mkdir()
+    for name in ("version.c", "version.h"):
+        shutil.copy(ROOT / "firmware" / name, tmp_path / "firmware")
+    return tmp_path
+
+
+def make(tree, *arguments, check=True):
+    environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "BUILD", "CC")}
+    done = subprocess.run(["make", *arguments], cwd=tree, env=environment, capture_output=True, text=True, timeout=120)
+    if check:
+        assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def compiled(output):
+    return sorted(line.split()[1] for line in output.splitlines() if line.split()[:1] in (["CC"], ["CC64"]))
+
+
+def say(tree, build="build"):
+    return subprocess.check_output([tree / build / "afo-say"], text=True).split()
+
+
+def test_a_second_build_does_nothing(tree):
+    assert compiled(make(tree))
+    again = make(tree)
+    assert not compiled(again) and "LD" not in again and "AR" not in again
+
+
+def test_a_header_rebuilds_its_users_in_both_precisions(tree):
+    make(tree)
+    (tree / "model" / "one.h").write_text(TREE["model/one.h"] + "\n")
+    # version.c too: the build id is a checksum over the sources.
+    assert compiled(make(tree)) == ["firmware/version.c", "model/one.c", "model/one.c", "model/two.c",
+                                    "model/two.c", "sim_host/programs/afo_say.c"]
+
+
+def test_changed_flags_rebuild_everything(tree):
+    first = compiled(make(tree))
+    assert compiled(make(tree, "OPT=-O1")) == first
+    assert compiled(make(tree, "OPT=-O1")) == []
+
+
+def test_a_removed_source_leaves_its_archive(tree):
+    make(tree)
+    archive = tree / "build" / "lib" / "libmodel_f32.a"
+    assert "two.o" in subprocess.check_output(["ar", "t", archive], text=True)
+    (tree / "model" / "two.c").unlink()
+    make(tree)
+    assert "two.o" not in subprocess.check_output(["ar", "t", archive], text=True)
+
+
+def test_an_interrupted_or_failed_compilation_leaves_nothing_half_done(tree):
+    make(tree)
+    (tree / "model" / "one.c").write_text('#include "model/one.h"\nint one(void)\n{\n    return 1\n}\n')
+    make(tree, check=False)
+    assert not (tree / "build" / "f32" / "model" / "one.o").exists() or say(tree)[2] == "1"
+    (tree / "model" / "one.c").write_text(TREE["model/one.c"].replace("return 1", "return 7"))
+    make(tree)
+    assert say(tree)[2] == "7"
+
+
+def test_warnings_are_errors(tree):
+    (tree / "model" / "one.c").write_text(TREE["model/one.c"].replace("return 1", "int x; return 1"))
+    done = subprocess.run(["make"], cwd=tree, capture_output=True, text=True, timeout=120)
+    assert done.returncode != 0 and "unused" in done.stderr
+
+
+def test_builds_side_by_side(tree):
+    make(tree)
+    make(tree, "BUILD=build/clang", "CC=clang")
+    assert compiled(make(tree)) == []
+    # Version and build id do not depend on the compiler or its flags.
+    assert say(tree) == say(tree, "build/clang")
+
+
+def test_version_and_build_id(tree):
+    make(tree)
+    version, build_id, _ = say(tree)
+    assert version == "0.1.0"  # no git here
+    environment = dict(os.environ, GIT_AUTHOR_NAME="x", GIT_AUTHOR_EMAIL="x@x", GIT_COMMITTER_NAME="x",
+                       GIT_COMMITTER_EMAIL="x@x")
+    (tree / ".gitignore").write_text("/build/\n")
+    for command in (["init", "-q"], ["add", "."], ["commit", "-qm", "x"]):
+        subprocess.run(["git", *command], cwd=tree, check=True, env=environment)
+    make(tree)
+    commit = subprocess.check_output(["git", "rev-parse", "--short=10", "HEAD"], cwd=tree, text=True).strip()
+    assert say(tree)[:2] == [f"0.1.0+g{commit}", build_id]
+    (tree / "model" / "one.c").write_text(TREE["model/one.c"] + "/* changed */\n")
+    make(tree)
+    assert say(tree)[0] == f"0.1.0+g{commit}.dirty"
+    assert say(tree)[1] != build_id
+
+
+def test_help_lists_the_main_targets():
+    output = make(ROOT, "help")
+    for target in ("all", "run", "test", "test-long", "bench", "format", "lint", "clean", "help", "asan"):
+        assert any(line.split()[0].rstrip(",") == target for line in output.splitlines()[1:] if line.split()), target

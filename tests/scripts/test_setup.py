@@ -1,0 +1,56 @@
+"""scripts/setup is quick when all is there and says what to do when it cannot install."""
+import os
+import pathlib
+import subprocess
+import time
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def poor_machine(tmp_path):
+    """A PATH on which nothing is installed, nobody is root and sudo says no."""
+    for name, body in {
+        "dpkg-query": "exit 1", "apt-get": "echo must not be called >&2; exit 99", "sudo": "exit 1",
+        "id": "echo 1000",
+    }.items():
+        path = tmp_path / name
+        path.write_text(f"#!/bin/sh\n{body}\n")
+        path.chmod(0o755)
+    return dict(os.environ, PATH=f"{tmp_path}:{os.environ['PATH']}")
+
+
+def setup(*targets, environment=None):
+    return subprocess.run([ROOT / "scripts" / "setup", *targets], env=environment, capture_output=True, text=True,
+                          timeout=600)
+
+
+def test_quick_and_silent_when_nothing_is_missing():
+    assert setup("test").returncode == 0  # what runs this test was set up by it
+    start = time.monotonic()
+    done = setup("test")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert time.monotonic() - start < 10  # a fraction of a second on an idle machine
+
+
+def test_without_root_the_tests_say_what_to_install(poor_machine):
+    done = setup("test", environment=poor_machine)
+    assert done.returncode == 1
+    assert "must not be called" not in done.stderr
+    line = next(line for line in done.stdout.splitlines() if "install by hand" in line)
+    for package in ("gcc", "clang", "check", "python3-pytest", "gcc-arm-none-eabi", "qemu-system-arm"):
+        assert package in line
+
+
+def test_without_root_the_walk_goes_on_without_pictures(poor_machine):
+    done = setup("run", environment=poor_machine)
+    assert done.returncode == 0
+    assert "goes on without" in done.stdout and "python3-matplotlib" in done.stdout
+
+
+def test_unknown_target():
+    done = setup("everything")
+    assert done.returncode == 2
+    assert "everything" in done.stdout
