@@ -12,8 +12,8 @@ struct stride_settings stride_settings_fixed(const struct walker *walker, real s
 
 struct stride_settings stride_settings_accurate(const struct walker *walker)
 {
-    const struct stride_settings settings = {ODE_RK8, REAL(0.125) * walker->time_unit_s,
-                                             REAL(0.25) * walker->push_time_s,
+    const struct stride_settings settings = {ODE_RK8, REAL(0.1) * walker->time_unit_s,
+                                             REAL(0.2) * walker->push_time_s,
                                              PHASE_LIMIT_UNITS * walker->time_unit_s};
     return settings;
 }
