@@ -59,3 +59,14 @@ struct apex_fit apex_fit_solve(const real *angle_rad, uint32_t size, uint32_t ce
     const real before_s = -u * window_s;
     return (struct apex_fit){before_s > REAL(0.0) ? before_s : REAL(0.0), -slope / window_s};
 }
+
+struct angle_fit apex_fit_other_leg(const real *angle_rad, uint32_t size, uint32_t centre_tick,
+                                    uint32_t window, real before_tick_s)
+{
+    const struct cubic c = fit_cubic(angle_rad, size, centre_tick, window);
+    const real window_s = (real)window * CONTROL_PERIOD_S;
+    const real u = -before_tick_s / window_s;
+    return (struct angle_fit){
+        c.c0 + u * (c.c1 + u * (c.c2 + u * c.c3)),
+        (c.c1 + u * (REAL(2.0) * c.c2 + u * REAL(3.0) * c.c3)) / window_s};
+}

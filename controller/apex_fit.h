@@ -15,10 +15,16 @@
 #include "model/real.h"
 
 #define apex_fit_solve REAL_SYMBOL(apex_fit_solve)
+#define apex_fit_other_leg REAL_SYMBOL(apex_fit_other_leg)
 
 struct apex_fit {
     real before_tick_s; /* the crossing lies this long before the centre sample, >= 0 */
     real speed_rad_s;   /* minus the slope at the crossing; <= 0 when no falling crossing was found */
+};
+
+struct angle_fit {
+    real angle_rad;
+    real rate_rad_s;
 };
 
 /* angle_rad[tick % size] are the samples, one a control tick; size is a power of
@@ -26,5 +32,11 @@ struct apex_fit {
  * Pure. Cost: about 10 operations a sample and 3 Newton steps. */
 struct apex_fit apex_fit_solve(const real *angle_rad, uint32_t size, uint32_t centre_tick,
                                uint32_t window);
+
+/* The other leg at the same moment: value and slope of its own cubic, before_tick_s
+ * before the centre sample (|before_tick_s| at most half the window). Samples and
+ * cost as above. Pure. */
+struct angle_fit apex_fit_other_leg(const real *angle_rad, uint32_t size, uint32_t centre_tick,
+                                    uint32_t window, real before_tick_s);
 
 #endif

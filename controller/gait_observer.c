@@ -79,8 +79,13 @@ static void watch_apex(struct gait_observer *observer, const struct control_para
     const struct apex_fit fit = apex_fit_solve(observer->angle_rad[side], GAIT_HISTORY,
                                                observer->apex_tick[side], observer->window_ticks);
     if (fit.speed_rad_s > REAL(0.0)) {
+        const struct angle_fit swing =
+            apex_fit_other_leg(observer->angle_rad[side_other(side)], GAIT_HISTORY,
+                               observer->apex_tick[side], observer->window_ticks, fit.before_tick_s);
         state->event[GAIT_APEX] = (struct gait_event){
             true, side, observer->apex_tick[side], fit.before_tick_s, fit.speed_rad_s};
+        state->apex = (struct apex_estimate){-fit.speed_rad_s, swing.angle_rad, swing.rate_rad_s,
+                                             REAL(0.0)};
     }
 }
 

@@ -73,6 +73,15 @@ struct gait_event {
     real speed_rad_s;   /* GAIT_APEX: forward speed -theta', > 0; otherwise 0 */
 };
 
+/* The walker's whole state at an apex (there the stance leg's angle is 0): what
+ * the return map starts from. Written together with the GAIT_APEX event. */
+struct apex_estimate {
+    real stance_rate_rad_s; /* < 0 walking forward; the event's speed is its negative */
+    real swing_angle_rad;
+    real swing_rate_rad_s;
+    real confidence; /* share of the model in the values above, 0..1; 0 = from the samples alone */
+};
+
 enum gait_phase {
     PHASE_UNKNOWN = 0,
     PHASE_SINGLE_SUPPORT = 1, /* stance = the supporting leg */
@@ -85,6 +94,7 @@ struct gait_state {
     uint32_t phase_since_tick;
     bool stance_past_apex; /* single support, and theta_s already negative */
     struct gait_event event[GAIT_EVENT_KINDS];
+    struct apex_estimate apex; /* of the newest GAIT_APEX event; zeros before the first */
 };
 
 /* One SEA's command of this tick. */
