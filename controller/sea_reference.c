@@ -27,25 +27,25 @@ void sea_reference_unload(struct sea_reference *sea)
     sea->target_m = REAL(0.0);
 }
 
-/* Trapezoidal profile: as fast as the limits allow, but never faster than it can
- * still brake before the target. */
+/* Trapezoidal profile in discrete time: as fast as the limits allow, but never
+ * faster than can still be braked. Moving one tick at v and then braking covers
+ * v T / 2 + v^2 / (2 a); solved for v at the distance left. */
 static void advance(struct sea_reference *sea, real speed_max, real acceleration)
 {
-    const real change = acceleration * CONTROL_PERIOD_S;
+    const real change = acceleration * CONTROL_PERIOD_S; /* of speed, in one tick */
     const real distance = sea->target_m - sea->position_m;
     const real left = real_abs(distance);
-    const real brake = real_sqrt(REAL(2.0) * acceleration * left);
+    const real ticks_left = real_sqrt(REAL(0.25) + REAL(2.0) * left / (change * CONTROL_PERIOD_S));
+    const real brake = change * (ticks_left - REAL(0.5));
     const real allowed = brake < speed_max ? brake : speed_max;
     const real wanted = distance < REAL(0.0) ? -allowed : allowed;
 
     sea->speed_m_s += real_clamp(wanted - sea->speed_m_s, -change, change);
-    const real step = sea->speed_m_s * CONTROL_PERIOD_S;
-    if (left <= real_abs(step) || (left < change * CONTROL_PERIOD_S &&
-                                   real_abs(sea->speed_m_s) <= REAL(2.0) * change)) {
+    if (left <= change * CONTROL_PERIOD_S && real_abs(sea->speed_m_s) <= change) {
         sea->position_m = sea->target_m;
         sea->speed_m_s = REAL(0.0);
     } else {
-        sea->position_m += step;
+        sea->position_m += sea->speed_m_s * CONTROL_PERIOD_S;
     }
 }
 

@@ -23,13 +23,17 @@ enum speed_table_result speed_table_check(const struct speed_table *table)
 }
 
 /* The cubic through four neighbouring entries in Newton's divided-difference
- * form over s = (r0 - r0[first]) / step: exact at the entries. */
+ * form over s = (r0 - r0[first]) / step: exact at the entries. It interpolates
+ * the squares of the speeds, because v grows with the square root of r0 and its
+ * square is nearly straight. */
 struct cubic {
     real c0, c1, c2, c3;
 };
 
-static struct cubic cubic_through(const real *y)
+static struct cubic cubic_through(const real *speed)
 {
+    const real y[4] = {speed[0] * speed[0], speed[1] * speed[1], speed[2] * speed[2],
+                       speed[3] * speed[3]};
     const real d1 = y[1] - y[0];
     const real d2 = y[2] - REAL(2.0) * y[1] + y[0];
     const real d3 = y[3] - REAL(3.0) * y[2] + REAL(3.0) * y[1] - y[0];
@@ -77,13 +81,14 @@ real speed_table_inverse(const struct speed_table *table, real speed_rad_s)
     const struct cubic c = cubic_through(&table->speed_rad_s[first]);
     const real from = (real)(low - first);
     const real rise = table->speed_rad_s[low + 1] - table->speed_rad_s[low];
+    const real square = speed_rad_s * speed_rad_s;
     real s = from + (speed_rad_s - table->speed_rad_s[low]) / rise;
     for (int i = 0; i < NEWTON_STEPS; i++) {
         const real slope = cubic_slope(&c, s);
         if (!(slope > REAL(0.0))) {
             break; /* the last answer stands: the table rises, its cubic need not */
         }
-        s = real_clamp(s - (cubic_value(&c, s) - speed_rad_s) / slope, from, from + REAL(1.0));
+        s = real_clamp(s - (cubic_value(&c, s) - square) / slope, from, from + REAL(1.0));
     }
     return table->r0_min_m + table->r0_step_m * ((real)first + s);
 }
@@ -98,5 +103,5 @@ real speed_table_speed(const struct speed_table *table, real r0_m)
     }
     const uint16_t first = stencil_first(table, interval);
     const struct cubic c = cubic_through(&table->speed_rad_s[first]);
-    return cubic_value(&c, position - (real)first);
+    return real_sqrt(cubic_value(&c, position - (real)first));
 }

@@ -1,0 +1,113 @@
+/* Heartbeats both ways and NMT start, against the frames of CiA 301. */
+#include "hal/network.h"
+#include "hal/frame_table.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
+
+static void hear(struct network *network, uint32_t id, uint8_t state)
+{
+    const struct can_msg frame = {.id = id, .length = 1, .data = {state}};
+    ck_assert(network_receive(network, &frame));
+}
+
+static void hear_all(struct network *network, uint8_t state)
+{
+    for (uint32_t node = 1; node <= 4; node++) {
+        hear(network, 0x700 + node, state);
+    }
+}
+
+START_TEST(nodes_are_started_one_by_one_and_become_operational)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    network_update(&network, &bus, 0xF);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x000), 0);
+    hear_all(&network, 0); /* boot-up */
+    network_update(&network, &bus, 0xF);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x000), 4);
+    for (uint8_t i = 0; i < 4; i++) {
+        const struct can_msg *start = &fake.sent[fake.sent_count - 4 + i];
+        ck_assert_int_eq(start->length, 2);
+        ck_assert_int_eq(start->data[0], 1);
+        ck_assert_int_eq(start->data[1], i + 1);
+    }
+    ck_assert(!network_all_operational(&network));
+    hear_all(&network, 5);
+    ck_assert(network_all_operational(&network));
+    hear(&network, 0x703, 4); /* stopped */
+    ck_assert(!network_all_operational(&network));
+}
+END_TEST
+
+START_TEST(start_waits_for_permission_and_is_repeated)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    for (int tick = 0; tick < 200; tick++) {
+        hear_all(&network, 127);
+        network_update(&network, &bus, 0x2); /* only node 2 may start */
+    }
+    const unsigned starts = fake_bus_count(&fake, 0x000);
+    ck_assert_uint_ge(starts, 3);
+    ck_assert_uint_le(starts, 5);
+    for (unsigned i = 0; i < fake.sent_count; i++) {
+        ck_assert(fake.sent[i].id != 0x000 || fake.sent[i].data[1] == 2);
+    }
+}
+END_TEST
+
+START_TEST(silence_is_noticed_within_the_time_out)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    hear_all(&network, 5);
+    for (int tick = 0; tick < HEARTBEAT_TIMEOUT_MS; tick++) {
+        ck_assert(network_all_operational(&network));
+        hear(&network, 0x701, 5);
+        hear(&network, 0x702, 5);
+        hear(&network, 0x704, 5);
+        network_update(&network, &bus, 0xF);
+    }
+    network_update(&network, &bus, 0xF);
+    ck_assert(!network_all_operational(&network));
+    hear(&network, 0x703, 5);
+    ck_assert(network_all_operational(&network));
+}
+END_TEST
+
+START_TEST(own_heartbeat_every_100_ticks)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    for (int tick = 0; tick < 1000; tick++) {
+        network_update(&network, &bus, 0);
+    }
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x710), 10);
+    ck_assert_int_eq(fake_bus_last(&fake, 0x710)->data[0], 5);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("network");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, nodes_are_started_one_by_one_and_become_operational);
+    tcase_add_test(tests, start_waits_for_permission_and_is_repeated);
+    tcase_add_test(tests, silence_is_noticed_within_the_time_out);
+    tcase_add_test(tests, own_heartbeat_every_100_ticks);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
