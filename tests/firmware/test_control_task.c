@@ -1,0 +1,278 @@
+/* The tick's boundary is the own SYNC on the bus, and what goes out is always safe. */
+#include "firmware/control_task.h"
+#include "hal/frame_table.h"
+#include "hal/sea_drive_cia402.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
+
+#include <string.h>
+
+struct bench {
+    struct fake_bus fake;
+    struct control_params params;
+    struct cia402_drives cia402;
+    struct control_task task;
+    bool stop_pressed;
+};
+
+static bool is_pressed(void *context)
+{
+    return ((const struct bench *)context)->stop_pressed;
+}
+
+static const struct emergency_stop_ops stop_ops = {is_pressed};
+
+static struct control_params some_params(void)
+{
+    struct control_params params = {0};
+    /* The middle of every range is a valid value of its field. */
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        const struct control_param_descriptor *d = &control_param_descriptors[i];
+        *(real *)((char *)&params + d->offset) = d->minimum;
+    }
+    params.leg_length_m = 1.0f;
+    params.law = (float)LAW_PROPORTIONAL;
+    params.kp_m_s_rad = 0.042f;
+    params.start_r0_m = 0.05f;
+    params.r0_min_m = 0.01f;
+    params.r0_max_m = 0.3f;
+    params.r0_change_max_m = 0.05f;
+    params.apex_window_s = 0.02f;
+    params.angle_hysteresis_rad = 0.01f;
+    params.sea_speed_max_m_s = 1.0f;
+    params.sea_acceleration_m_s2 = 10.0f;
+    params.sea_tolerance_m = 0.001f;
+    params.sensor_age_max_s = 0.01f;
+    params.step_timeout_s = 3.0f;
+    params.fall_angle_rad = 1.2f;
+    params.unload_timeout_s = 0.5f;
+    params.table.count = SPEED_TABLE_MAX;
+    params.table.r0_min_m = 0.01f;
+    params.table.r0_step_m = 0.005f;
+    for (int i = 0; i < SPEED_TABLE_MAX; i++) {
+        params.table.speed_rad_s[i] = 0.2f + 0.015f * (float)i;
+    }
+    return params;
+}
+
+static void start(struct bench *b)
+{
+    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1}, {1.0e6f, 0, 1}};
+    memset(b, 0, sizeof *b);
+    fake_bus_init(&b->fake);
+    b->params = some_params();
+    cia402_drives_init(&b->cia402, axes);
+    struct control_task_config config = {.params = &b->params,
+                                         .bus = fake_bus_interface(&b->fake),
+                                         .drives = cia402_drives_interface(&b->cia402),
+                                         .stop = {&stop_ops, b},
+                                         .leg_sensor = {{.angle_direction = 1}, {.angle_direction = 1}},
+                                         .desired_speed_rad_s = 0.4f,
+                                         .walk_requested = true};
+    ck_assert_int_eq(control_task_init(&b->task, &config), CONTROL_PARAMS_OK);
+}
+
+static void put(struct bench *b, uint32_t id, uint8_t length, uint64_t data)
+{
+    struct can_msg frame = {.id = id, .length = length};
+    memcpy(frame.data, &data, length);
+    fake_bus_put(&b->fake, &frame);
+}
+
+static void put_own_sync(struct bench *b)
+{
+    const struct can_msg sync = {.id = 0x080, .flags = CAN_FRAME_OWN};
+    fake_bus_put(&b->fake, &sync);
+}
+
+/* All four answers: drives at position 0 with this statusword, left leg ahead. */
+static void put_answers(struct bench *b, uint16_t statusword)
+{
+    put(b, 0x181, 6, statusword);
+    put(b, 0x182, 6, statusword);
+    put(b, 0x283, 5, 0x050000);  /* +0.12 rad */
+    put(b, 0x284, 5, 0xFB0000);  /* -0.12 rad */
+}
+
+static void put_heartbeats(struct bench *b)
+{
+    for (uint32_t node = 1; node <= 4; node++) {
+        put(b, 0x700 + node, 1, 5);
+    }
+}
+
+static void run_ticks(struct bench *b, int count, uint16_t statusword)
+{
+    for (int i = 0; i < count; i++) {
+        put_heartbeats(b);
+        put_answers(b, statusword);
+        put_own_sync(b);
+        if (b->fake.sent_count > FAKE_BUS_FRAMES - 16) {
+            fake_bus_clear(&b->fake);
+        }
+        ck_assert(control_task_poll(&b->task) & CONTROL_TASK_TICKED);
+    }
+}
+
+START_TEST(start_cycle_sends_an_empty_sync)
+{
+    struct bench b;
+    start(&b);
+    ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_OK);
+    ck_assert_uint_eq(b.fake.sent_count, 1);
+    ck_assert_uint_eq(b.fake.sent[0].id, 0x080);
+    ck_assert_uint_eq(b.fake.sent[0].length, 0);
+    b.fake.verdict = CAN_DOWN;
+    ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_DOWN);
+    ck_assert_uint_eq(b.task.counters.syncs_refused, 1);
+}
+END_TEST
+
+START_TEST(a_tick_runs_at_the_own_sync_and_only_there)
+{
+    struct bench b;
+    start(&b);
+    put_answers(&b, 0x0240);
+    const struct can_msg foreign_sync = {.id = 0x080};
+    fake_bus_put(&b.fake, &foreign_sync);
+    ck_assert_uint_eq(control_task_poll(&b.task), 0);
+    ck_assert_uint_eq(b.task.tick, 0);
+    ck_assert_uint_eq(b.fake.sent_count, 0);
+    put_own_sync(&b);
+    ck_assert(control_task_poll(&b.task) & CONTROL_TASK_TICKED);
+    ck_assert_uint_eq(b.task.tick, 1);
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x201));
+}
+END_TEST
+
+START_TEST(frames_belong_to_the_tick_of_the_next_sync)
+{
+    struct bench b;
+    start(&b);
+    put_own_sync(&b);
+    put_answers(&b, 0x0240);
+    (void)control_task_poll(&b.task);
+    ck_assert(control_task_cycle_complete(&b.task));
+    ck_assert_uint_eq(b.task.counters.late_answers, 2); /* none had come before the first SYNC */
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    ck_assert(!control_task_cycle_complete(&b.task));
+    ck_assert_uint_eq(b.task.counters.late_answers, 2);
+    put(&b, 0x283, 5, 0);
+    put(&b, 0x284, 5, 0);
+    put(&b, 0x181, 6, 0x0240);
+    (void)control_task_poll(&b.task);
+    ck_assert_msg(!control_task_cycle_complete(&b.task), "one answer is missing");
+    put(&b, 0x182, 6, 0x0240);
+    (void)control_task_poll(&b.task);
+    ck_assert(control_task_cycle_complete(&b.task));
+}
+END_TEST
+
+START_TEST(engages_when_all_is_well_and_loads_the_leg_in_front)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 10, 0x0240);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+    run_ticks(&b, 100, 0x0227);
+    ck_assert(b.task.output.sea[SIDE_LEFT].enable && b.task.output.sea[SIDE_RIGHT].enable);
+    assert_close(b.task.output.sea[SIDE_LEFT].precompression_m, 0.05, 0.03, 0.0);
+    ck_assert(b.task.output.sea[SIDE_LEFT].precompression_m > 0.01f);
+    ck_assert(b.task.output.sea[SIDE_RIGHT].precompression_m == 0.0f);
+    ck_assert_msg(!b.task.output.sea[SIDE_LEFT].latch_armed, "armed before any apex");
+}
+END_TEST
+
+START_TEST(emergency_stop_is_obeyed_and_told)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 110, 0x0227);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+    b.stop_pressed = true;
+    fake_bus_clear(&b.fake);
+    run_ticks(&b, 1, 0x0227);
+    const struct can_msg *state = fake_bus_last(&b.fake, 0x290);
+    ck_assert_ptr_nonnull(state);
+    ck_assert_uint_eq(state->data[0], 0x80 | SUPERVISOR_UNLOADING);
+    ck_assert_uint_eq(state->data[1], SUPERVISOR_FAULT_EMERGENCY_STOP);
+    b.stop_pressed = false;
+    run_ticks(&b, 1000, 0x0227);
+    ck_assert_msg(b.task.output.state == SUPERVISOR_FAULT, "let go, and it forgot: state %d",
+                  (int)b.task.output.state);
+    ck_assert(!b.task.output.sea[SIDE_LEFT].enable && !b.task.output.sea[SIDE_RIGHT].enable);
+    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].sent_controlword, 0x06); /* out of operation enabled */
+}
+END_TEST
+
+/* Loses one leg's frames for n ticks; says the state after. */
+static enum supervisor_state lose_leg_frames(int ticks)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 110, 0x0227);
+    for (int i = 0; i < ticks; i++) {
+        put_heartbeats(&b);
+        put(&b, 0x181, 6, 0x0227);
+        put(&b, 0x182, 6, 0x0227);
+        put(&b, 0x284, 5, 0xFB0000);
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+    }
+    return b.task.output.state;
+}
+
+START_TEST(a_lost_frame_is_bridged_a_lost_sensor_is_not)
+{
+    ck_assert_int_eq(lose_leg_frames(1), SUPERVISOR_ENGAGING);
+    ck_assert_int_eq(lose_leg_frames(10), SUPERVISOR_ENGAGING);
+    ck_assert_int_eq(lose_leg_frames(11), SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(lose_leg_frames(12), SUPERVISOR_FAULT); /* the springs report slack */
+}
+END_TEST
+
+START_TEST(parameters_out_of_range_are_refused)
+{
+    struct bench b;
+    start(&b);
+    struct control_task_config config = b.task.config;
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        struct control_params params = some_params();
+        real *field = (real *)((char *)&params + control_param_descriptors[i].offset);
+        config.params = &params;
+        *field = control_param_descriptors[i].maximum * 1.01f + 1e-6f;
+        ck_assert_int_eq(control_task_init(&b.task, &config), i);
+        *field = (real)(0.0f / 0.0f);
+        ck_assert_int_eq(control_task_init(&b.task, &config), i);
+    }
+}
+END_TEST
+
+START_TEST(a_poll_is_bounded)
+{
+    struct bench b;
+    start(&b);
+    for (int i = 0; i < FAKE_BUS_FRAMES; i++) {
+        put(&b, 0x7FF, 0, 0);
+    }
+    (void)control_task_poll(&b.task);
+    ck_assert_uint_eq(b.task.counters.foreign_frames, CONTROL_TASK_POLL_FRAMES);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("control_task");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, start_cycle_sends_an_empty_sync);
+    tcase_add_test(tests, a_tick_runs_at_the_own_sync_and_only_there);
+    tcase_add_test(tests, frames_belong_to_the_tick_of_the_next_sync);
+    tcase_add_test(tests, engages_when_all_is_well_and_loads_the_leg_in_front);
+    tcase_add_test(tests, emergency_stop_is_obeyed_and_told);
+    tcase_add_test(tests, a_lost_frame_is_bridged_a_lost_sensor_is_not);
+    tcase_add_test(tests, parameters_out_of_range_are_refused);
+    tcase_add_test(tests, a_poll_is_bounded);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
