@@ -33,7 +33,7 @@
 
 enum plant_kind { PLANT_WALKER = 0, PLANT_WEARER = 1 };
 
-enum { PLANT_PATH_MAX = 512, PLANT_ERROR_MAX = 384 };
+enum { PLANT_PATH_MAX = 512, PLANT_ERROR_MAX = 512 };
 
 struct plant_config {
     enum plant_kind kind;
@@ -86,9 +86,8 @@ struct plant {
     struct walk walk;
     struct rng ground_rng;
     uint64_t footholds;
-    double foothold_height_m;
-    double collision_loss_J, own_work_J, device_work_J[SIDE_COUNT];
-    double wearer_energy_mark[SIDE_COUNT];
+    double foothold_height_m, next_foothold_height_m; /* above the slope line */
+    double wearer_work_J[SIDE_COUNT];
     struct wearer wearer;
     struct wearer_state person;
     size_t wearer_cursor;
@@ -153,7 +152,7 @@ void plant_push(struct plant *plant, double impulse_x_Ns, double impulse_y_Ns);
 /* scale 1: as configured; 0: broken; > 1: stiffer. Clamped to 0 .. 100. */
 void plant_set_spring_scale(struct plant *plant, enum side side, double scale);
 /* The wearer's own push-off: a spring of the given stiffness and rest extension at
- * the trailing ankle, from heel strike on; 0 ends it at the next step. */
+ * the trailing ankle, from the next heel strike on; 0 ends it at once. */
 void plant_set_own_push(struct plant *plant, double stiffness_N_per_m, double rest_m);
 void plant_set_next_height(struct plant *plant, double height_m);
 

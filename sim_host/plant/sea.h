@@ -109,18 +109,17 @@ struct sea {
     struct sea_command command;
     /* motor, at the start of the current drive period */
     double position_m, speed_m_s, acceleration_m_s2;
-    double motor_force_N, spring_force_N;
-    /* drive */
-    double reference_m, reference_speed_m_s;
-    double target_from_m, target_to_m; /* interpolated over one SYNC period */
-    uint32_t periods_since_sync;
+    double motor_force_N, spring_force_N, friction_N;
+    /* drive; in true coordinates */
+    double reference_m, reference_speed_m_s, reference_acceleration_m_s2;
+    double target_from_m, target_to_m; /* interpolated over one tick */
+    double since_command_s;
     double integral_N;
     double measured_m, measured_speed_m_s;
     double temperature_degC;
     bool force_limited, at_end_stop, target_clamped;
     /* latch */
     enum sea_latch latch;
-    double output_m;          /* where the latch holds the spring's output */
     bool release_pending;
     double release_time_s;    /* walker's time */
     struct rng rng;
@@ -145,9 +144,9 @@ struct sea_subject {
  * SEA_IDEAL: motor position is the target from the SYNC on, nothing limits it
  *   but the stroke (0 .. 0.5 l), foot back at once, release without latency.
  * SEA_REAL: reflected motor mass 4 (M + 2m), 60 Hz loop at 10 kHz, damping 1,
- *   Coulomb 1 % and viscous friction, force limit 2.5 k stroke, speed limit
- *   0.6 sqrt(g l), stroke 0 .. 0.35 l, end stops 5 mm l outside, 16-bit motor
- *   encoder on a 5 mm screw, release on contact or extension after 0.1 ms,
+ *   Coulomb friction 1 % of k stroke and viscous friction, force limit 2.5 k stroke,
+ *   speed limit 0.6 sqrt(g l), stroke 0 .. 0.35 l, end stops 0.005 l outside, 16-bit
+ *   motor encoder on a 5 mm screw, release on contact or extension after 0.1 ms,
  *   foot follows the motor back. Numbers and reasons: sea_presets.c. */
 void sea_preset(enum sea_preset_kind kind, const struct sea_subject *subject,
                 struct sea_params *params);
@@ -187,10 +186,14 @@ void sea_other_foot_contact(struct sea *sea, double now_s);
 void sea_ankle_extends(struct sea *sea, double now_s);
 
 /* The moment has come / the spring has reached its motor / the foot is back.
- * sea_reclose() does nothing unless SLACK and foot_m <= reclose_m. */
+ * sea_lift_off() does nothing unless RELEASED; sea_reclose() nothing unless SLACK
+ * with motor and foot both at or below reclose_m, and says whether it closed. */
 void sea_release_now(struct sea *sea);
 void sea_lift_off(struct sea *sea);
-void sea_reclose(struct sea *sea, double foot_m);
+bool sea_reclose(struct sea *sea, double foot_m);
+
+/* Whether an armed, closed latch waits for a cause or for its latency to pass. */
+bool sea_may_release(const struct sea *sea);
 
 /* Force that the ankle at ankle_m feels now (>= 0; 0 while closed). */
 double sea_ankle_force_N(const struct sea *sea, double ankle_m);

@@ -5,20 +5,23 @@
  * integrator: heel strike, release, ankle locked, lift-off, fall; apexes are
  * landed for the record only. What holds the ankle and the toes is walker3.h's
  * contact; the walk chooses it:
- *   - single support: heel on the ground (r held) unless the stance spring has
- *     been released, then r is free and the heel may come down again;
+ *   - single support: heel on the ground (r = 0 held) unless the stance spring is
+ *     not latched, then r is free while the spring lifts it, and the heel comes
+ *     down again plastically;
  *   - heel strike: toe of the swing leg meets the ground, coming down, ahead of
  *     the stance toe, with theta_s < 0 (the mid-stance scuff is ignored). Plastic
  *     impact. If the trailing latch is not armed and the wearer does not push,
  *     the trailing foot leaves after unarmed_hold_s (default: at once);
- *   - double support: both toes pinned, r free, not below its value at impact;
+ *   - double support: both toes pinned, r of the trailing leg free, not below 0;
+ *     the leading ankle is held as it landed;
  *   - lift-off: released spring and wearer's own push have reached their ends.
- *     The leaving foot follows its motor back; landing on one that is not back
- *     yet lands earlier, on a longer leg.
+ *     The leaving foot follows its motor back; one that is not back yet lands
+ *     earlier, on a longer leg, and then stands on its spring.
  * Sides: the walk names legs left and right; walker3 knows stance and swing.
  *
- * No heap, no globals, no I/O; plain data, a copy is a snapshot. Cost of one
- * tick: 1 step of the integrator in single support, up to ten in double support.
+ * No heap, no globals, no I/O; plain data, a copy is a snapshot. Cost of one tick:
+ * one step of the integrator in single support, one per drive period elsewhere,
+ * and about ten more where an event is landed.
  */
 #ifndef SIM_HOST_PLANT_WALK_H
 #define SIM_HOST_PLANT_WALK_H
@@ -81,7 +84,8 @@ struct walk_event {
     double value;
 };
 
-/* One step, from heel strike to heel strike; handed out when complete. */
+/* One step: single support of the stance leg with its apex, the other foot's heel
+ * strike, the stance leg's push-off. Handed out at its lift-off. */
 struct walk_step {
     uint64_t index;           /* 1 is the first step after letting go */
     enum side stance;         /* side of the stance leg at the apex */
@@ -111,17 +115,18 @@ struct walk {
     enum side stance;
     struct walker3_state state;
     struct walker3_contact contact;
-    double impact_extension_m;   /* r at the last impact: r may not go below it */
     double foot_m[2];            /* world position of the stance toe */
     double next_height_m;        /* ground of the next foothold relative to the slope through this one */
     double phase_since_s;
-    bool own_push_active;
+    bool own_push_active;        /* the wearer's push-off, from heel strike to lift-off */
     bool foot_was_above;         /* swing toe has been above the ground, ahead: may land */
     struct walk_step current;
     struct walk_event events[WALK_EVENT_RING];
     struct walk_step steps[WALK_STEP_RING];
     uint64_t events_written, events_read, events_lost;
     uint64_t steps_written, steps_read, steps_lost;
+    /* cumulative */
+    double collision_loss_J, own_work_J, device_work_J[SIDE_COUNT];
 };
 
 /* Angles and rates of the pose the hand holds. */

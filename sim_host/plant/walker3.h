@@ -46,9 +46,11 @@ struct walker3_contact {
  * device_N_per_m * (position - r) + own_N_per_m * (own_rest_m - r), where
  * position(tau) = position_m + speed_m_s tau + acceleration_m_s2 tau^2 / 2 is the
  * motor's, tau counted from the instant the struct describes. Neither spring
- * pulls; but while own_N_per_m is 0 the device's is left unclipped, so that the
- * force stays smooth up to the lift-off that ends it. */
+ * pulls: each term is 0 when negative. device_smooth leaves the device's
+ * unclipped, for double support, which the caller ends where it would pull: so the
+ * force is smooth up to the event that is landed on it. */
 struct walker3_ankle {
+    bool device_smooth;
     double device_N_per_m;
     double position_m;
     double speed_m_s;
@@ -112,9 +114,9 @@ struct walker3_impact {
 };
 
 /* Plastic impact of the other toe while the stance toe stays pinned: from the
- * impulse equations, no slip, no rebound. The stance ankle extends freely but
- * not below its present value: if its rate after impact came out negative, all
- * three rates are zero (heel and both toes hold). impact may be NULL. */
+ * impulse equations, no slip, no rebound. The stance ankle is free but
+ * its heel is not: at r <= 0, a rate that would come out negative makes all three
+ * rates zero (heel and both toes hold). impact may be NULL. */
 void walker3_collide(const struct walker3_params *params, struct walker3_state *state,
                      double swing_extension_m, struct walker3_impact *impact);
 
@@ -122,8 +124,10 @@ void walker3_collide(const struct walker3_params *params, struct walker3_state *
 void walker3_push(const struct walker3_params *params, struct walker3_state *state,
                   const struct walker3_contact *contact, const double impulse_Ns[2]);
 
-/* Brings the stance ankle to rest (r' = 0): heel or latch catches it. */
-void walker3_lock_ankle(const struct walker3_params *params, struct walker3_state *state);
+/* Brings the stance ankle to rest (r' = 0), plastically: the heel comes down. In
+ * double support nothing is left to move. */
+void walker3_lock_ankle(const struct walker3_params *params, struct walker3_state *state,
+                        const struct walker3_contact *contact);
 
 /* The legs swap names after lift-off: the origin moves to the toe of the old
  * swing leg, whose extension becomes r (r' = 0). */

@@ -20,7 +20,7 @@
 
 #include "model/side.h"
 
-enum { WEARER_NAME_MAX = 64, WEARER_ERROR_MAX = 256 };
+enum { WEARER_NAME_MAX = 64, WEARER_ERROR_MAX = 512 };
 
 /* Names of the columns and how to read them; wearer_format_default() gives the
  * names of the project's recordings. An empty name: not there (time: use

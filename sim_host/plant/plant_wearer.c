@@ -1,0 +1,105 @@
+/* The SEAs on a person who cannot be moved: the recording leads, forces are felt only. */
+#include <stddef.h>
+
+#include "sim_host/plant/plant_internal.h"
+#include "sim_host/plant/walk_internal.h"
+
+/* Recording's time at a plant time: it stands still before wearer_start_tick. */
+static double recording_s(const struct plant *plant, uint64_t tick)
+{
+    const uint64_t start = plant->config.wearer_start_tick;
+    return tick <= start ? 0.0 : (double)(tick - start) * plant->config.tick_s;
+}
+
+static double plant_time_of_s(const struct plant *plant, double recorded_s)
+{
+    return recorded_s + (double)plant->config.wearer_start_tick * plant->config.tick_s;
+}
+
+/* Heel strikes and toe-offs of the samples that this tick reaches. */
+static void pass_contacts(struct plant *plant, size_t from, size_t to)
+{
+    const struct wearer *wearer = &plant->wearer;
+    for (size_t i = from + 1; i <= to && wearer->has_contact; i++) {
+        const struct wearer_sample *now = &wearer->samples[i], *before = now - 1;
+        const double time_s = plant_time_of_s(plant, now->time_s);
+        for (int k = 0; k < SIDE_COUNT; k++) {
+            const enum side side = (enum side)k;
+            if (now->contact[side] && !before->contact[side]) {
+                walk_post(&plant->walk, WALK_EVENT_HEEL_STRIKE, side, time_s,
+                          now->leg_angle_rad[side]);
+                sea_other_foot_contact(&plant->sea[side_other(side)], time_s);
+            } else if (!now->contact[side] && before->contact[side]) {
+                walk_post(&plant->walk, WALK_EVENT_TOE_OFF, side, time_s,
+                          now->leg_angle_rad[side]);
+            }
+        }
+    }
+}
+
+/* The recorded leg passes the vertical while its foot is on the ground. */
+static void pass_apex(struct plant *plant, const struct wearer_state *next)
+{
+    const struct wearer_state *now = &plant->person;
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        const double from = now->leg_angle_rad[k], to = next->leg_angle_rad[k];
+        if (from > 0.0 && to <= 0.0 && (next->contact[k] || !plant->wearer.has_contact)) {
+            const double part = from / (from - to);
+            const double rate = now->leg_rate_rad_s[k] +
+                                part * (next->leg_rate_rad_s[k] - now->leg_rate_rad_s[k]);
+            walk_post(&plant->walk, WALK_EVENT_APEX, (enum side)k,
+                      plant_now_s(plant) + part * plant->config.tick_s, -rate);
+        }
+    }
+}
+
+static void run_latch(struct plant *plant, enum side side, double ankle_m, double now_s)
+{
+    struct sea *sea = &plant->sea[side];
+    if (sea_may_release(sea) && ankle_m > sea->params.extension_trigger_m) {
+        sea_ankle_extends(sea, now_s);
+    }
+    if (sea->release_pending && sea->release_time_s <= now_s) {
+        sea_release_now(sea);
+        walk_post(&plant->walk, WALK_EVENT_RELEASE, side, now_s, sea->position_m);
+    }
+    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m) {
+        sea_lift_off(sea);
+        walk_post(&plant->walk, WALK_EVENT_LIFT_OFF, side, now_s, ankle_m);
+    }
+    /* A slack spring's output stands at its motor, wherever the ankle is. */
+    if (sea_reclose(sea, 0.0)) {
+        walk_post(&plant->walk, WALK_EVENT_RECLOSED, side, now_s, sea->position_m);
+    }
+}
+
+static void run_actuator(struct plant *plant, enum side side, const struct wearer_state *next)
+{
+    struct sea *sea = &plant->sea[side];
+    const double period_s = sea->params.drive_period_s;
+    const int periods = (int)(plant->config.tick_s / period_s + 0.5);
+    const double start_m = plant->person.ankle_m[side];
+    const double step_m = (next->ankle_m[side] - start_m) / (double)periods;
+    for (int i = 0; i < periods; i++) {
+        const double ankle_m = start_m + (double)i * step_m;
+        run_latch(plant, side, ankle_m, plant_now_s(plant) + (double)i * period_s);
+        sea_drive_period(sea, ankle_m);
+        const double before_N = sea_ankle_force_N(sea, ankle_m);
+        sea_finish_period(sea);
+        const double after_N = sea_ankle_force_N(sea, ankle_m + step_m);
+        plant->wearer_work_J[side] += 0.5 * (before_N + after_N) * step_m;
+    }
+}
+
+void plant_advance_wearer(struct plant *plant)
+{
+    const size_t from = plant->wearer_cursor;
+    struct wearer_state next;
+    wearer_at(&plant->wearer, recording_s(plant, plant->tick + 1), &plant->wearer_cursor, &next);
+    pass_apex(plant, &next);
+    pass_contacts(plant, from, plant->wearer_cursor);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        run_actuator(plant, (enum side)side, &next);
+    }
+    plant->person = next;
+}
