@@ -120,6 +120,20 @@ def test_the_law_holds_where_a_constant_r0_falls():
     assert status == 1 and result["fell"] is True
 
 
+@pytest.mark.parametrize("fault", ["cut-drives", "never-armed", "swapped"])
+def test_the_frames_are_what_moves_the_walker(fault):
+    """Without the drives' frames, without the latch's bit, or with the legs exchanged it falls;
+    the same walk without the fault does not."""
+    arguments = ("--speed", 0.60, "--steps", 60, "--sensors", "ideal")
+    status, result = walk(*arguments)
+    assert status == 0 and result["steps"] == 60
+    status, result = walk(*arguments, "--fault", fault, "--fault-step", 10)
+    assert status == 1
+    assert result["fell"] is True
+    assert 10 <= result["steps"] < 60
+    assert result["fault"] not in (None, "", "none")
+
+
 def test_the_report_of_the_bus_and_time_is_plausible():
     _, result = walk("--speed", 0.60, "--steps", 400, "--sensors", "ideal")
     # 1,000 bits a cycle at 1 kHz; SYNC and six PDOs alone are some 500.
