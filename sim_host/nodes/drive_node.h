@@ -1,27 +1,34 @@
-/* A virtual SEA drive: a CANopen device of profile CiA 402, as an EPOS-like
- * drive behaves on the bus, with a spring, a latch and its own safe reaction.
+/* A virtual SEA drive: a CANopen device of profile CiA 402, as an EPOS-like drive
+ * behaves on the bus, with a spring, a latch and its own safe reaction.
  *
  * It knows a `struct can_bus` and the time it is told, nothing else, so the same
- * node runs on the in-process bus and on SocketCAN. The mechanics are outside:
- * the owner hands in what the axis measures and takes out what the axis shall do.
+ * node runs on the in-process bus and on SocketCAN. The mechanics are outside: the
+ * owner hands in what the axis measures and takes out what the axis shall do.
  *
- * One period of the owner, at SYNC k (t = k ms):
+ * At SYNC k (t = k ms):
  *     drive_node_measure(node, &feedback);     state of the plant at t
  *     drive_node_poll(node, now_ns);           sees SYNC: applies the synchronous
  *                                              RPDOs of the cycle before, answers
  *     drive_node_command(node, period, &cmd);  then the plant goes on one period
  * Without SYNC (controller dead) the owner goes on calling all three by the clock.
  *
- * Power-on mapping (all can be changed by SDO): RPDO1 0x201 target position left
- * (0x607A), right, the other half dummy-mapped INTEGER32, transmission type 1;
- * RPDO2 0x300+node controlword and 0x60FE:01, type 255; TPDO1 0x180+node
- * statusword and position, type 1; TPDO3 0x380+node torque, temperature and DC
- * link voltage, type 100.
+ * Power-on mapping (all of it can be changed by SDO): RPDO1 0x201 for both drives,
+ * target position 0x607A left, then right, the other drive's half as dummy
+ * INTEGER32, transmission type 1, time-out 50 ms; RPDO2 0x300+node controlword and
+ * 0x60FE:01, type 255; TPDO1 0x180+node statusword and position, type 1; TPDO3
+ * 0x380+node torque, temperature, DC link voltage, type 100. Heartbeat 100 ms;
+ * consumes the controller's (node 16) with 250 ms. Mode 8 (cyclic synchronous
+ * position), the only one it has: others are refused.
  *
- * Safe reaction: when the master's heartbeat or its RPDO fails (0x6007), on a
- * fault (0x605E) and on quick stop (0x605A) the drive disarms the latch and moves
- * its motor to zero spring at no more than config.unload_rate_m_per_s by itself,
- * then switches its torque off. An unarmed latch never lets go.
+ * Safe reaction: when the master's heartbeat or the target RPDO fails or the node
+ * leaves NMT operational (0x6007), on a fault (0x605E), on quick stop (0x605A) and
+ * on an orderly shutdown (0x605B, 0x605C) the drive disarms the latch, moves its
+ * motor to zero spring at config.unload_rate_m_per_s by itself and then switches its
+ * torque off. Disable voltage switches off at once, as the profile demands.
+ *
+ * Statusword bits besides the state (CiA 402-2): 4 voltage, 9 remote (operational),
+ * 11 a limit acts, 12 follows the target, 13 following error; of the maker: 14 latch
+ * closed, 15 motor at zero spring.
  */
 #ifndef SIM_HOST_NODES_DRIVE_NODE_H
 #define SIM_HOST_NODES_DRIVE_NODE_H
@@ -36,34 +43,36 @@ struct drive_node_config {
     enum side side;               /* which half of RPDO 0x201 */
     uint8_t node_id;              /* 1..127 */
     uint32_t counts_per_m;        /* motor counts per metre of spring, > 0 */
-    double stroke_m;              /* position limits 0x607D: 0..stroke */
-    double max_speed_m_per_s;     /* 0x6080, profile velocity limit */
-    double rated_force_N;         /* 1000 per mille of 0x6077 */
-    double following_error_m;     /* 0x6065 */
+    double stroke_m;              /* position limits 0x607D: 0..stroke, > 0 */
+    double max_speed_m_per_s;     /* 0x6080: fastest demand; 0: the demand may jump */
+    double rated_force_N;         /* 1000 per mille of 0x6077, > 0 */
+    double following_error_m;     /* 0x6065, > 0; for longer than 100 ms it is a fault */
     double unload_rate_m_per_s;   /* bounded rate of the safe reactions, > 0 */
+    double temperature_limit_degC; /* above: fault 0x4310; 0: none */
+    double dc_link_minimum_V;      /* below while enabled: fault 0x3220; 0: none */
 };
 
 struct drive_axis_feedback {
     double position_m; /* motor, metres of spring; 0 = unloaded */
     double velocity_m_per_s;
-    double force_N;    /* spring force on the motor side */
+    double force_N;    /* of the motor */
     double temperature_degC;
     double dc_link_V;
     bool latch_holds;  /* the latch carries the spring's output */
 };
 
 struct drive_axis_command {
-    bool powered;      /* position loop closed; false: no torque, motor free (or braked) */
-    bool brake;        /* holding brake closed, 0x60FE bit 0 */
+    bool powered;      /* position loop closed; false: no torque */
+    bool brake;        /* holding brake wanted, 0x60FE bit 0 */
     bool latch_armed;
     double target_m;   /* position demand at the end of the period */
 };
 
 struct drive_node;
 
-/* Prepares the node and sends its boot-up message. `storage` holds the node (the
- * type is below); `bus` is kept by value; its context must outlive the node.
- * Returns 0, or -1 when a config value is out of range. */
+/* Prepares the node and sends its boot-up message. The struct is the caller's and
+ * must not move afterwards; `bus` is kept by value, its context must outlive the
+ * node. Returns 0, or -1 when a config value is out of range. */
 int drive_node_init(struct drive_node *node, const struct drive_node_config *config,
                     struct can_bus bus, uint64_t now_ns);
 
@@ -71,17 +80,23 @@ int drive_node_init(struct drive_node *node, const struct drive_node_config *con
 void drive_node_measure(struct drive_node *node, const struct drive_axis_feedback *feedback);
 
 /* Handles waiting frames and everything due by now_ns (heartbeats, time-outs).
- * Cost: about 0.1 us a frame. */
-void drive_node_poll(struct drive_node *node, uint64_t now_ns);
+ * Returns true when a SYNC was among them. Cost: about 0.1 us a frame. */
+bool drive_node_poll(struct drive_node *node, uint64_t now_ns);
 
-/* Advances the drive's own trajectory and supervision by period_ns (1..10 ms) and
- * says what the axis shall do during it. */
+/* The same for one frame which the owner received on a shared interface. */
+bool drive_node_receive(struct drive_node *node, const struct can_msg *message,
+                        uint64_t now_ns);
+
+/* Advances the drive's own trajectory and supervision by period_ns (0.1..10 ms) and
+ * says what the axis shall do during it. The period starts at the node's newest time
+ * (of _init, _poll or _receive). */
 void drive_node_command(struct drive_node *node, uint32_t period_ns,
                         struct drive_axis_command *command);
 
-/* As if the device reported an internal fault with this CiA 402 error code
- * (0x603F), e.g. 0x4310 over-temperature. For tests and fault injection. */
-void drive_node_inject_fault(struct drive_node *node, uint16_t error_code, uint64_t now_ns);
+/* As if the device noticed an internal fault with this CiA 402 error code (0x603F),
+ * e.g. 0x4310 over-temperature, 0x7305 encoder. It stays until called again with 0
+ * and reset by the master. For tests and fault injection. */
+void drive_node_inject_fault(struct drive_node *node, uint16_t error_code);
 
 #include "sim_host/nodes/drive_node_type.h"
 

@@ -2,13 +2,79 @@
 #ifndef SIM_HOST_NODES_DRIVE_NODE_TYPE_H
 #define SIM_HOST_NODES_DRIVE_NODE_TYPE_H
 
+#include "hal/canopen/co_device.h"
 #include "sim_host/nodes/drive_node.h"
 
-struct drive_node {
-    struct drive_node_config config;
-    struct can_bus bus;
-    struct drive_axis_feedback feedback;
-    struct drive_axis_command command;
+/* States of the CiA 402 machine, numbered for object 0x2110 and tests. */
+enum drive_machine {
+    DRIVE_NOT_READY = 0,
+    DRIVE_SWITCH_ON_DISABLED = 1,
+    DRIVE_READY_TO_SWITCH_ON = 2,
+    DRIVE_SWITCHED_ON = 3,
+    DRIVE_OPERATION_ENABLED = 4,
+    DRIVE_QUICK_STOP_ACTIVE = 5,
+    DRIVE_FAULT_REACTION = 6,
+    DRIVE_IN_FAULT = 7
 };
+
+/* Values of the objects 0x2000 and above (table: drive_objects.c). */
+struct drive_objects {
+    int16_t temperature_0_1_degC;
+    uint8_t latch_closed;
+    uint32_t unload_rate; /* counts/s */
+    uint8_t state;        /* enum drive_machine */
+    int16_t abort_connection_option;
+    uint16_t error_code;
+    uint16_t controlword;
+    uint16_t statusword;
+    int16_t quick_stop_option;
+    int16_t shutdown_option;
+    int16_t disable_option;
+    int16_t fault_reaction_option;
+    int8_t mode;
+    int8_t mode_display;
+    int32_t position_demand;
+    int32_t position_actual;
+    uint32_t following_window;
+    uint16_t following_timeout_ms;
+    int32_t velocity_actual;
+    int16_t torque_actual;
+    uint32_t dc_link_mV;
+    int32_t target_position;
+    uint8_t pair_count; /* highest sub-index 2 of the objects below */
+    int32_t limit_min, limit_max;
+    uint32_t max_speed;
+    uint32_t encoder_increments, encoder_revolutions;
+    uint32_t gear_motor, gear_shaft;
+    uint32_t feed, feed_revolutions;
+    uint8_t interpolation_value;
+    int8_t interpolation_exponent;
+    int32_t following_error;
+    uint32_t digital_inputs;
+    uint32_t outputs, output_mask;
+    uint32_t supported_modes;
+};
+
+struct drive_node {
+    struct co_device device;
+    struct drive_node_config config;
+    struct drive_objects objects;
+    struct drive_axis_feedback feedback;
+    struct co_dictionary dictionary;
+    enum drive_machine state;
+    enum drive_machine after_unloading; /* where the machine goes when unloaded */
+    bool unloading;
+    bool sync_seen;
+    uint16_t last_controlword;
+    uint16_t injected_fault;
+    uint64_t now_ns;
+    uint64_t unloading_since_ns;
+    uint64_t following_since_ns; /* 0: within the window */
+    double demand_counts;
+};
+
+/* The table of objects 0x2000 and above; base is struct drive_objects. */
+extern const struct co_entry drive_object_table[];
+extern const uint16_t drive_object_count;
 
 #endif

@@ -1,10 +1,13 @@
-/* A virtual leg sensor: CANopen encoder of profile CiA 406 which measures the leg
- * angle and the ankle's extension and answers every SYNC with TPDO2 (0x280+node,
- * 5 bytes: 0x6020:01 leg angle INTEGER24, 0x6020:02 ankle INTEGER16).
+/* A virtual leg sensor: CANopen encoder of profile CiA 406 that measures the leg
+ * angle and the ankle's extension and answers every SYNC with TPDO2 (0x280+node):
+ * 0x2020:01 leg angle (INTEGER24), 0x2020:02 ankle (INTEGER16), 5 bytes.
  *
- * Knows a `struct can_bus` and the time it is told, nothing else. Noise,
- * resolution and latency of the sensor presets are the plant's; the node converts
- * to the counts of hal/frame_table.h (rounded to nearest, saturated).
+ * Knows a `struct can_bus` and the time it is told, nothing else. Noise, resolution
+ * and latency of the sensor presets are the plant's; the node converts to the counts
+ * of hal/frame_table.h (rounded to nearest, saturated).
+ * The profile's multi-sensor positions 0x6020 are 32 bits wide (manuals of TR-Electronic
+ * LA-46 and Pepperl+Fuchs encoders agree); the maker's 0x2020 has the same values in
+ * the widths with which the cycle fits on the bus.
  */
 #ifndef SIM_HOST_NODES_LEG_SENSOR_NODE_H
 #define SIM_HOST_NODES_LEG_SENSOR_NODE_H
@@ -24,18 +27,29 @@ struct leg_sensor_node_config {
 struct leg_sensor_node;
 
 /* Prepares the node and sends its boot-up message. Returns 0, or -1 when a config
- * value is out of range. `bus` is kept by value; its context must outlive the node. */
+ * value is out of range. The struct must not move afterwards; `bus` is kept by value,
+ * its context must outlive the node. */
 int leg_sensor_node_init(struct leg_sensor_node *node,
                          const struct leg_sensor_node_config *config, struct can_bus bus,
                          uint64_t now_ns);
 
 /* What the sensor measures from now on: leg angle in rad (signed, within one turn)
  * and ankle extension in m, or rad with a lever. A value that is not finite raises
- * the device's error (EMCY 0x5000) and the last value stays. */
+ * the position alarm (0x6503 bit 0, EMCY 0x5000) and the last value stays. */
 void leg_sensor_node_measure(struct leg_sensor_node *node, double leg_angle_rad, double ankle);
 
-/* Handles waiting frames and everything due by now_ns. */
-void leg_sensor_node_poll(struct leg_sensor_node *node, uint64_t now_ns);
+/* Handles waiting frames and everything due by now_ns; true when a SYNC was among
+ * them. */
+bool leg_sensor_node_poll(struct leg_sensor_node *node, uint64_t now_ns);
+
+/* The same for one frame which the owner received on a shared interface. */
+bool leg_sensor_node_receive(struct leg_sensor_node *node, const struct can_msg *message,
+                             uint64_t now_ns);
+
+/* With silent = true the node misses its samples: SYNCs stay unanswered, as when an
+ * encoder has no valid position; all else goes on. For fault injection and presets
+ * that drop samples. */
+void leg_sensor_node_silence(struct leg_sensor_node *node, bool silent);
 
 #include "sim_host/nodes/leg_sensor_node_type.h"
 

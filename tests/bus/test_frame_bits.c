@@ -120,7 +120,7 @@ START_TEST(no_frame_is_longer_than_the_bound_and_patterns_come_near_it)
         longest[message.length] = bits > longest[message.length] ? bits : longest[message.length];
     }
     for (unsigned s = 0; s < 9; s++) {
-        ck_assert_uint_ge(longest[s] + 6, bound[s]);
+        ck_assert_uint_ge(longest[s] * 10, bound[s] * 8);
     }
 }
 END_TEST

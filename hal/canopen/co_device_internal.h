@@ -1,0 +1,35 @@
+/* What the files of co_device share; not for its users. */
+#ifndef HAL_CANOPEN_CO_DEVICE_INTERNAL_H
+#define HAL_CANOPEN_CO_DEVICE_INTERNAL_H
+
+#include "hal/canopen/co_device.h"
+
+#define CO_NS_PER_MS UINT64_C(1000000)
+#define CO_NS_PER_100US UINT64_C(100000)
+
+static inline void co_device_count(uint32_t *counter)
+{
+    if (*counter < UINT32_MAX) {
+        (*counter)++;
+    }
+}
+
+static inline uint64_t co_device_sooner(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Sends a frame of up to 8 bytes; a refusal is counted. */
+bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data,
+                    unsigned length);
+
+void co_device_take_rpdo(struct co_device *device, unsigned number,
+                         const struct can_msg *message, uint64_t now_ns);
+void co_device_take_sync(struct co_device *device, uint64_t now_ns);
+
+/* Each does what is due and returns when it wants to be called next. */
+uint64_t co_device_process_rpdos(struct co_device *device, uint64_t now_ns);
+uint64_t co_device_process_tpdos(struct co_device *device, uint64_t now_ns);
+uint64_t co_device_process_emcy(struct co_device *device, uint64_t now_ns);
+
+#endif
