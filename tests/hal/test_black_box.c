@@ -236,8 +236,9 @@ START_TEST(arbitrary_bytes_never_lead_the_reader_astray)
         black_box_reader_open(&reader, &damaged);
         int items = 0;
         while (black_box_reader_next(&reader) != BLACK_BOX_END) {
-            ck_assert_int_lt(++items, 2 * BLACK_BOX_BYTES);
-            ck_assert_uint_le(reader.message.length, 8);
+            if (++items > 2 * BLACK_BOX_BYTES || reader.message.length > 8) {
+                ck_abort_msg("item %d of round %d", items, round);
+            }
         }
     }
 }

@@ -1,0 +1,148 @@
+#include "hal/port_stm32g474/board_io.h"
+
+#include "hal/frame_table.h"
+#include "hal/port_stm32g474/mmio.h"
+#include "hal/port_stm32g474/system_registers.h"
+
+enum { LSI_HZ = 32000, IWDG_DIVISOR = 4, NS_PER_US = 1000 };
+
+/* ---- Timer ------------------------------------------------------------------ */
+
+void tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
+{
+    clock->high = 0;
+    clock->waiting = 0;
+    clock->missed = 0;
+    mmio_set(RCC_APB1ENR1, RCC_APB1_TIM2);
+    (void)mmio_read(RCC_APB1ENR1); /* the clock needs two cycles to arrive */
+    mmio_write(TIM2_PSC, timer_clock_hz / 1000000U - 1U);
+    mmio_write(TIM2_ARR, 0xFFFFFFFFU);
+    mmio_write(TIM2_EGR, TIM_EGR_UG); /* loads the prescaler, sets UIF */
+    mmio_write(TIM2_CCR1, (uint32_t)TICK_PERIOD_US);
+    mmio_write(TIM2_SR, 0);
+    mmio_write(TIM2_DIER, TIM_DIER_UIE | TIM_DIER_CC1IE);
+    mmio_write(TIM2_CR1, TIM_CR1_CEN);
+}
+
+void tim2_clock_interrupt(struct tim2_clock *clock)
+{
+    uint32_t flags = mmio_read(TIM2_SR);
+
+    mmio_write(TIM2_SR, ~flags); /* writing 0 clears, 1 leaves */
+    if ((flags & TIM_SR_UIF) != 0U) {
+        clock->high = clock->high + 1U;
+    }
+    if ((flags & TIM_SR_CC1IF) != 0U) {
+        mmio_write(TIM2_CCR1, mmio_read(TIM2_CCR1) + (uint32_t)TICK_PERIOD_US);
+        if (clock->waiting > 0U && clock->missed < UINT32_MAX) {
+            clock->missed = clock->missed + 1U;
+        }
+        clock->waiting = clock->waiting + 1U;
+    }
+}
+
+uint64_t tim2_clock_now_ns(void *context)
+{
+    struct tim2_clock *clock = context;
+    uint32_t state = mmio_lock();
+    uint32_t low = mmio_read(TIM2_CNT);
+    uint32_t high = clock->high;
+
+    if ((mmio_read(TIM2_SR) & TIM_SR_UIF) != 0U) { /* an overflow nobody counted yet */
+        low = mmio_read(TIM2_CNT);
+        high++;
+    }
+    mmio_unlock(state);
+    return (((uint64_t)high << 32) | low) * NS_PER_US;
+}
+
+static bool take_tick(void *context)
+{
+    struct tim2_clock *clock = context;
+    uint32_t state = mmio_lock();
+    bool ended = clock->waiting > 0U;
+
+    if (ended) {
+        clock->waiting = clock->waiting - 1U;
+    }
+    mmio_unlock(state);
+    return ended;
+}
+
+static uint32_t missed_ticks(void *context)
+{
+    const struct tim2_clock *clock = context;
+    return clock->missed;
+}
+
+static const struct clock_ops tim2_ops = {tim2_clock_now_ns, take_tick, missed_ticks};
+
+struct clock tim2_clock_interface(struct tim2_clock *clock)
+{
+    struct clock interface = {&tim2_ops, clock};
+    return interface;
+}
+
+/* ---- Watchdog --------------------------------------------------------------- */
+
+void iwdg_start(void)
+{
+    mmio_write(IWDG_KR, IWDG_KEY_START);
+    mmio_write(IWDG_KR, IWDG_KEY_UNLOCK);
+    mmio_write(IWDG_PR, IWDG_PR_DIV4);
+    mmio_write(IWDG_RLR, (uint32_t)WATCHDOG_TIMEOUT_MS * (LSI_HZ / IWDG_DIVISOR) / 1000U);
+    for (uint32_t poll = 0; poll < WATCHDOG_POLLS; poll++) {
+        if ((mmio_read(IWDG_SR) & IWDG_SR_BUSY) == 0U) {
+            break; /* if it never ends, the time-out is the reset value's 512 ms */
+        }
+    }
+    mmio_write(IWDG_KR, IWDG_KEY_FEED);
+}
+
+static void feed(void *context)
+{
+    (void)context;
+    mmio_write(IWDG_KR, IWDG_KEY_FEED);
+}
+
+static const struct watchdog_ops iwdg_ops = {feed};
+const struct watchdog iwdg_watchdog = {&iwdg_ops, 0};
+
+/* ---- Pins ------------------------------------------------------------------- */
+
+static void pin_mode(uint32_t port, uint32_t pin, uint32_t mode)
+{
+    mmio_change(port + GPIO_MODER, 3U << (2U * pin), mode << (2U * pin));
+}
+
+static void pin_alternate(uint32_t port, uint32_t pin, uint32_t function)
+{
+    uint32_t shift = 4U * (pin & 7U);
+
+    mmio_change(port + (pin < 8U ? GPIO_AFRL : GPIO_AFRH), 0xFU << shift, function << shift);
+    mmio_change(port + GPIO_OSPEEDR, 3U << (2U * pin), GPIO_SPEED_HIGH << (2U * pin));
+    pin_mode(port, pin, GPIO_MODE_ALTERNATE);
+}
+
+void board_io_init(void)
+{
+    mmio_set(RCC_AHB2ENR, RCC_AHB2_GPIOA | RCC_AHB2_GPIOC);
+    mmio_set(RCC_APB1ENR1, RCC_APB1_FDCAN);
+    (void)mmio_read(RCC_APB1ENR1);
+    mmio_set(RCC_APB1RSTR1, RCC_APB1_FDCAN); /* whatever a crash left behind */
+    mmio_clear(RCC_APB1RSTR1, RCC_APB1_FDCAN);
+    mmio_change(GPIOA_BASE + GPIO_PUPDR, 3U << 22U, GPIO_PULL_UP << 22U); /* PA11 idles recessive */
+    pin_alternate(GPIOA_BASE, 11U, GPIO_AF_FDCAN1);
+    pin_alternate(GPIOA_BASE, 12U, GPIO_AF_FDCAN1);
+    mmio_change(GPIOC_BASE + GPIO_PUPDR, 3U, GPIO_PULL_DOWN);
+    pin_mode(GPIOC_BASE, 0U, GPIO_MODE_INPUT);
+}
+
+static bool is_pressed(void *context)
+{
+    (void)context;
+    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 1U) == 0U;
+}
+
+static const struct emergency_stop_ops pc0_ops = {is_pressed};
+const struct emergency_stop pc0_emergency_stop = {&pc0_ops, 0};

@@ -1,0 +1,52 @@
+/* Timer, watchdog, pins of the STM32G474 behind the HAL's interfaces.
+ *
+ * Pins: PA11 and PA12 FDCAN1 receive and transmit, PC0 emergency stop. PB8 is left
+ * alone: it is BOOT0 while the option bits are as delivered.
+ */
+#ifndef HAL_PORT_STM32G474_BOARD_IO_H
+#define HAL_PORT_STM32G474_BOARD_IO_H
+
+#include <stdint.h>
+
+#include "hal/clock.h"
+#include "hal/emergency_stop.h"
+#include "hal/watchdog.h"
+
+/* TIM2 counts microseconds; its compare unit marks each period. */
+struct tim2_clock {
+    volatile uint32_t high;    /* overflows of the 32-bit counter */
+    volatile uint32_t waiting; /* periods that ended and nobody took */
+    volatile uint32_t missed;
+};
+
+/* Starts the timer: 1 us a count, interrupt every TICK_PERIOD_US.
+ * `timer_clock_hz` is a multiple of 1 MHz. Start-up only. */
+void tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz);
+
+/* Its interrupt: counts, nothing else. Lower priority than FDCAN1. */
+void tim2_clock_interrupt(struct tim2_clock *clock);
+
+struct clock tim2_clock_interface(struct tim2_clock *clock);
+
+/* Time of the clock, ns. Loop or ISR, also with the timer's interrupt pending. */
+uint64_t tim2_clock_now_ns(void *clock);
+
+enum {
+    WATCHDOG_TIMEOUT_MS = 60, /* longest harmless stall: a tick; the drives wait 250 ms */
+    WATCHDOG_POLLS = 2000000
+};
+
+/* Starts the independent watchdog; nothing but a reset stops it. It runs from the
+ * 32 kHz RC oscillator, some 10 % off. Start-up only; below 1 ms. */
+void iwdg_start(void);
+
+/* The independent watchdog; the context is not used. */
+extern const struct watchdog iwdg_watchdog;
+
+/* Switches the pins and FDCAN1's clock on. Start-up only. */
+void board_io_init(void);
+
+/* PC0, pulled down: high only while the closed contact feeds it. */
+extern const struct emergency_stop pc0_emergency_stop;
+
+#endif

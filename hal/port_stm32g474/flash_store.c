@@ -1,0 +1,179 @@
+#include "hal/port_stm32g474/flash_store.h"
+
+#include <string.h>
+
+#include "hal/port_stm32g474/flash_registers.h"
+#include "hal/port_stm32g474/mmio.h"
+
+static uint32_t address_of(uint32_t bank, uint32_t index)
+{
+    return FLASH_MEMORY_BASE + FLASH_BANK_BYTES +
+           ((uint32_t)FLASH_STORE_FIRST_PAGE + bank) * FLASH_PAGE_BYTES + index * NV_WORD_BYTES;
+}
+
+static bool in_range(uint32_t bank, uint32_t index)
+{
+    return bank < NV_BANK_COUNT && index < FLASH_PAGE_BYTES / NV_WORD_BYTES;
+}
+
+static uint32_t store_bank_words(void *context)
+{
+    (void)context;
+    return FLASH_PAGE_BYTES / NV_WORD_BYTES;
+}
+
+static void clear_ecc_error(void)
+{
+    mmio_write(FLASH_ECCR, (mmio_read(FLASH_ECCR) & FLASH_ECCR_ECCIE) | FLASH_ECCR_ECCD);
+}
+
+bool flash_store_survives_nmi(struct flash_store *store)
+{
+    if (!store->reading || (mmio_read(FLASH_ECCR) & FLASH_ECCR_ECCD) == 0U) {
+        return false;
+    }
+    clear_ecc_error();
+    store->corrupt = true;
+    return true;
+}
+
+static enum nv_result store_read_word(void *context, uint32_t bank, uint32_t index, uint8_t *out)
+{
+    struct flash_store *store = context;
+    uint32_t half[2];
+
+    memset(out, 0, NV_WORD_BYTES);
+    if (!in_range(bank, index)) {
+        return NV_OUT_OF_RANGE;
+    }
+    store->corrupt = false;
+    store->reading = true;
+    mmio_barrier();
+    half[0] = mmio_read(address_of(bank, index));
+    half[1] = mmio_read(address_of(bank, index) + 4U);
+    mmio_barrier(); /* the interrupt comes in here, if at all */
+    if ((mmio_read(FLASH_ECCR) & FLASH_ECCR_ECCD) != 0U) {
+        clear_ecc_error();
+        store->corrupt = true;
+    }
+    store->reading = false;
+    if (store->corrupt) {
+        return NV_CORRUPT;
+    }
+    for (uint32_t i = 0; i < NV_WORD_BYTES; i++) {
+        out[i] = (uint8_t)(half[i / 4U] >> (8U * (i % 4U)));
+    }
+    return NV_OK;
+}
+
+static bool wait_until_idle(void)
+{
+    for (uint32_t poll = 0; poll < FLASH_STORE_POLLS; poll++) {
+        if ((mmio_read(FLASH_SR) & FLASH_SR_BSY) == 0U) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Opens the control register. RM0440: a wrong key locks it until the next reset. */
+static bool unlock(void)
+{
+    if ((mmio_read(FLASH_OPTR) & FLASH_OPTR_DBANK) == 0U || !wait_until_idle()) {
+        return false;
+    }
+    if ((mmio_read(FLASH_CR) & FLASH_CR_LOCK) != 0U) {
+        mmio_write(FLASH_KEYR, FLASH_KEY_1);
+        mmio_write(FLASH_KEYR, FLASH_KEY_2);
+    }
+    mmio_write(FLASH_SR, FLASH_SR_ERRORS | FLASH_SR_EOP); /* old errors block new work */
+    return (mmio_read(FLASH_CR) & FLASH_CR_LOCK) == 0U;
+}
+
+/* Ends an operation: waits, looks for errors, closes the control register. */
+static enum nv_result finish(struct flash_store *store)
+{
+    bool idle = wait_until_idle();
+    bool good = idle && (mmio_read(FLASH_SR) & FLASH_SR_ERRORS) == 0U;
+
+    mmio_write(FLASH_SR, FLASH_SR_ERRORS | FLASH_SR_EOP);
+    mmio_clear(FLASH_CR, FLASH_CR_PG | FLASH_CR_PER | FLASH_CR_PNB_MASK | FLASH_CR_BKER);
+    mmio_set(FLASH_CR, FLASH_CR_LOCK);
+    if (!good && store->failures < UINT32_MAX) {
+        store->failures++;
+    }
+    return good ? NV_OK : NV_FAILED;
+}
+
+/* The data cache may hold what was there before (RM0440, flash erase): it is
+ * emptied, which is allowed only while it is off. */
+static void forget_cached_data(void)
+{
+    uint32_t acr = mmio_read(FLASH_ACR);
+
+    mmio_write(FLASH_ACR, acr & ~FLASH_ACR_DCEN);
+    mmio_write(FLASH_ACR, (acr & ~FLASH_ACR_DCEN) | FLASH_ACR_DCRST);
+    mmio_write(FLASH_ACR, acr & ~(FLASH_ACR_DCEN | FLASH_ACR_DCRST));
+    mmio_write(FLASH_ACR, acr & ~FLASH_ACR_DCRST);
+}
+
+static enum nv_result store_erase(void *context, uint32_t bank)
+{
+    struct flash_store *store = context;
+    enum nv_result result;
+
+    if (!in_range(bank, 0)) {
+        return NV_OUT_OF_RANGE;
+    }
+    if (!unlock()) {
+        return NV_FAILED;
+    }
+    mmio_change(FLASH_CR, FLASH_CR_PNB_MASK | FLASH_CR_BKER | FLASH_CR_PG,
+                FLASH_CR_PER | FLASH_CR_BKER |
+                    (((uint32_t)FLASH_STORE_FIRST_PAGE + bank) << FLASH_CR_PNB_POS));
+    mmio_set(FLASH_CR, FLASH_CR_STRT);
+    result = finish(store);
+    forget_cached_data();
+    return result;
+}
+
+static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t index,
+                                       const uint8_t *word)
+{
+    struct flash_store *store = context;
+    uint32_t half[2] = {0, 0}, state;
+    enum nv_result result;
+
+    if (!in_range(bank, index)) {
+        return NV_OUT_OF_RANGE;
+    }
+    for (uint32_t i = 0; i < NV_WORD_BYTES; i++) {
+        half[i / 4U] |= (uint32_t)word[i] << (8U * (i % 4U));
+    }
+    if (!unlock()) {
+        return NV_FAILED;
+    }
+    mmio_set(FLASH_CR, FLASH_CR_PG);
+    state = mmio_lock(); /* the two halves must follow each other */
+    mmio_write(address_of(bank, index), half[0]);
+    mmio_barrier();
+    mmio_write(address_of(bank, index) + 4U, half[1]);
+    mmio_unlock(state);
+    result = finish(store);
+    forget_cached_data();
+    return result;
+}
+
+static const struct nv_store_ops store_ops = {store_bank_words, store_read_word, store_erase,
+                                              store_write_word};
+
+void flash_store_init(struct flash_store *store)
+{
+    memset(store, 0, sizeof *store);
+}
+
+struct nv_store flash_store_interface(struct flash_store *store)
+{
+    struct nv_store interface = {&store_ops, store};
+    return interface;
+}

@@ -1,0 +1,246 @@
+#include "tests/hal/port_stm32g474/flash_model.h"
+
+#include <check.h>
+#include <string.h>
+
+#include "tests/hal/port_stm32g474/mmio_model.h"
+
+/* Offsets and bits, RM0440 section "FLASH registers". */
+enum { ACR = 0x00, KEYR = 0x08, SR = 0x10, CR = 0x14, ECCR = 0x18, OPTR = 0x20 };
+enum {
+    SR_PROGERR = 1 << 3,
+    SR_PGAERR = 1 << 5,
+    SR_SIZERR = 1 << 6,
+    SR_PGSERR = 1 << 7,
+    SR_BSY = 1 << 16,
+    CR_PG = 1 << 0,
+    CR_PER = 1 << 1,
+    CR_BKER = 1 << 11,
+    CR_STRT = 1 << 16,
+    ACR_DCEN = 1 << 10,
+    ACR_DCRST = 1 << 12
+};
+#define CR_LOCK 0x80000000u
+#define ECCR_ECCD 0x80000000u
+#define SR_ERRORS 0xC3FAu
+
+static bool power_fails(struct flash_model *model)
+{
+    if (model->operations++ == model->power_fails_at) {
+        model->power_off = true;
+    }
+    return model->power_off;
+}
+
+static void erase(struct flash_model *model)
+{
+    uint32_t page = (model->cr >> 3) & 0x7F;
+    bool fails;
+
+    if ((model->cr & CR_BKER) == 0 || page < MODEL_FIRST_PAGE) {
+        model->foreign_erases++;
+        return;
+    }
+    page -= MODEL_FIRST_PAGE;
+    fails = power_fails(model);
+    for (int i = 0; i < MODEL_PAGE_WORDS; i++) {
+        if (fails && i % 3 == 0) {
+            model->state[page][i] = WORD_TORN; /* not yet what the erase makes of it */
+            continue;
+        }
+        model->word[page][i] = UINT64_MAX;
+        model->state[page][i] = WORD_ERASED;
+    }
+    model->busy = model->busy_time;
+}
+
+static void write_cr(struct flash_model *model, uint32_t value)
+{
+    if (model->power_off || (model->cr & CR_LOCK) != 0) {
+        return;
+    }
+    ck_assert_msg((model->sr & SR_BSY) == 0 && model->busy == 0, "CR written while busy");
+    model->cr = value & ~(uint32_t)CR_STRT;
+    if ((value & CR_STRT) != 0) {
+        if ((value & CR_PER) == 0 || (value & CR_PG) != 0 || (model->sr & SR_ERRORS) != 0) {
+            model->sr |= SR_PGSERR;
+        } else {
+            erase(model);
+        }
+    }
+}
+
+static void write_key(struct flash_model *model, uint32_t value)
+{
+    static const uint32_t keys[2] = {0x45670123u, 0xCDEF89ABu};
+
+    if (model->keys < 0 || (model->cr & CR_LOCK) == 0 || value != keys[model->keys]) {
+        model->keys = -1; /* until the next reset */
+        return;
+    }
+    if (++model->keys == 2) {
+        model->cr &= ~CR_LOCK;
+        model->keys = 0;
+    }
+}
+
+static void write_acr(struct flash_model *model, uint32_t value)
+{
+    if ((value & ACR_DCRST) != 0) {
+        ck_assert_msg((model->acr & ACR_DCEN) == 0 && (value & ACR_DCEN) == 0,
+                      "the data cache was reset while on");
+        memset(model->in_cache, 0, sizeof model->in_cache);
+    }
+    model->acr = value;
+}
+
+static uint32_t register_read(void *context, uint32_t offset)
+{
+    struct flash_model *model = context;
+
+    switch (offset) {
+    case ACR:
+        return model->acr;
+    case SR:
+        if (model->busy > 0) {
+            if (model->busy != UINT32_MAX) {
+                model->busy--;
+            }
+            return model->sr | SR_BSY;
+        }
+        return model->sr;
+    case CR:
+        return model->cr;
+    case ECCR:
+        return model->eccr;
+    case OPTR:
+        return model->optr;
+    default:
+        ck_abort_msg("flash register %#x read", offset);
+    }
+}
+
+static void register_write(void *context, uint32_t offset, uint32_t value)
+{
+    struct flash_model *model = context;
+
+    switch (offset) {
+    case ACR:
+        write_acr(model, value);
+        break;
+    case KEYR:
+        write_key(model, value);
+        break;
+    case SR:
+        model->sr &= ~value;
+        break;
+    case CR:
+        if ((value & CR_LOCK) != 0) {
+            model->cr |= CR_LOCK;
+        } else {
+            write_cr(model, value);
+        }
+        break;
+    case ECCR:
+        if ((value & ECCR_ECCD) != 0) {
+            model->eccr &= ~ECCR_ECCD;
+        }
+        break;
+    default:
+        ck_abort_msg("flash register %#x written", offset);
+    }
+}
+
+static uint32_t memory_read(void *context, uint32_t offset)
+{
+    struct flash_model *model = context;
+    uint32_t page = offset / 2048, index = offset % 2048 / 8;
+    uint64_t value = model->word[page][index];
+
+    if ((model->acr & ACR_DCEN) != 0 && model->in_cache[page][index]) {
+        value = model->cached[page][index];
+    } else if (model->state[page][index] == WORD_TORN && model->torn_raises_nmi) {
+        value ^= 0x11;
+        model->eccr |= ECCR_ECCD;
+        if (model->nmi != NULL) {
+            model->nmi(model->nmi_context);
+        }
+    }
+    if ((model->acr & ACR_DCEN) != 0) {
+        model->cached[page][index] = value;
+        model->in_cache[page][index] = true;
+    }
+    return (uint32_t)(value >> (8 * (offset & 4)));
+}
+
+static void program(struct flash_model *model, uint32_t page, uint32_t index, uint64_t value)
+{
+    if (model->state[page][index] != WORD_ERASED) {
+        model->sr |= SR_PROGERR;
+        return;
+    }
+    if (power_fails(model)) {
+        /* Some of the bits that go to 0 are there. */
+        model->word[page][index] = value | 0xA5C3000000F00F81u;
+        model->state[page][index] = WORD_TORN;
+    } else {
+        model->word[page][index] = value;
+        model->state[page][index] = WORD_WRITTEN;
+    }
+    model->busy = model->busy_time;
+}
+
+static void memory_write(void *context, uint32_t offset, uint32_t value)
+{
+    struct flash_model *model = context;
+
+    if (model->power_off) {
+        return;
+    }
+    if ((model->cr & (CR_LOCK | CR_PG)) != CR_PG || (model->sr & SR_ERRORS) != 0) {
+        model->sr |= SR_PGSERR;
+        return;
+    }
+    if (!model->half_written) {
+        if ((offset & 4) != 0) {
+            model->sr |= SR_PGAERR;
+            return;
+        }
+        model->half_written = true;
+        model->half_address = offset;
+        model->half_value = value;
+        return;
+    }
+    model->half_written = false;
+    if (offset != model->half_address + 4) {
+        model->sr |= SR_PGAERR;
+        return;
+    }
+    program(model, offset / 2048, offset % 2048 / 8, ((uint64_t)value << 32) | model->half_value);
+}
+
+void flash_model_power_up(struct flash_model *model)
+{
+    model->acr = 0x00040601; /* both caches on */
+    model->cr = 0xC0000000;  /* locked */
+    model->sr = 0;
+    model->eccr = 0;
+    model->keys = 0;
+    model->busy = 0;
+    model->half_written = false;
+    model->power_off = false;
+    model->power_fails_at = UINT32_MAX;
+    memset(model->in_cache, 0, sizeof model->in_cache);
+}
+
+void flash_model_init(struct flash_model *model)
+{
+    memset(model, 0, sizeof *model);
+    memset(model->word, 0xFF, sizeof model->word);
+    model->optr = 0xFFEFF8AA; /* as delivered: two banks (bit 22) */
+    model->busy_time = 20;
+    model->torn_raises_nmi = true;
+    flash_model_power_up(model);
+    mmio_model_map(0x40022000, 0x78, register_read, register_write, model);
+    mmio_model_map(0x0807F000, 2 * 2048, memory_read, memory_write, model);
+}

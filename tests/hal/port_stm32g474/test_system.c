@@ -1,0 +1,316 @@
+/* Clocks, timer, watchdog, pins: what must hold whatever the order of accesses. */
+#include <string.h>
+
+#include "hal/port_stm32g474/board_io.h"
+#include "hal/port_stm32g474/clock_tree.h"
+#include "tests/hal/port_stm32g474/mmio_model.h"
+#include "tests/support/assert_close.h"
+
+/* ---- Clocks: a small RCC ---------------------------------------------------------- */
+
+static struct {
+    uint32_t rcc[0x100 / 4], pwr[0x100 / 4], flash[0x80 / 4];
+    bool crystal_works, pll_locks, regulator_settles;
+    int delay; /* polls until anything is ready */
+    int wait;
+} chip;
+
+static bool ready(void)
+{
+    return chip.wait++ >= chip.delay;
+}
+
+static uint32_t rcc_read(void *context, uint32_t offset)
+{
+    uint32_t cr = chip.rcc[0];
+    (void)context;
+
+    if (offset == 0x00) {
+        bool hse = (cr & (1u << 16)) && chip.crystal_works && ready();
+        bool pll = (cr & (1u << 24)) && chip.pll_locks && ready();
+        return cr | (hse ? 1u << 17 : 0) | (pll ? 1u << 25 : 0);
+    }
+    if (offset == 0x08) {
+        return chip.rcc[2] | ((chip.rcc[2] & 3u) << 2); /* the switch is done at once */
+    }
+    return chip.rcc[offset / 4];
+}
+
+/* The system clock in Hz by RM0440's clock tree, 0 when the setting is not allowed. */
+static uint32_t core_clock(void)
+{
+    uint32_t pll = chip.rcc[3], divider = 1;
+    uint32_t m = ((pll >> 4) & 0xF) + 1, n = (pll >> 8) & 0x7F, r = 2 * (((pll >> 25) & 3) + 1);
+
+    if ((chip.rcc[2] & 3) == 1) {
+        return 16000000;
+    }
+    ck_assert_uint_eq(chip.rcc[2] & 3, 3);
+    ck_assert_uint_eq(pll & 3, 3); /* from the crystal */
+    ck_assert(pll & (1u << 24));
+    ck_assert_uint_ge(24000000 / m, 2660000); /* DS12288: PLL input 2.66 .. 16 MHz */
+    ck_assert_uint_le(24000000 / m, 16000000);
+    ck_assert_uint_le(24000000 / m * n, 344000000); /* and VCO 96 .. 344 MHz */
+    if (((chip.rcc[2] >> 4) & 0xF) == 8) {
+        divider = 2;
+    }
+    return 24000000 / m * n / r / divider;
+}
+
+static void rcc_write(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context;
+    if (offset == 0x08 && (value & 3) == 3 && (chip.rcc[2] & 3) != 3) {
+        /* At the moment of the switch: wait states, boost and half speed are there. */
+        ck_assert_uint_eq(chip.flash[0] & 0xF, 4);
+        ck_assert_uint_eq(chip.pwr[0x80 / 4] & (1u << 8), 0);
+        ck_assert_uint_eq((value >> 4) & 0xF, 8);
+    }
+    chip.rcc[offset / 4] = value;
+}
+
+static uint32_t pwr_read(void *context, uint32_t offset)
+{
+    (void)context;
+    if (offset == 0x14) {
+        return chip.regulator_settles && ready() ? 0 : 1u << 10;
+    }
+    return chip.pwr[offset / 4];
+}
+
+static void pwr_write(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context;
+    ck_assert_msg(chip.rcc[0x58 / 4] & (1u << 28), "PWR has no clock");
+    chip.pwr[offset / 4] = value;
+}
+
+static void clock_setup(void)
+{
+    mmio_model_reset();
+    memset(&chip, 0, sizeof chip);
+    chip.crystal_works = chip.pll_locks = chip.regulator_settles = true;
+    chip.delay = 100;
+    chip.rcc[0] = 0x00000500; /* reset values: the RC oscillator runs */
+    chip.rcc[2] = 0x00000001;
+    chip.rcc[3] = 0x00001000;
+    chip.pwr[0x80 / 4] = 1u << 8;
+    chip.flash[0] = 0x00040601;
+    mmio_model_map(0x40021000, 0x100, rcc_read, rcc_write, NULL);
+    mmio_model_map(0x40007000, 0x100, pwr_read, pwr_write, NULL);
+    mmio_model_map_memory(0x40022000, 0x80, chip.flash);
+}
+
+START_TEST(the_core_runs_at_170_mhz_from_the_crystal)
+{
+    ck_assert_int_eq(clock_tree_init(), CLOCK_TREE_OK);
+    ck_assert_uint_eq(core_clock(), 170000000);
+    ck_assert_uint_eq((chip.rcc[2] >> 8) & 0x3F, 0);       /* both peripheral buses undivided */
+    ck_assert(chip.rcc[0] & (1u << 19));                   /* clock security */
+    ck_assert_uint_eq(chip.rcc[0x88 / 4] & (3u << 24), 0); /* FDCAN from the crystal */
+    ck_assert_uint_eq(chip.flash[0] & 0x00000700u, 0x700); /* prefetch and caches */
+}
+END_TEST
+
+START_TEST(without_crystal_pll_or_regulator_the_core_stays_on_the_rc_oscillator)
+{
+    chip.crystal_works = _i != 0;
+    chip.pll_locks = _i != 1;
+    chip.regulator_settles = _i != 2;
+    ck_assert_int_eq(clock_tree_init(), _i == 0 ? CLOCK_TREE_NO_CRYSTAL : CLOCK_TREE_NO_PLL);
+    ck_assert_uint_eq(core_clock(), 16000000);
+    ck_assert_uint_eq(chip.rcc[0] & (1u << 19), 0);
+}
+END_TEST
+
+START_TEST(a_stopped_crystal_is_told_from_other_nmis)
+{
+    ck_assert(!clock_tree_crystal_failed());
+    chip.rcc[0x1C / 4] = 1u << 8;
+    ck_assert(clock_tree_crystal_failed());
+    ck_assert_uint_eq(chip.rcc[0x20 / 4], 1u << 8);
+}
+END_TEST
+
+START_TEST(the_reset_cause_is_taken_once)
+{
+    chip.rcc[0x94 / 4] = (1u << 29) | (1u << 26) | 3u; /* watchdog and pin; LSI on */
+    ck_assert_uint_eq(clock_tree_take_reset_flags(), (1u << 29) | (1u << 26));
+    ck_assert(chip.rcc[0x94 / 4] & (1u << 23));
+}
+END_TEST
+
+/* ---- Timer -------------------------------------------------------------------------- */
+
+static uint32_t tim[0x60 / 4];
+static uint32_t counter_at_read; /* what CNT shows the second time */
+static bool overflow_between;
+static struct tim2_clock timer;
+static struct clock ticks;
+
+static uint32_t tim_read(void *context, uint32_t offset)
+{
+    uint32_t value = tim[offset / 4];
+    (void)context;
+
+    if (offset == 0x24 && overflow_between) { /* the counter wraps right behind this read */
+        overflow_between = false;
+        tim[0x24 / 4] = counter_at_read;
+        tim[0x10 / 4] |= 1;
+    }
+    return value;
+}
+
+static void tim_write(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context;
+    tim[offset / 4] = offset == 0x10 ? tim[offset / 4] & value : value;
+}
+
+static void timer_setup(void)
+{
+    clock_setup();
+    memset(tim, 0, sizeof tim);
+    mmio_model_map(0x40000000, sizeof tim, tim_read, tim_write, NULL);
+    tim2_clock_init(&timer, 170000000);
+    ticks = tim2_clock_interface(&timer);
+}
+
+START_TEST(the_timer_counts_microseconds_and_starts_clean)
+{
+    ck_assert_uint_eq(170000000 / (tim[0x28 / 4] + 1), 1000000);
+    ck_assert_uint_eq(tim[0x2C / 4], UINT32_MAX);
+    ck_assert_uint_eq(tim[0x34 / 4], 1000);
+    ck_assert_uint_eq(tim[0x0C / 4], 3);
+    ck_assert_uint_eq(tim[0x00] & 1, 1);
+    ck_assert(chip.rcc[0x58 / 4] & 1);
+    ck_assert(!clock_take_tick(&ticks));
+}
+END_TEST
+
+START_TEST(each_period_is_taken_once_and_none_is_forgotten)
+{
+    for (int i = 0; i < 5; i++) {
+        tim[0x10 / 4] = 2;
+        tim2_clock_interrupt(&timer);
+        ck_assert_uint_eq(tim[0x10 / 4], 0);
+        ck_assert_uint_eq(tim[0x34 / 4], 1000u * (unsigned)(i + 2));
+        ck_assert(clock_take_tick(&ticks));
+        ck_assert(!clock_take_tick(&ticks));
+    }
+    ck_assert_uint_eq(clock_missed_ticks(&ticks), 0);
+    for (int i = 0; i < 3; i++) {
+        tim[0x10 / 4] = 2;
+        tim2_clock_interrupt(&timer);
+    }
+    ck_assert_uint_eq(clock_missed_ticks(&ticks), 2);
+    for (int i = 0; i < 3; i++) {
+        ck_assert(clock_take_tick(&ticks));
+    }
+    ck_assert(!clock_take_tick(&ticks));
+}
+END_TEST
+
+START_TEST(time_never_runs_back_at_the_overflow)
+{
+    tim[0x24 / 4] = UINT32_MAX - 1;
+    ck_assert_uint_eq(clock_now_ns(&ticks), (uint64_t)(UINT32_MAX - 1) * 1000);
+    counter_at_read = 3;
+    overflow_between = true; /* wraps between reading CNT and SR */
+    ck_assert_uint_eq(clock_now_ns(&ticks), ((1ull << 32) + 3) * 1000);
+    ck_assert_uint_eq(clock_now_ns(&ticks), ((1ull << 32) + 3) * 1000); /* still not counted */
+    tim2_clock_interrupt(&timer);
+    ck_assert_uint_eq(clock_now_ns(&ticks), ((1ull << 32) + 3) * 1000);
+    ck_assert(!clock_take_tick(&ticks)); /* an overflow is no period */
+}
+END_TEST
+
+/* ---- Watchdog and pins ----------------------------------------------------------------- */
+
+static uint32_t iwdg[5];
+static uint32_t feeds, unlocked, started;
+
+static uint32_t iwdg_read(void *context, uint32_t offset)
+{
+    (void)context;
+    return offset == 0x0C && feeds == 0 && iwdg[3] > 0 ? iwdg[3]-- && 1u : 0u;
+}
+
+static void iwdg_write(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context;
+    if (offset == 0) {
+        feeds += value == 0xAAAA;
+        unlocked = value == 0x5555;
+        started += value == 0xCCCC;
+        return;
+    }
+    ck_assert_msg(unlocked, "register %#x is write-protected", offset);
+    iwdg[offset / 4] = value;
+}
+
+START_TEST(the_watchdog_bites_after_60_ms)
+{
+    mmio_model_reset();
+    mmio_model_map(0x40003000, sizeof iwdg, iwdg_read, iwdg_write, NULL);
+    iwdg[3] = 50; /* busy for some polls */
+    iwdg_start();
+    ck_assert_uint_eq(started, 1);
+    ck_assert_uint_eq(feeds, 1);
+    /* RM0440: time-out = reload * 4 * 2^PR / 32 kHz. */
+    assert_close((double)iwdg[2] * 4.0 * (1u << iwdg[1]) / 32000.0, 0.060, 1e-3, 0);
+    ck_assert_uint_le(iwdg[2], 0xFFF);
+    iwdg_watchdog.ops->feed(iwdg_watchdog.context);
+    ck_assert_uint_eq(feeds, 2);
+}
+END_TEST
+
+START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
+{
+    static uint32_t port_a[0x2C / 4], port_c[0x2C / 4];
+
+    clock_setup();
+    mmio_model_map_memory(0x48000000, sizeof port_a, port_a);
+    mmio_model_map_memory(0x48000800, sizeof port_c, port_c);
+    port_a[0] = 0xABFFFFFF; /* reset values: the debug port is on PA13 and PA14 */
+    port_c[0] = 0xFFFFFFFF;
+    board_io_init();
+    ck_assert_uint_eq(port_a[0], 0xABFFFFFF - (1u << 22) - (1u << 24)); /* 11 -> 10, twice */
+    ck_assert_uint_eq(port_a[0x24 / 4], 0x00099000);
+    ck_assert_uint_eq(port_c[0], 0xFFFFFFFC);
+    ck_assert_uint_eq(port_c[0x0C / 4] & 3, 2); /* pulled down */
+    ck_assert(chip.rcc[0x58 / 4] & (1u << 25));
+    ck_assert_uint_eq(chip.rcc[0x38 / 4] & (1u << 25), 0); /* reset released */
+
+    port_c[0x10 / 4] = 0; /* open contact or broken wire */
+    ck_assert(emergency_stop_is_pressed(&pc0_emergency_stop));
+    port_c[0x10 / 4] = 0xFFFE;
+    ck_assert(emergency_stop_is_pressed(&pc0_emergency_stop));
+    port_c[0x10 / 4] = 1;
+    ck_assert(!emergency_stop_is_pressed(&pc0_emergency_stop));
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("system");
+    TCase *clocks = tcase_create("clocks"), *timers = tcase_create("timer");
+    TCase *rest = tcase_create("rest");
+
+    tcase_add_checked_fixture(clocks, clock_setup, NULL);
+    tcase_add_test(clocks, the_core_runs_at_170_mhz_from_the_crystal);
+    tcase_add_loop_test(clocks,
+                        without_crystal_pll_or_regulator_the_core_stays_on_the_rc_oscillator, 0, 3);
+    tcase_add_test(clocks, a_stopped_crystal_is_told_from_other_nmis);
+    tcase_add_test(clocks, the_reset_cause_is_taken_once);
+    tcase_add_checked_fixture(timers, timer_setup, NULL);
+    tcase_add_test(timers, the_timer_counts_microseconds_and_starts_clean);
+    tcase_add_test(timers, each_period_is_taken_once_and_none_is_forgotten);
+    tcase_add_test(timers, time_never_runs_back_at_the_overflow);
+    tcase_add_test(rest, the_watchdog_bites_after_60_ms);
+    tcase_add_test(rest, the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0);
+    suite_add_tcase(suite, clocks);
+    suite_add_tcase(suite, timers);
+    suite_add_tcase(suite, rest);
+    return run_suite(suite);
+}
