@@ -132,14 +132,6 @@ static void wake_task(void *context, uint64_t now_ns)
     (void)control_task_poll((struct control_task *)context);
 }
 
-static bool never_pressed(void *context)
-{
-    (void)context;
-    return false;
-}
-
-static const struct emergency_stop_ops released_stop = {never_pressed};
-
 static int init_nodes(struct loop *loop, char *message)
 {
     const struct subject *subject = &loop->config.subject;
@@ -177,31 +169,6 @@ static int init_nodes(struct loop *loop, char *message)
     return 0;
 }
 
-static int init_task(struct loop *loop, int port)
-{
-    const struct subject *subject = &loop->config.subject;
-    struct cia402_axis_config axes[LEG_COUNT];
-    struct control_task_config config = {
-        .params = &loop->config.params,
-        .bus = sim_bus_port(&loop->bus, port),
-        .drives = cia402_drives_interface(&loop->cia402),
-        .stop = {&released_stop, NULL},
-        .desired_speed_rad_s = (float)loop->config.desired_speed_rad_s,
-        .walk_requested = true,
-    };
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
-        axes[leg] = (struct cia402_axis_config){(float)subject->counts_per_m, 0, 1};
-        config.leg_sensor[leg] = (struct leg_sensor_config){
-            .angle_direction = 1,
-            .ankle_is_lever = subject->ankle == ANKLE_LEVER,
-            .ankle_lever_m = (float)subject->ankle_lever_m,
-            .ankle_neutral_rad = (float)subject->ankle_neutral_rad,
-        };
-    }
-    cia402_drives_init(&loop->cia402, axes);
-    return control_task_init(&loop->task, &config) == CONTROL_PARAMS_OK ? 0 : -1;
-}
-
 int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, char *message)
 {
     memset(loop, 0, sizeof *loop);
@@ -214,8 +181,10 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     sim_bus_init(&loop->bus, BUS_BITRATE);
     sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
     sim_bus_set_fault_hook(&loop->bus, inject, loop);
-    const int port = sim_bus_attach(&loop->bus, "controller", wake_task, &loop->task);
-    if (init_task(loop, port) != 0) {
+    const int port = sim_bus_attach(&loop->bus, "controller", wake_task, &loop->rig.task);
+    if (task_rig_init(&loop->rig, &config->subject, &config->params,
+                      sim_bus_port(&loop->bus, port), config->desired_speed_rad_s,
+                      true) != CONTROL_PARAMS_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
         plant_free(&loop->plant);
         return -1;
@@ -279,7 +248,7 @@ void loop_tick(struct loop *loop)
     const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
     sim_bus_run_until(&loop->bus, sync_ns);
     measure(loop);
-    (void)control_task_start_cycle(&loop->task); /* refused: counted, seen by the supervisor */
+    (void)control_task_start_cycle(&loop->rig.task); /* refused: counted, seen by the supervisor */
     sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
     for (int i = 0; i < SIDE_COUNT; i++) {
         drive_node_poll(&loop->drive[i], sync_ns + TICK_NS - 1);
@@ -288,7 +257,7 @@ void loop_tick(struct loop *loop)
     actuate(loop);
     plant_advance(&loop->plant);
     if (!loop->fault_active && loop->config.fault != LOOP_FAULT_NONE &&
-        loop->task.controller.last_step.number >= loop->config.fault_step) {
+        loop->rig.task.controller.last_step.number >= loop->config.fault_step) {
         loop->fault_active = true;
     }
     loop->tick++;

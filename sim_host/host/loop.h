@@ -13,10 +13,9 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "firmware/control_task.h"
-#include "hal/sea_drive_cia402.h"
 #include "sim_host/bus/sim_bus.h"
 #include "sim_host/host/subject.h"
+#include "sim_host/host/task_rig.h"
 #include "sim_host/nodes/drive_node.h"
 #include "sim_host/nodes/leg_sensor_node.h"
 #include "sim_host/plant/plant.h"
@@ -47,8 +46,7 @@ struct loop {
     struct drive_node drive[SIDE_COUNT];
     struct leg_sensor_node sensor[SIDE_COUNT];
     struct plant plant;
-    struct cia402_drives cia402;
-    struct control_task task;
+    struct task_rig rig; /* the control task and its drives' protocol */
     struct sensor_sample sample[SIDE_COUNT];
     uint64_t tick;      /* SYNCs so far */
     bool fault_active;

@@ -23,7 +23,8 @@ enum {
     KEY_LOG,
     KEY_WEARER,
     KEY_FAULT,
-    KEY_FAULT_STEP
+    KEY_FAULT_STEP,
+    KEY_REAL_TIME
 };
 
 static const char *const fault_names[LOOP_FAULT_COUNT] = {"none", "cut-drives", "never-armed",
@@ -44,6 +45,7 @@ static const struct argp_option option_list[] = {
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
+    {"real-time", KEY_REAL_TIME, 0, 0, "one tick a millisecond, with a report of the jitter", 0},
     {0, 0, 0, 0, "What comes out:", 3},
     {"csv", KEY_CSV, "FILE", 0, "one line per step", 0},
     {"ticks", KEY_TICKS, 0, 0, "one line per tick in --csv instead", 0},
@@ -164,6 +166,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_FAULT_STEP:
         options->fault_step = (uint32_t)whole(state, "--fault-step", text, 0, 10000000);
+        break;
+    case KEY_REAL_TIME:
+        options->real_time = true;
         break;
     case 'q':
         options->quiet = true;

@@ -24,6 +24,7 @@ struct sim_options {
     const char *wearer_path;
     enum loop_fault fault;
     uint32_t fault_step;
+    bool real_time; /* one tick a millisecond instead of as fast as it goes */
     bool quiet;
     bool json;
 };

@@ -148,7 +148,7 @@ void sim_tick_line(FILE *stream, const struct loop *loop, int event)
             phases[truth.phase], truth.leg_angle_rad[0], truth.leg_angle_rad[1],
             truth.leg_rate_rad_s[0], truth.leg_rate_rad_s[1], truth.ankle_m[0], truth.ankle_m[1],
             motor[SIDE_LEFT].position_m, motor[SIDE_RIGHT].position_m, truth.hip_m[0],
-            truth.hip_m[1], event_name(event), (int)loop->task.output.state);
+            truth.hip_m[1], event_name(event), (int)loop->rig.task.output.state);
 }
 
 /* ---- for people ------------------------------------------------------------ */

@@ -34,6 +34,12 @@ static void add_row(struct walk_record *record, const struct walk_event *event)
 static void match_step(struct walk_record *record, const struct step_record *step)
 {
     record->apexes[step->side]++;
+    if (record->from_controller) {
+        const struct walk_event seen = {.side = step->side,
+                                        .time_s = 1e-3 * (double)step->tick,
+                                        .value = (double)step->measured_speed_rad_s};
+        add_row(record, &seen);
+    }
     for (uint32_t back = 0; back < 2 && back < record->count; back++) {
         struct walk_row *row = &record->rows[record->count - 1 - back];
         if (row->side == step->side && !row->measured) {
@@ -59,9 +65,9 @@ int walk_record_take(struct walk_record *record, struct loop *loop)
             record->rows[record->count - 1].step_length_m = event.value;
         }
     }
-    if (loop->task.output.new_step) {
-        loop->task.output.new_step = false; /* taken */
-        match_step(record, &loop->task.controller.last_step);
+    if (loop->rig.task.output.new_step) {
+        loop->rig.task.output.new_step = false; /* taken */
+        match_step(record, &loop->rig.task.controller.last_step);
     }
     return kind;
 }
