@@ -174,7 +174,6 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     memset(loop, 0, sizeof *loop);
     loop->config = *config;
     loop->log = log;
-    loop->fault_active = config->fault == LOOP_FAULT_SWAPPED;
     if (plant_init(&loop->plant, &loop->config.plant, message) != PLANT_OK) {
         return -1;
     }

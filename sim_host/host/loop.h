@@ -27,7 +27,7 @@ enum loop_fault {
     LOOP_FAULT_NONE = 0,
     LOOP_FAULT_CUT_DRIVES = 1,  /* the frames from and to the drives are lost */
     LOOP_FAULT_NEVER_ARMED = 2, /* the latch bit is cleared in every command */
-    LOOP_FAULT_SWAPPED = 3,     /* left and right sensor exchanged, from the start */
+    LOOP_FAULT_SWAPPED = 3,     /* left and right sensor exchanged */
     LOOP_FAULT_COUNT = 4
 };
 

@@ -173,7 +173,11 @@ static void step_lines(FILE *stream, const struct walk_record *record)
         } else {
             fprintf(stream, "%10s  %10s  %10s  ", "-", "-", "-");
         }
-        fprintf(stream, "%12.6f\n", row->step_length_m);
+        if (row->step_length_m > 0.0) {
+            fprintf(stream, "%12.6f\n", row->step_length_m);
+        } else {
+            fprintf(stream, "%12s\n", "-"); /* the walk ended before the foot landed */
+        }
     }
 }
 

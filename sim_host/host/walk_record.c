@@ -34,12 +34,6 @@ static void add_row(struct walk_record *record, const struct walk_event *event)
 static void match_step(struct walk_record *record, const struct step_record *step)
 {
     record->apexes[step->side]++;
-    if (record->from_controller) {
-        const struct walk_event seen = {.side = step->side,
-                                        .time_s = 1e-3 * (double)step->tick,
-                                        .value = (double)step->measured_speed_rad_s};
-        add_row(record, &seen);
-    }
     for (uint32_t back = 0; back < 2 && back < record->count; back++) {
         struct walk_row *row = &record->rows[record->count - 1 - back];
         if (row->side == step->side && !row->measured) {

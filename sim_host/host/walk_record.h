@@ -26,7 +26,6 @@ struct walk_record {
     uint32_t apexes[SIDE_COUNT];  /* seen by the controller */
     uint32_t unmatched;           /* controller's apexes without one of the plant: false ones */
     double first_apex_s;
-    bool from_controller; /* a recording has no apexes of its own: rows are the controller's */
 };
 
 /* Room for `capacity` steps. Returns false without memory. */

@@ -1,0 +1,329 @@
+/* afo-sim: the walker walks, or falls, because of the frames on the bus. */
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "sim_host/host/output_file.h"
+#include "sim_host/host/pacer.h"
+#include "sim_host/host/sim_options.h"
+#include "sim_host/host/sim_report.h"
+#include "sim_host/host/walk_record.h"
+
+enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
+
+/* After the last apex asked for, the controller's record of it is still to come. */
+enum { RECORD_DELAY_TICKS = 150, FIRST_STEP_TICKS = 20000, STEP_TICKS = 10000 };
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+struct session {
+    struct sim_options options;
+    struct loop_config config;
+    struct loop *loop;
+    struct walk_record record;
+    struct output_file csv, log;
+    struct sim_outcome outcome;
+    struct pacer pacer;
+};
+
+static void complain(const char *message)
+{
+    fprintf(stderr, "afo-sim: %s\n", message);
+}
+
+static double now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- preparing ------------------------------------------------------------- */
+
+static int control_override(struct subject *subject, const char *name, double value)
+{
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        if (strcmp(control_param_descriptors[i].name, name) == 0) {
+            subject->control_overridden[i] = true;
+            subject->control_override[i] = value;
+            return 0;
+        }
+    }
+    return -1;
+}
+
+static void apply_options(struct subject *subject, const struct sim_options *options)
+{
+    if (options->kp >= 0.0) {
+        control_override(subject, "kp_m_s_rad", options->kp);
+    }
+    if (options->start_r0_m > 0.0) {
+        control_override(subject, "start_r0_m", options->start_r0_m);
+    }
+    if (options->open_loop) {
+        control_override(subject, "law", (double)LAW_OPEN_LOOP);
+        control_override(subject, "open_loop_r0_m", options->r0_m);
+    }
+}
+
+static int check_speed(const struct session *session, char *message)
+{
+    const struct speed_table *table = &session->config.params.table;
+    const double low = (double)table->speed_rad_s[0];
+    const double high = (double)table->speed_rad_s[table->count - 1];
+    const double speed = session->options.speed_rad_s;
+    if (speed < low || speed > high) {
+        snprintf(message, LOOP_MESSAGE_MAX,
+                 "--speed %g is out of range: this subject's steady gaits go from %.4g to %.4g rad/s",
+                 speed, low, high);
+        return -1;
+    }
+    return 0;
+}
+
+static int prepare(struct session *session)
+{
+    const struct sim_options *options = &session->options;
+    struct subject subject;
+    char message[LOOP_MESSAGE_MAX] = "";
+
+    subject_default(&subject);
+    if (options->subject_path != NULL && subject_read(&subject, options->subject_path, message) != 0) {
+        complain(message);
+        return -1;
+    }
+    apply_options(&subject, options);
+    if (loop_configure(&session->config, &subject, options->sensors, options->seed, message) != 0) {
+        complain(message);
+        return -1;
+    }
+    if (options->speed_rad_s > 0.0) {
+        if (check_speed(session, message) != 0) {
+            complain(message);
+            return -1;
+        }
+        session->config.desired_speed_rad_s = options->speed_rad_s;
+    }
+    session->config.fault = options->fault;
+    session->config.fault_step = options->fault_step;
+    if (options->wearer_path != NULL) {
+        if (strlen(options->wearer_path) >= PLANT_PATH_MAX) {
+            complain("the path of the recording is too long");
+            return -1;
+        }
+        session->config.plant.kind = PLANT_WEARER;
+        strcpy(session->config.plant.wearer_path, options->wearer_path);
+    }
+    return 0;
+}
+
+static int open_outputs(struct session *session)
+{
+    char message[OUTPUT_PATH_MAX + 256];
+    if (session->options.csv_path != NULL &&
+        output_file_open(&session->csv, session->options.csv_path, message, sizeof message) != 0) {
+        complain(message);
+        return -1;
+    }
+    if (session->options.log_path != NULL &&
+        output_file_open(&session->log, session->options.log_path, message, sizeof message) != 0) {
+        complain(message);
+        return -1;
+    }
+    return 0;
+}
+
+/* ---- walking --------------------------------------------------------------- */
+
+static void show_progress(const struct session *session, bool last)
+{
+    const struct walk_record *record = &session->record;
+    if (record->count == 0) {
+        return;
+    }
+    fprintf(stderr, "\r  step %u of %u, %.4f rad/s ", record->count, session->options.steps,
+            record->rows[record->count - 1].apex_speed_rad_s);
+    if (last) {
+        fputs("\r                                                  \r", stderr);
+    }
+    fflush(stderr);
+}
+
+static void judge_fall(struct session *session, enum walk_fault fault)
+{
+    session->outcome.fell = true;
+    snprintf(session->outcome.fault, sizeof session->outcome.fault, "%s", walk_fault_name(fault));
+}
+
+/* True when the walk is over; says why in session->outcome. */
+static bool is_over(struct session *session, uint64_t last_progress_tick)
+{
+    const struct loop *loop = session->loop;
+    const struct walk_record *record = &session->record;
+    const enum walk_fault fault = plant_fault(&loop->plant);
+    if (fault != WALK_FAULT_NONE) {
+        judge_fall(session, fault);
+        return true;
+    }
+    if (session->options.wearer_path != NULL) {
+        struct plant_truth truth;
+        plant_truth(&loop->plant, &truth);
+        session->outcome.reached = truth.finished;
+        return truth.finished;
+    }
+    if (record->count >= session->options.steps &&
+        (record->rows[session->options.steps - 1].measured ||
+         loop->tick - last_progress_tick > RECORD_DELAY_TICKS)) {
+        session->outcome.reached = true;
+        return true;
+    }
+    const uint64_t patience = record->count == 0 ? FIRST_STEP_TICKS : STEP_TICKS;
+    if (loop->tick - last_progress_tick > patience) {
+        snprintf(session->outcome.fault, sizeof session->outcome.fault,
+                 record->count == 0 ? "no first step within %d s" : "no further step within %d s",
+                 (int)(patience / 1000));
+        return true;
+    }
+    return false;
+}
+
+static void walk(struct session *session)
+{
+    struct loop *loop = session->loop;
+    const bool progress = !session->options.quiet && !session->options.json && isatty(STDERR_FILENO);
+    uint64_t last_progress_tick = 0;
+    uint32_t seen = 0;
+    const double start_s = now_s();
+
+    if (session->options.real_time) {
+        pacer_start(&session->pacer, 1000000);
+    }
+    do {
+        if (session->options.real_time) {
+            (void)pacer_wait(&session->pacer);
+        }
+        loop_tick(loop);
+        const int event = walk_record_take(&session->record, loop);
+        if (session->options.ticks) {
+            sim_tick_line(session->csv.stream, loop, event);
+        }
+        if (session->record.count != seen) {
+            seen = session->record.count;
+            last_progress_tick = loop->tick;
+            if (progress && seen % 10 == 0) {
+                show_progress(session, false);
+            }
+        }
+        if (interrupted) {
+            snprintf(session->outcome.fault, sizeof session->outcome.fault, "interrupted");
+            break;
+        }
+    } while (!is_over(session, last_progress_tick));
+    session->outcome.wall_s = now_s() - start_s;
+    if (progress) {
+        show_progress(session, true);
+    }
+}
+
+static void name_controller_fault(struct session *session)
+{
+    const enum supervisor_fault fault = session->loop->rig.task.output.fault;
+    if (fault == SUPERVISOR_FAULT_NONE) {
+        return;
+    }
+    const size_t used = strlen(session->outcome.fault);
+    snprintf(session->outcome.fault + used, sizeof session->outcome.fault - used,
+             "%scontroller: %s", used > 0 ? "; " : "", supervisor_fault_name(fault));
+}
+
+/* ---- reporting ------------------------------------------------------------- */
+
+static int finish(struct session *session)
+{
+    const struct sim_options *options = &session->options;
+    char message[OUTPUT_PATH_MAX + 256];
+    int status = session->outcome.fell || session->outcome.fault[0] != '\0' ? EXIT_FELL : EXIT_WALKED;
+
+    if (session->csv.stream != NULL) {
+        if (!options->ticks) {
+            sim_report_csv(session->csv.stream, &session->record,
+                           session->config.desired_speed_rad_s);
+        }
+        if (output_file_commit(&session->csv, message, sizeof message) != 0) {
+            complain(message);
+            status = EXIT_USAGE;
+        }
+    }
+    if (session->log.stream != NULL &&
+        output_file_commit(&session->log, message, sizeof message) != 0) {
+        complain(message);
+        status = EXIT_USAGE;
+    }
+    if (options->json) {
+        sim_report_json(stdout, options, session->loop, &session->record, &session->outcome);
+    } else if (!options->quiet) {
+        sim_report_text(stdout, options, session->loop, &session->record, &session->outcome);
+    }
+    if (options->real_time && !options->quiet) {
+        pacer_report(&session->pacer, options->json ? stderr : stdout);
+    }
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        complain("cannot write to standard output");
+        status = EXIT_USAGE;
+    }
+    return status;
+}
+
+static int run(struct session *session)
+{
+    char message[LOOP_MESSAGE_MAX] = "";
+    if (prepare(session) != 0) {
+        return EXIT_USAGE;
+    }
+    session->loop = (struct loop *)malloc(sizeof *session->loop);
+    const uint32_t rows =
+        session->options.wearer_path != NULL ? 1000000 : session->options.steps + 2;
+    if (session->loop == NULL || !walk_record_init(&session->record, rows)) {
+        complain("out of memory");
+        return EXIT_USAGE;
+    }
+    if (open_outputs(session) != 0) {
+        return EXIT_USAGE;
+    }
+    if (loop_init(session->loop, &session->config, session->log.stream, message) != 0) {
+        complain(message);
+        return EXIT_USAGE;
+    }
+    if (session->options.ticks) {
+        sim_tick_header(session->csv.stream);
+    }
+    walk(session);
+    name_controller_fault(session);
+    const int status = finish(session);
+    loop_free(session->loop);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    static struct session session;
+    signal(SIGINT, on_interrupt);
+    signal(SIGTERM, on_interrupt);
+    sim_options_parse(&session.options, argc, argv);
+    const int status = run(&session);
+    output_file_discard(&session.csv);
+    output_file_discard(&session.log);
+    walk_record_free(&session.record);
+    free(session.loop);
+    return status;
+}
