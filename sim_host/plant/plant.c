@@ -20,7 +20,7 @@ static const double START_PUSH_OFF = 0.05; /* of the leg's length */
 static void start_pose(const struct walker3_params *body, double spring_N_per_m,
                        struct walk_pose *pose)
 {
-    static const double PAPER_LIFT_OFF[4] = {0.16437936, -0.16851034, -0.41553614, 0.0};
+    static const double PAPER_LIFT_OFF[4] = {0.175299021, -0.354600794, -0.691599930, -0.568335556};
     const struct gait_walker subject = {body->hip_mass_kg, body->leg_mass_kg, body->leg_length_m,
                                         spring_N_per_m, body->gravity_m_s2};
     const double rate = __builtin_sqrt(body->gravity_m_s2 / body->leg_length_m / 9.80665);
@@ -29,8 +29,8 @@ static void start_pose(const struct walker3_params *body, double spring_N_per_m,
                                PAPER_LIFT_OFF[2] * rate, PAPER_LIFT_OFF[3] * rate};
     if (gait_curve(&subject, START_PUSH_OFF * body->leg_length_m, 0.0, 1, &gait, NULL) ==
         GAIT_CURVE_OK) {
-        *pose = (struct walk_pose){SIDE_LEFT, gait.lift_off[0], gait.lift_off[1],
-                                   gait.lift_off[2], gait.lift_off[3]};
+        *pose = (struct walk_pose){SIDE_LEFT, gait.lift_off[0], gait.lift_off[1], gait.lift_off[2],
+                                   gait.lift_off[3]};
     }
 }
 
@@ -313,7 +313,8 @@ void plant_truth(const struct plant *plant, struct plant_truth *truth)
             is_wearer(plant) ? person->leg_rate_rad_s[side] : walk_leg_rate_rad_s(walk, side);
         truth->ankle_m[side] = ankle_of(plant, side);
         truth->ankle_rate_m_s[side] = ankle_rate_of(plant, side);
-        truth->contact[side] = is_wearer(plant) ? person->contact[side] : walk_on_ground(walk, side);
+        truth->contact[side] =
+            is_wearer(plant) ? person->contact[side] : walk_on_ground(walk, side);
     }
     truth->stance = walk->stance;
     truth->phase = walk->phase;

@@ -37,19 +37,19 @@ enum { PLANT_PATH_MAX = 512, PLANT_ERROR_MAX = 512 };
 
 struct plant_config {
     enum plant_kind kind;
-    double tick_s;                       /* SYNC period; default 0.001 */
-    uint64_t seed;                       /* sensors, release jitter, rough ground */
-    struct walk_params walk;             /* body, slope, ...; body also of a wearer's subject */
-    struct walk_pose start;              /* just after lift-off of the start gait */
+    double tick_s;           /* SYNC period; default 0.001 */
+    uint64_t seed;           /* sensors, release jitter, rough ground */
+    struct walk_params walk; /* body, slope, ...; body also of a wearer's subject */
+    struct walk_pose start;  /* just after lift-off of the start gait */
     struct support_params support;
     struct sea_params sea[SIDE_COUNT];
     struct sensor_params sensors[SIDE_COUNT];
-    double roughness_m;                  /* standard deviation of foothold heights; default 0 */
-    const double *heights_m;             /* heights of footholds 1.. above the slope line, or NULL; */
-    size_t heights_count;                /* caller's, must outlive the plant; after the last: 0 */
-    char wearer_path[PLANT_PATH_MAX];    /* PLANT_WEARER: the recording */
+    double roughness_m;               /* standard deviation of foothold heights; default 0 */
+    const double *heights_m;          /* heights of footholds 1.. above the slope line, or NULL; */
+    size_t heights_count;             /* caller's, must outlive the plant; after the last: 0 */
+    char wearer_path[PLANT_PATH_MAX]; /* PLANT_WEARER: the recording */
     struct wearer_format wearer_format;
-    uint64_t wearer_start_tick;          /* the recording runs from this tick on (its first sample
+    uint64_t wearer_start_tick; /* the recording runs from this tick on (its first sample
                                             is held before); default 1000 */
 };
 
@@ -63,15 +63,15 @@ enum plant_error {
     PLANT_BAD_SENSOR = -6,
     PLANT_BAD_GROUND = -7,
     PLANT_BAD_WEARER = -8,
-    PLANT_BAD_TICK = -9   /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
+    PLANT_BAD_TICK = -9 /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
 };
 
 /* Cumulative energies (J) since init. */
 struct plant_energy {
-    double walker_J;              /* kinetic + potential, now */
-    double springs_J;             /* in both springs, now */
+    double walker_J;  /* kinetic + potential, now */
+    double springs_J; /* in both springs, now */
     double collision_loss_J;
-    double device_work_J[SIDE_COUNT];   /* on the walker or wearer, at the ankle */
+    double device_work_J[SIDE_COUNT]; /* on the walker or wearer, at the ankle */
     double own_work_J;
     double motor_work_J[SIDE_COUNT];
     double motor_positive_work_J[SIDE_COUNT];
@@ -135,7 +135,7 @@ struct plant_truth {
     enum side stance;
     enum walk_phase phase;
     enum walk_fault fault;
-    bool finished;                        /* the recording is over */
+    bool finished; /* the recording is over */
 };
 void plant_truth(const struct plant *plant, struct plant_truth *truth);
 void plant_energy(const struct plant *plant, struct plant_energy *energy);

@@ -30,8 +30,7 @@ static void pass_contacts(struct plant *plant, size_t from, size_t to)
                           now->leg_angle_rad[side]);
                 sea_other_foot_contact(&plant->sea[side_other(side)], time_s);
             } else if (!now->contact[side] && before->contact[side]) {
-                walk_post(&plant->walk, WALK_EVENT_TOE_OFF, side, time_s,
-                          now->leg_angle_rad[side]);
+                walk_post(&plant->walk, WALK_EVENT_TOE_OFF, side, time_s, now->leg_angle_rad[side]);
             }
         }
     }
@@ -45,8 +44,8 @@ static void pass_apex(struct plant *plant, const struct wearer_state *next)
         const double from = now->leg_angle_rad[k], to = next->leg_angle_rad[k];
         if (from > 0.0 && to <= 0.0 && (next->contact[k] || !plant->wearer.has_contact)) {
             const double part = from / (from - to);
-            const double rate = now->leg_rate_rad_s[k] +
-                                part * (next->leg_rate_rad_s[k] - now->leg_rate_rad_s[k]);
+            const double rate =
+                now->leg_rate_rad_s[k] + part * (next->leg_rate_rad_s[k] - now->leg_rate_rad_s[k]);
             walk_post(&plant->walk, WALK_EVENT_APEX, (enum side)k,
                       plant_now_s(plant) + part * plant->config.tick_s, -rate);
         }

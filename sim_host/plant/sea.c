@@ -112,8 +112,8 @@ void sea_set_command(struct sea *sea, const struct sea_command *command, double 
         }
         sea->since_command_s = 0.0;
         if (sea->params.ideal_motor) {
-            sea->position_m = clamp(sea->target_to_m, sea->params.end_stop_min_m,
-                                    sea->params.end_stop_max_m);
+            sea->position_m =
+                clamp(sea->target_to_m, sea->params.end_stop_min_m, sea->params.end_stop_max_m);
         }
     }
     if (!command->latch_armed) {
@@ -131,15 +131,15 @@ static void advance_reference(struct sea *sea, double target_m, double target_sp
     const double h = p->drive_period_s;
     const double off_m = target_m - sea->reference_m;
     const double braking_m_s = __builtin_sqrt(2.0 * p->acceleration_limit_m_s2 * magnitude(off_m));
-    double wanted_m_s = clamp(target_speed_m_s + off_m / INTERPOLATION_S, -p->speed_limit_m_s,
-                              p->speed_limit_m_s);
+    double wanted_m_s =
+        clamp(target_speed_m_s + off_m / INTERPOLATION_S, -p->speed_limit_m_s, p->speed_limit_m_s);
     if (magnitude(wanted_m_s - target_speed_m_s) > braking_m_s) {
         wanted_m_s = clamp(target_speed_m_s + (off_m < 0.0 ? -braking_m_s : braking_m_s),
                            -p->speed_limit_m_s, p->speed_limit_m_s);
     }
-    const double change_m_s = clamp(wanted_m_s - sea->reference_speed_m_s,
-                                    -p->acceleration_limit_m_s2 * h,
-                                    p->acceleration_limit_m_s2 * h);
+    const double change_m_s =
+        clamp(wanted_m_s - sea->reference_speed_m_s, -p->acceleration_limit_m_s2 * h,
+              p->acceleration_limit_m_s2 * h);
     sea->reference_m += h * (sea->reference_speed_m_s + 0.5 * change_m_s);
     sea->reference_speed_m_s += change_m_s;
     sea->reference_acceleration_m_s2 = change_m_s / h;
@@ -171,7 +171,8 @@ static double loop_force_N(struct sea *sea)
     const double stiffness = p->motor_mass_kg * w * w;
     const double off_m = sea->reference_m - sea->measured_m;
     const double off_m_s = sea->reference_speed_m_s - sea->measured_speed_m_s;
-    const double direct_N = stiffness * off_m + 2.0 * p->loop_damping * p->motor_mass_kg * w * off_m_s +
+    const double direct_N = stiffness * off_m +
+                            2.0 * p->loop_damping * p->motor_mass_kg * w * off_m_s +
                             p->motor_mass_kg * sea->reference_acceleration_m_s2;
     const double wanted_N = direct_N + sea->integral_N;
     const double force_N = clamp(wanted_N, -p->force_limit_N, p->force_limit_N);
@@ -286,8 +287,9 @@ void sea_finish_period(struct sea *sea)
     }
     sea->friction_loss_J += sea->friction_N * way_m;
     const double load = sea->motor_force_N / p->rated_force_N;
-    sea->temperature_degC += (load * load * p->thermal_rise_K + p->ambient_degC -
-                              sea->temperature_degC) * (h / p->thermal_time_s);
+    sea->temperature_degC +=
+        (load * load * p->thermal_rise_K + p->ambient_degC - sea->temperature_degC) *
+        (h / p->thermal_time_s);
 }
 
 void sea_other_foot_contact(struct sea *sea, double now_s)

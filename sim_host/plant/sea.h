@@ -46,34 +46,34 @@ enum sea_release {
 /* Everything a SEA can be. sea_preset() fills all of it; subject files override. */
 struct sea_params {
     double spring_N_per_m;
-    bool ideal_motor;            /* true: position = clamped target at once, force unlimited */
-    bool ideal_foot;             /* true: after lift-off the foot is at r = 0 and latched at once */
-    double drive_period_s;       /* of the position loop, divides 1 ms */
-    double motor_mass_kg;        /* rotor and screw, reflected to metres of spring */
+    bool ideal_motor;      /* true: position = clamped target at once, force unlimited */
+    bool ideal_foot;       /* true: after lift-off the foot is at r = 0 and latched at once */
+    double drive_period_s; /* of the position loop, divides 1 ms */
+    double motor_mass_kg;  /* rotor and screw, reflected to metres of spring */
     double viscous_N_per_m_s;
     double coulomb_N;            /* also holds the motor at rest */
     double loop_bandwidth_rad_s; /* position loop */
     double loop_damping;
-    double loop_integral_rad_s;  /* corner of the integral part */
-    double force_limit_N;        /* motor force, both directions (current limit) */
+    double loop_integral_rad_s; /* corner of the integral part */
+    double force_limit_N;       /* motor force, both directions (current limit) */
     double speed_limit_m_s;
-    double acceleration_limit_m_s2; /* of the drive's reference */
-    double stroke_min_m, stroke_max_m;      /* commanded positions are clamped to these */
-    double end_stop_min_m, end_stop_max_m;  /* hard, without rebound */
+    double acceleration_limit_m_s2;        /* of the drive's reference */
+    double stroke_min_m, stroke_max_m;     /* commanded positions are clamped to these */
+    double end_stop_min_m, end_stop_max_m; /* hard, without rebound */
     double unload_rate_m_s;
-    double counts_per_m;         /* drive position counts per metre of spring, > 0 */
-    double zero_offset_m;        /* reported position = true position + this */
+    double counts_per_m;  /* drive position counts per metre of spring, > 0 */
+    double zero_offset_m; /* reported position = true position + this */
     enum sea_release release_on;
-    double release_latency_s;    /* 0 .. 10 ms */
-    double release_jitter_s;     /* 0 .. 10 ms, added: uniform in [0, this) */
-    double extension_trigger_m;  /* > 0 */
-    double reclose_m;            /* >= 0 */
-    double rated_force_N;        /* 1000 per mille of object 0x6077 */
-    double thermal_rise_K;       /* winding above ambient at rated force for ever */
+    double release_latency_s;   /* 0 .. 10 ms */
+    double release_jitter_s;    /* 0 .. 10 ms, added: uniform in [0, this) */
+    double extension_trigger_m; /* > 0 */
+    double reclose_m;           /* >= 0 */
+    double rated_force_N;       /* 1000 per mille of object 0x6077 */
+    double thermal_rise_K;      /* winding above ambient at rated force for ever */
     double thermal_time_s;
     double ambient_degC;
-    double dc_link_V;            /* no load */
-    double dc_link_ohm;          /* source resistance */
+    double dc_link_V;   /* no load */
+    double dc_link_ohm; /* source resistance */
     double force_per_current_N_A;
 };
 
@@ -85,9 +85,9 @@ struct sea_command {
 
 /* What a node can report at a SYNC, and what the tests look at. */
 struct sea_output {
-    double position_m;       /* true motor position */
+    double position_m;          /* true motor position */
     double reported_position_m; /* quantised to counts, with the zero offset */
-    int32_t position_counts; /* the same, as the drive reports it */
+    int32_t position_counts;    /* the same, as the drive reports it */
     double speed_m_s;
     double motor_force_N;
     double torque_per_mille; /* motor force / rated force * 1000 */
@@ -95,11 +95,11 @@ struct sea_output {
     double ankle_force_N;    /* the part that reaches the ankle, >= 0 */
     enum sea_latch latch;
     bool armed;
-    bool release_pending;    /* cause seen, latency running */
-    bool target_clamped;     /* target outside the stroke limits */
-    bool force_limited;      /* motor force at its limit in the last period */
+    bool release_pending; /* cause seen, latency running */
+    bool target_clamped;  /* target outside the stroke limits */
+    bool force_limited;   /* motor force at its limit in the last period */
     bool at_end_stop;
-    bool unloaded;           /* spring force below 1 % of spring * stroke_max */
+    bool unloaded; /* spring force below 1 % of spring * stroke_max */
     double temperature_degC;
     double dc_link_V;
 };
@@ -121,20 +121,20 @@ struct sea {
     /* latch */
     enum sea_latch latch;
     bool release_pending;
-    double release_time_s;    /* walker's time */
+    double release_time_s; /* walker's time */
     struct rng rng;
     /* energy since init */
-    double motor_work_J;      /* by the motor on screw and spring */
+    double motor_work_J; /* by the motor on screw and spring */
     double motor_positive_work_J;
     double friction_loss_J;
-    uint64_t releases;        /* counter */
+    uint64_t releases; /* counter */
 };
 
 enum sea_preset_kind { SEA_IDEAL = 0, SEA_REAL = 1 };
 
 /* The subject a preset is scaled to. */
 struct sea_subject {
-    double total_mass_kg;  /* M + 2 m */
+    double total_mass_kg; /* M + 2 m */
     double leg_length_m;
     double gravity_m_s2;
     double spring_N_per_m;

@@ -102,8 +102,8 @@ static const struct sensor_truth *ticks_ago(const struct sensor *sensor, uint32_
 {
     const uint32_t oldest = sensor->history_count - 1u;
     const uint32_t back = ticks < oldest ? ticks : oldest;
-    return &sensor->history[(sensor->history_head + SENSOR_DELAY_TICKS - back) %
-                            SENSOR_DELAY_TICKS];
+    return &sensor
+                ->history[(sensor->history_head + SENSOR_DELAY_TICKS - back) % SENSOR_DELAY_TICKS];
 }
 
 /* Cubic through both values and rates: exact to 1e-9 rad between ticks of a smooth
@@ -116,8 +116,7 @@ static double hermite(double from, double from_rate, double to, double to_rate, 
            u * v * tick_s * (v * from_rate - u * to_rate);
 }
 
-static void delayed(const struct sensor *sensor, double tick_s, double *angle_rad,
-                    double *ankle_m)
+static void delayed(const struct sensor *sensor, double tick_s, double *angle_rad, double *ankle_m)
 {
     const double ticks = sensor->params.latency_s / tick_s;
     const uint32_t whole = (uint32_t)ticks;
@@ -148,9 +147,9 @@ static double coloured_noise(struct sensor *sensor, double tick_s)
     /* First-order low pass, exact variance for any corner: x' = c x + sqrt(1 - c^2) w. */
     const double corner = TURN_RAD * p->angle_coloured_hz * tick_s;
     const double keep = 1.0 / (1.0 + corner);
-    sensor->coloured_rad = keep * sensor->coloured_rad +
-                           __builtin_sqrt(1.0 - keep * keep) * p->angle_coloured_rad *
-                               rng_normal(&sensor->rng);
+    sensor->coloured_rad = keep * sensor->coloured_rad + __builtin_sqrt(1.0 - keep * keep) *
+                                                             p->angle_coloured_rad *
+                                                             rng_normal(&sensor->rng);
     return sensor->coloured_rad;
 }
 

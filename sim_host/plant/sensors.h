@@ -17,18 +17,18 @@
 #include "sim_host/plant/rng.h"
 
 struct sensor_params {
-    double angle_resolution_rad;   /* > 0 */
-    double angle_noise_counts;     /* white, RMS, in counts of the resolution above */
-    double angle_coloured_rad;     /* first-order (Gauss-Markov) noise, RMS */
-    double angle_coloured_hz;      /* its corner, > 0 where the RMS is > 0 */
-    double angle_offset_rad;       /* mounting: measured = true + this */
-    double ankle_resolution_m;     /* linear ankle, > 0 */
-    double ankle_resolution_rad;   /* lever ankle, > 0 */
+    double angle_resolution_rad; /* > 0 */
+    double angle_noise_counts;   /* white, RMS, in counts of the resolution above */
+    double angle_coloured_rad;   /* first-order (Gauss-Markov) noise, RMS */
+    double angle_coloured_hz;    /* its corner, > 0 where the RMS is > 0 */
+    double angle_offset_rad;     /* mounting: measured = true + this */
+    double ankle_resolution_m;   /* linear ankle, > 0 */
+    double ankle_resolution_rad; /* lever ankle, > 0 */
     double ankle_noise_counts;
-    double ankle_offset_m;         /* linear; a lever ankle has its neutral angle */
-    double latency_s;              /* 0 .. 5 ms */
-    double drop_probability;       /* a sample that is not sent, 0 .. 1 */
-    bool ankle_is_lever;           /* r = lever sin(plantarflexion - neutral), not below 0 */
+    double ankle_offset_m;   /* linear; a lever ankle has its neutral angle */
+    double latency_s;        /* 0 .. 5 ms */
+    double drop_probability; /* a sample that is not sent, 0 .. 1 */
+    bool ankle_is_lever;     /* r = lever sin(plantarflexion - neutral), not below 0 */
     double ankle_lever_m;
     double ankle_neutral_rad;
 };
@@ -62,11 +62,11 @@ struct sensor_truth {
 };
 
 struct sensor_sample {
-    bool sent;                 /* false: dropped, the rest is the last sample sent */
-    int32_t leg_angle_counts;  /* 2*pi/2^24 rad, saturating at 24 bits */
-    int16_t ankle_counts;      /* 10 um, or 2*pi/2^16 rad, saturating */
-    double leg_angle_rad;      /* the same values in SI, for tests and logs */
-    double ankle_extension_m;  /* through the lever equation, if a lever */
+    bool sent;                /* false: dropped, the rest is the last sample sent */
+    int32_t leg_angle_counts; /* 2*pi/2^24 rad, saturating at 24 bits */
+    int16_t ankle_counts;     /* 10 um, or 2*pi/2^16 rad, saturating */
+    double leg_angle_rad;     /* the same values in SI, for tests and logs */
+    double ankle_extension_m; /* through the lever equation, if a lever */
 };
 
 enum { SENSOR_DELAY_TICKS = 8 };

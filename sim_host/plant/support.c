@@ -31,8 +31,8 @@ const char *support_params_check(const struct support_params *params)
 
 void support_init(struct support *support, const struct support_params *params)
 {
-    *support = (struct support){.params = *params, .holding = true,
-                                .grid_origin_tick = params->release_tick};
+    *support = (struct support){
+        .params = *params, .holding = true, .grid_origin_tick = params->release_tick};
 }
 
 static double magnitude(double x)

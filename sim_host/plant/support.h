@@ -34,11 +34,11 @@ struct support {
 
 /* What the hand looks at, once per SYNC. */
 struct support_view {
-    bool drives_enabled;       /* both in position mode */
-    double stance_position_m;  /* reported */
+    bool drives_enabled;      /* both in position mode */
+    double stance_position_m; /* reported */
     double stance_target_m;
     double stance_speed_m_s;
-    bool fault;                /* the walker has fallen or is otherwise lost */
+    bool fault; /* the walker has fallen or is otherwise lost */
 };
 
 enum support_action { SUPPORT_NONE = 0, SUPPORT_LET_GO = 1, SUPPORT_TAKE_HOLD = 2 };

@@ -159,8 +159,7 @@ double walk_ankle_m(const struct walk *walk, const struct sea sea[SIDE_COUNT], e
     if (is_loose(walk, side)) {
         return walk_foot_extension_m(&sea[side], sea[side].position_m);
     }
-    return side == walk->stance ? walk->state.q[WALKER3_ANKLE]
-                                : walk->contact.swing_extension_m;
+    return side == walk->stance ? walk->state.q[WALKER3_ANKLE] : walk->contact.swing_extension_m;
 }
 
 double walk_ankle_rate_m_s(const struct walk *walk, const struct sea sea[SIDE_COUNT],
@@ -187,8 +186,7 @@ bool walk_on_ground(const struct walk *walk, enum side side)
     return false;
 }
 
-void walk_ankle_spring(const struct walk *walk, const struct sea *sea,
-                       struct walker3_ankle *ankle)
+void walk_ankle_spring(const struct walk *walk, const struct sea *sea, struct walker3_ankle *ankle)
 {
     const bool free_spring = sea->latch != SEA_LATCH_CLOSED;
     *ankle = (struct walker3_ankle){
@@ -242,8 +240,8 @@ void walk_toe_gap(const struct walk *walk, const struct walker3_state *state,
     walker3_toe(&walk->params.body, state, swing_extension_m, toe_m);
     *ahead_m = -toe_m[0];
     if (walk->params.slope_rad != 0.0) {
-        ground_m += *ahead_m * trig_sin_f64(walk->params.slope_rad) /
-                    trig_cos_f64(walk->params.slope_rad);
+        ground_m +=
+            *ahead_m * trig_sin_f64(walk->params.slope_rad) / trig_cos_f64(walk->params.slope_rad);
     }
     *gap_m = toe_m[1] - ground_m;
 }

@@ -40,12 +40,12 @@ enum walk_fault {
     WALK_FAULT_FALLEN_FORWARD = 1,  /* theta_s beyond -fall_angle: no foot in front in time */
     WALK_FAULT_FALLEN_BACKWARD = 2, /* theta_s beyond +fall_angle */
     WALK_FAULT_BACKWARDS = 3,       /* turned back before the apex: rate >= 0 with theta_s > 0 */
-    WALK_FAULT_TRIPPED = 4,         /* legs passed with the foot further out than trip_extension_m */
-    WALK_FAULT_FLIGHT = 5,          /* the stance foot left the ground in single support */
-    WALK_FAULT_STUCK = 6,           /* double support longer than stuck_s */
-    WALK_FAULT_SLIPPED = 7,         /* a foot needed more friction than there is */
-    WALK_FAULT_LEGS_CROSSED = 8,    /* inter-leg angle beyond pi */
-    WALK_FAULT_NOT_FINITE = 9       /* a state is not a number: a defect, or absurd parameters */
+    WALK_FAULT_TRIPPED = 4,      /* legs passed with the foot further out than trip_extension_m */
+    WALK_FAULT_FLIGHT = 5,       /* the stance foot left the ground in single support */
+    WALK_FAULT_STUCK = 6,        /* double support longer than stuck_s */
+    WALK_FAULT_SLIPPED = 7,      /* a foot needed more friction than there is */
+    WALK_FAULT_LEGS_CROSSED = 8, /* inter-leg angle beyond pi */
+    WALK_FAULT_NOT_FINITE = 9    /* a state is not a number: a defect, or absurd parameters */
 };
 
 /* Lower-case words with underscores, for JSON and messages; never NULL. */
@@ -53,15 +53,15 @@ const char *walk_fault_name(enum walk_fault fault);
 
 struct walk_params {
     struct walker3_params body;
-    double slope_rad;          /* > 0 uphill, |slope| <= 0.5 */
-    double friction;           /* coefficient; 0 = no limit */
-    double trip_extension_m;   /* default 0.03 l */
-    double fall_angle_rad;     /* default pi/2 */
-    double stuck_s;            /* default 5 */
-    double unarmed_hold_s;     /* an unarmed trailing foot stays on the ground so long; default 0 */
-    double single_step_s;      /* largest integrator step, single support; default 1 ms */
-    double double_step_s;      /* and elsewhere; default 0.25 ms */
-    double own_push_N_per_m;   /* the wearer's own push-off, default 0: none */
+    double slope_rad;        /* > 0 uphill, |slope| <= 0.5 */
+    double friction;         /* coefficient; 0 = no limit */
+    double trip_extension_m; /* default 0.03 l */
+    double fall_angle_rad;   /* default pi/2 */
+    double stuck_s;          /* default 5 */
+    double unarmed_hold_s;   /* an unarmed trailing foot stays on the ground so long; default 0 */
+    double single_step_s;    /* largest integrator step, single support; default 1 ms */
+    double double_step_s;    /* and elsewhere; default 0.25 ms */
+    double own_push_N_per_m; /* the wearer's own push-off, default 0: none */
     double own_push_rest_m;
 };
 
@@ -73,8 +73,8 @@ enum walk_event_kind {
     WALK_EVENT_FAULT = 4,       /* value: enum walk_fault */
     WALK_EVENT_LET_GO = 5,      /* side: stance; value: 0 */
     WALK_EVENT_TAKE_HOLD = 6,
-    WALK_EVENT_TOE_OFF = 7,     /* wearer only: contact ends; value: leg angle, rad */
-    WALK_EVENT_RECLOSED = 8     /* latch of side has closed again; value: motor, m */
+    WALK_EVENT_TOE_OFF = 7, /* wearer only: contact ends; value: leg angle, rad */
+    WALK_EVENT_RECLOSED = 8 /* latch of side has closed again; value: motor, m */
 };
 
 struct walk_event {
@@ -87,22 +87,23 @@ struct walk_event {
 /* One step: single support of the stance leg with its apex, the other foot's heel
  * strike, the stance leg's push-off. Handed out at its lift-off. */
 struct walk_step {
-    uint64_t index;           /* 1 is the first step after letting go */
-    enum side stance;         /* side of the stance leg at the apex */
+    uint64_t index;   /* 1 is the first step after letting go */
+    enum side stance; /* side of the stance leg at the apex */
     double apex_time_s, apex_speed_rad_s;
     double apex_theta_n_rad, apex_theta_n_rate_rad_s;
-    double heel_strike_time_s;   /* ends single support of this step */
-    double release_time_s;       /* NaN-free: 0 when the spring was not released */
-    double precompression_m;     /* motor position at release, 0 without */
+    double heel_strike_time_s; /* ends single support of this step */
+    double release_time_s;     /* NaN-free: 0 when the spring was not released */
+    double precompression_m;   /* motor position at release, 0 without */
     double lift_off_time_s;
     double lift_off_extension_m;
-    double step_length_m;        /* toe to toe at heel strike */
+    double step_length_m; /* toe to toe at heel strike */
     double collision_loss_J;
     double push_off_J;           /* work of the device on the walker */
     double own_push_J;           /* work of the wearer's own push-off */
     double energy_J;             /* walker, kinetic + potential above the stance toe, at the apex */
     double least_normal_force_N; /* smallest vertical ground force at a tick of the step */
-    double friction_needed;      /* largest |horizontal / vertical| at a tick of the step */
+    double
+        friction_needed; /* largest |horizontal / vertical| of a foot with 5 % of the weight on it */
 };
 
 enum { WALK_EVENT_RING = 64, WALK_STEP_RING = 8 };
@@ -115,11 +116,11 @@ struct walk {
     enum side stance;
     struct walker3_state state;
     struct walker3_contact contact;
-    double foot_m[2];            /* world position of the stance toe */
-    double next_height_m;        /* ground of the next foothold relative to the slope through this one */
+    double foot_m[2];     /* world position of the stance toe */
+    double next_height_m; /* ground of the next foothold relative to the slope through this one */
     double phase_since_s;
-    bool own_push_active;        /* the wearer's push-off, from heel strike to lift-off */
-    bool foot_was_above;         /* swing toe has been above the ground, ahead: may land */
+    bool own_push_active; /* the wearer's push-off, from heel strike to lift-off */
+    bool foot_was_above;  /* swing toe has been above the ground, ahead: may land */
     struct walk_step current;
     struct walk_event events[WALK_EVENT_RING];
     struct walk_step steps[WALK_STEP_RING];
@@ -163,7 +164,8 @@ double walk_leg_angle_rad(const struct walk *walk, enum side side);
 double walk_leg_rate_rad_s(const struct walk *walk, enum side side);
 /* Ankle extension: r of the stance leg; of the swing leg what the latch and the motor leave. */
 double walk_ankle_m(const struct walk *walk, const struct sea sea[SIDE_COUNT], enum side side);
-double walk_ankle_rate_m_s(const struct walk *walk, const struct sea sea[SIDE_COUNT], enum side side);
+double walk_ankle_rate_m_s(const struct walk *walk, const struct sea sea[SIDE_COUNT],
+                           enum side side);
 bool walk_on_ground(const struct walk *walk, enum side side);
 /* Ground forces (N, x and y) per side, and the force that locks the stance ankle. */
 void walk_forces(const struct walk *walk, const struct sea sea[SIDE_COUNT],

@@ -16,8 +16,8 @@ void walk_heel_strike(struct walk_run *run)
     struct sea *sea = &run->sea[walk->stance];
     struct walker3_impact impact;
     double toe_m[2];
-    walk->contact.swing_extension_m =
-        walk_foot_extension_m(&run->sea[landing], sea_position_at_m(&run->sea[landing], run->tau_s));
+    walk->contact.swing_extension_m = walk_foot_extension_m(
+        &run->sea[landing], sea_position_at_m(&run->sea[landing], run->tau_s));
     walker3_toe(&walk->params.body, &walk->state, walk->contact.swing_extension_m, toe_m);
     walker3_collide(&walk->params.body, &walk->state, walk->contact.swing_extension_m, &impact);
     walk->contact.swing_toe_pinned = true;
@@ -65,8 +65,8 @@ static bool ankle_rises(const struct walk_run *run)
     unlocked.ankle_locked = false;
     walk_ankle_spring(walk, &run->sea[walk->stance], &ankle);
     walker3_accelerate(&walk->params.body, &walk->state, &unlocked,
-                       walker3_ankle_force_N(&ankle, run->tau_s, walk->state.q[WALKER3_ANKLE]),
-                       ddq, NULL);
+                       walker3_ankle_force_N(&ankle, run->tau_s, walk->state.q[WALKER3_ANKLE]), ddq,
+                       NULL);
     return ddq[WALKER3_ANKLE] > 0.0;
 }
 
@@ -74,7 +74,8 @@ static bool ankle_rises(const struct walk_run *run)
 static void choose_contact(struct walk_run *run)
 {
     struct walk *walk = run->walk;
-    const bool resting = walk->state.q[WALKER3_ANKLE] <= 0.0 && walk->state.dq[WALKER3_ANKLE] <= 0.0;
+    const bool resting =
+        walk->state.q[WALKER3_ANKLE] <= 0.0 && walk->state.dq[WALKER3_ANKLE] <= 0.0;
     const bool latched = run->sea[walk->stance].latch == SEA_LATCH_CLOSED;
     if (walk->phase == WALK_SINGLE && latched && walk->state.q[WALKER3_ANKLE] <= 0.0) {
         walk->contact.ankle_locked = true;
@@ -237,11 +238,17 @@ static void finish_period(struct walk_run *run)
     }
 }
 
+/* A foot that carries less than this share of the weight may slide unnoticed: as it
+ * leaves the ground the quotient of its two vanishing forces means nothing. */
+static const double CARRYING_SHARE = 0.05;
+
 /* What each step's record says about the ground. */
 static void watch_ground(struct walk *walk, const struct sea sea[SIDE_COUNT])
 {
     double ground_N[SIDE_COUNT][2], lock_N;
     struct walk_step *step = &walk->current;
+    const struct walker3_params *body = &walk->params.body;
+    const double weight_N = (body->hip_mass_kg + 2.0 * body->leg_mass_kg) * body->gravity_m_s2;
     if (!is_moving(walk)) {
         return;
     }
@@ -255,7 +262,10 @@ static void watch_ground(struct walk *walk, const struct sea sea[SIDE_COUNT])
         if (step->least_normal_force_N == 0.0 || normal_N < step->least_normal_force_N) {
             step->least_normal_force_N = normal_N;
         }
-        if (normal_N > 0.0 && along_N > step->friction_needed * normal_N) {
+        if (normal_N < CARRYING_SHARE * weight_N) {
+            continue;
+        }
+        if (along_N > step->friction_needed * normal_N) {
             step->friction_needed = along_N / normal_N;
         }
         if (walk->params.friction > 0.0 && along_N > walk->params.friction * normal_N) {

@@ -25,8 +25,7 @@ void walk_toe_gap(const struct walk *walk, const struct walker3_state *state,
 double walk_foot_extension_m(const struct sea *sea, double motor_m);
 
 /* The ankle force of the stance leg, on the clock of the current drive period. */
-void walk_ankle_spring(const struct walk *walk, const struct sea *sea,
-                       struct walker3_ankle *ankle);
+void walk_ankle_spring(const struct walk *walk, const struct sea *sea, struct walker3_ankle *ankle);
 
 /* One step of the integrator under walk->contact, of at most step_s, cut short by
  * the first event, which is handled. Returns the time that passed. */

@@ -221,10 +221,12 @@ static void account_work(struct walk_run *run, const struct walker3_ankle *ankle
     const double r0 = walk->state.q[WALKER3_ANKLE], r1 = next->q[WALKER3_ANKLE];
     const double v0 = walk->state.dq[WALKER3_ANKLE], v1 = next->dq[WALKER3_ANKLE];
     const double t0 = run->tau_s, t1 = run->tau_s + step_s;
-    const double device_J = 0.5 * step_s * (walker3_ankle_force_N(&device, t0, r0) * v0 +
-                                            walker3_ankle_force_N(&device, t1, r1) * v1);
-    const double own_J = 0.5 * step_s * (walker3_ankle_force_N(&own, t0, r0) * v0 +
-                                         walker3_ankle_force_N(&own, t1, r1) * v1);
+    const double device_J =
+        0.5 * step_s *
+        (walker3_ankle_force_N(&device, t0, r0) * v0 + walker3_ankle_force_N(&device, t1, r1) * v1);
+    const double own_J =
+        0.5 * step_s *
+        (walker3_ankle_force_N(&own, t0, r0) * v0 + walker3_ankle_force_N(&own, t1, r1) * v1);
     walk->device_work_J[walk->stance] += device_J;
     walk->own_work_J += own_J;
     walk->current.push_off_J += device_J;

@@ -22,10 +22,10 @@
 #include <stdbool.h>
 
 struct walker3_params {
-    double hip_mass_kg;   /* M, (0, 1e4] */
-    double leg_mass_kg;   /* m of each leg, (0, 1e3]; zero would leave the swing leg undefined */
-    double leg_length_m;  /* l, hip to ankle spring at r = 0, [0.05, 10] */
-    double gravity_m_s2;  /* [0.1, 100] */
+    double hip_mass_kg;  /* M, (0, 1e4] */
+    double leg_mass_kg;  /* m of each leg, (0, 1e3]; zero would leave the swing leg undefined */
+    double leg_length_m; /* l, hip to ankle spring at r = 0, [0.05, 10] */
+    double gravity_m_s2; /* [0.1, 100] */
 };
 
 enum { WALKER3_STANCE = 0, WALKER3_SWING = 1, WALKER3_ANKLE = 2, WALKER3_DOF = 3 };
@@ -60,9 +60,9 @@ struct walker3_ankle {
 };
 
 struct walker3_forces {
-    double ankle_lock_N;      /* along the stance leg, holding r; 0 while free */
-    double stance_toe_N[2];   /* ground on the stance toe: x, y */
-    double swing_toe_N[2];    /* ground on the other toe; 0 in single support */
+    double ankle_lock_N;    /* along the stance leg, holding r; 0 while free */
+    double stance_toe_N[2]; /* ground on the stance toe: x, y */
+    double swing_toe_N[2];  /* ground on the other toe; 0 in single support */
 };
 
 enum walker3_param_error {

@@ -40,8 +40,8 @@ struct value {
 };
 
 /* Catmull-Rom between samples i and i + 1, at part u of the way. */
-static struct value between(const struct wearer *wearer, size_t i, double u,
-                            enum quantity quantity, int side)
+static struct value between(const struct wearer *wearer, size_t i, double u, enum quantity quantity,
+                            int side)
 {
     const double h = wearer->samples[i + 1].time_s - wearer->samples[i].time_s;
     const double a = sampled(wearer, i, quantity, side);

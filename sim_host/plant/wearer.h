@@ -31,10 +31,10 @@ struct wearer_format {
     char shank_column[SIDE_COUNT][WEARER_NAME_MAX];
     char ankle_column[SIDE_COUNT][WEARER_NAME_MAX];
     char contact_column[SIDE_COUNT][WEARER_NAME_MAX];
-    double sample_rate_hz;      /* used without a time column */
-    double ankle_lever_m;       /* default 0.12 */
-    double ankle_neutral_rad;   /* plantarflexion at r = 0; default 0 */
-    double largest_gap_s;       /* a longer one between samples is an error; default 0.1 */
+    double sample_rate_hz;    /* used without a time column */
+    double ankle_lever_m;     /* default 0.12 */
+    double ankle_neutral_rad; /* plantarflexion at r = 0; default 0 */
+    double largest_gap_s;     /* a longer one between samples is an error; default 0.1 */
 };
 
 struct wearer_sample {
@@ -63,14 +63,15 @@ struct wearer_state {
 
 enum wearer_error {
     WEARER_OK = 0,
-    WEARER_CANNOT_READ = -1,   /* file missing, unreadable, or too big (1 GB) */
+    WEARER_CANNOT_READ = -1, /* file missing, unreadable, or too big (1 GB) */
     WEARER_NO_MEMORY = -2,
-    WEARER_BAD_HEADER = -3,    /* a named column is missing or there twice */
-    WEARER_BAD_VALUE = -4,     /* not a number, not finite, angle beyond 180 degrees, contact not 0 or 1 */
-    WEARER_BAD_ROW = -5,       /* too few or too many columns */
-    WEARER_BAD_TIME = -6,      /* not ascending, or a gap beyond largest_gap_s */
-    WEARER_TOO_SHORT = -7,     /* fewer than two rows */
-    WEARER_BAD_FORMAT = -8     /* format itself: rate, lever, gap out of range */
+    WEARER_BAD_HEADER = -3, /* a named column is missing or there twice */
+    WEARER_BAD_VALUE =
+        -4, /* not a number, not finite, angle beyond 180 degrees, contact not 0 or 1 */
+    WEARER_BAD_ROW = -5,   /* too few or too many columns */
+    WEARER_BAD_TIME = -6,  /* not ascending, or a gap beyond largest_gap_s */
+    WEARER_TOO_SHORT = -7, /* fewer than two rows */
+    WEARER_BAD_FORMAT = -8 /* format itself: rate, lever, gap out of range */
 };
 
 void wearer_format_default(struct wearer_format *format);

@@ -11,8 +11,18 @@
 
 static const double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
 
-enum column { TIME, THIGH_L, THIGH_R, SHANK_L, SHANK_R, ANKLE_L, ANKLE_R, CONTACT_L, CONTACT_R,
-              COLUMN_COUNT };
+enum column {
+    TIME,
+    THIGH_L,
+    THIGH_R,
+    SHANK_L,
+    SHANK_R,
+    ANKLE_L,
+    ANKLE_R,
+    CONTACT_L,
+    CONTACT_R,
+    COLUMN_COUNT
+};
 
 enum { LARGEST_FILE_BYTES = 1 << 30, ABSENT = -1, SHOWN_CHARACTERS = 40 };
 
@@ -22,9 +32,9 @@ struct reader {
     char *text; /* owned, zero-terminated */
     size_t bytes;
     const char *at;
-    size_t line;                   /* of *at, from 1 */
-    long index[COLUMN_COUNT];      /* place of each column in a row, or ABSENT */
-    long columns;                  /* per row */
+    size_t line;              /* of *at, from 1 */
+    long index[COLUMN_COUNT]; /* place of each column in a row, or ABSENT */
+    long columns;             /* per row */
     struct wearer *wearer;
     size_t capacity;
     char *message;
@@ -298,8 +308,7 @@ static enum wearer_error row_time(struct reader *reader, const double values[COL
     return WEARER_OK;
 }
 
-static enum wearer_error fill_sample(const struct reader *reader,
-                                     const double values[COLUMN_COUNT],
+static enum wearer_error fill_sample(const struct reader *reader, const double values[COLUMN_COUNT],
                                      struct wearer_sample *sample)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
@@ -313,7 +322,8 @@ static enum wearer_error fill_sample(const struct reader *reader,
          * atan2(sin thigh + sin shank, cos thigh + cos shank). */
         sample->leg_angle_rad[side] = 0.5 * (thigh_deg + shank_deg) * RAD_PER_DEG;
         sample->plantarflexion_rad[side] = -values[ANKLE_L + side] * RAD_PER_DEG;
-        const double bent_rad = sample->plantarflexion_rad[side] - reader->format->ankle_neutral_rad;
+        const double bent_rad =
+            sample->plantarflexion_rad[side] - reader->format->ankle_neutral_rad;
         const bool has_ankle = reader->index[ANKLE_L + side] != ABSENT;
         const double lifted_m = reader->format->ankle_lever_m * trig_sin_f64(bent_rad);
         sample->ankle_m[side] = has_ankle && lifted_m > 0.0 ? lifted_m : 0.0;

@@ -22,8 +22,10 @@ static struct walker paper_walker(void)
 
 static void ideal_seas(struct sea sea[SIDE_COUNT])
 {
-    const struct sea_subject subject = {
-        .total_mass_kg = 1.02, .leg_length_m = 1.0, .gravity_m_s2 = 9.80665, .spring_N_per_m = 100.0};
+    const struct sea_subject subject = {.total_mass_kg = 1.02,
+                                        .leg_length_m = 1.0,
+                                        .gravity_m_s2 = 9.80665,
+                                        .spring_N_per_m = 100.0};
     struct sea_params params;
     sea_preset(SEA_IDEAL, &subject, &params);
     ck_assert_ptr_null(sea_params_check(&params));
@@ -89,7 +91,8 @@ static void compare_strides(double r0_m, int strides, bool clamped)
             printf("%g strike %.3g ds %.3g apex t %.3g v %.3g tn %.3g tn' %.3g clamped %d\n", r0_m,
                    step.heel_strike_time_s - result.apex_to_strike_s,
                    step.lift_off_time_s - step.heel_strike_time_s - result.double_support_s,
-                   now->apex_time_s - (result.apex_to_strike_s + result.double_support_s + result.lift_off_to_apex_s),
+                   now->apex_time_s - (result.apex_to_strike_s + result.double_support_s +
+                                       result.lift_off_to_apex_s),
                    now->apex_speed_rad_s + result.next.stance_rate_rad_s,
                    now->apex_theta_n_rad - result.next.swing_angle_rad,
                    now->apex_theta_n_rate_rad_s - result.next.swing_rate_rad_s, result.clamped);
@@ -97,7 +100,8 @@ static void compare_strides(double r0_m, int strides, bool clamped)
         assert_close(step.heel_strike_time_s, result.apex_to_strike_s, 1e-10, 0.0);
         assert_close(step.step_length_m, result.step_length_m, 1e-10, 0.0);
         assert_close(step.lift_off_extension_m, r0_m, 1e-12, 0.0);
-        assert_close(step.lift_off_time_s - step.heel_strike_time_s, result.double_support_s, 1e-10, 0.0);
+        assert_close(step.lift_off_time_s - step.heel_strike_time_s, result.double_support_s, 1e-10,
+                     0.0);
         assert_close(now->apex_speed_rad_s, -result.next.stance_rate_rad_s, 1e-10, 0.0);
         assert_close(now->apex_theta_n_rad, result.next.swing_angle_rad, 1e-10, 0.0);
         assert_close(now->apex_theta_n_rate_rad_s, result.next.swing_rate_rad_s, 1e-10, 0.0);
