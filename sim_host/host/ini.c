@@ -50,6 +50,31 @@ static int read_line(const char *path, int line, char *text, char *section, ini_
     return 0;
 }
 
+enum line_end { LINE_MORE, LINE_LAST, LINE_NUL, LINE_TOO_LONG, LINE_READ_ERROR };
+
+/* The next line into text (INI_LINE_MAX + 1 bytes), without its newline; says what ended it. */
+static enum line_end take_line(FILE *file, char *text)
+{
+    size_t length = 0;
+    for (;;) {
+        const int byte = getc(file);
+        text[length] = '\0';
+        if (byte == EOF) {
+            return ferror(file) ? LINE_READ_ERROR : LINE_LAST;
+        }
+        if (byte == '\n') {
+            return LINE_MORE;
+        }
+        if (byte == '\0') {
+            return LINE_NUL;
+        }
+        if (length == INI_LINE_MAX) {
+            return LINE_TOO_LONG;
+        }
+        text[length++] = (char)byte;
+    }
+}
+
 int ini_read(const char *path, ini_handler handler, void *context, char *message, size_t message_size)
 {
     FILE *file = fopen(path, "r");
@@ -57,24 +82,19 @@ int ini_read(const char *path, ini_handler handler, void *context, char *message
         snprintf(message, message_size, "%s: %s", path, strerror(errno));
         return -1;
     }
-    char text[INI_LINE_MAX + 2];
+    char text[INI_LINE_MAX + 1];
     char section[INI_LINE_MAX] = "";
     int result = 0;
-    for (int line = 1; result == 0; line++) {
-        memset(text, 1, sizeof text);
-        if (fgets(text, sizeof text, file) == NULL) {
-            if (ferror(file)) {
-                snprintf(message, message_size, "%s: %s", path, strerror(errno));
-                result = -1;
-            }
-            break;
-        }
-        const size_t length = strlen(text);
-        const char *newline = (const char *)memchr(text, '\n', sizeof text);
-        if (newline != NULL && newline != text + length - 1) {
+    enum line_end end = LINE_MORE;
+    for (int line = 1; result == 0 && end == LINE_MORE; line++) {
+        end = take_line(file, text);
+        if (end == LINE_READ_ERROR) {
+            snprintf(message, message_size, "%s: %s", path, strerror(errno));
+            result = -1;
+        } else if (end == LINE_NUL) {
             snprintf(message, message_size, "%s:%d: a NUL byte in a text file", path, line);
             result = -1;
-        } else if (length > INI_LINE_MAX) {
+        } else if (end == LINE_TOO_LONG) {
             snprintf(message, message_size, "%s:%d: line longer than %d characters", path, line,
                      INI_LINE_MAX);
             result = -1;

@@ -23,9 +23,18 @@ struct subject_key {
     const char *meaning;
 };
 
+enum { SUBJECT_KEYS = 11, SUBJECT_KEYS_REQUIRED = 4 };
+
+/* What a file says, and which keys it has said already. */
+struct reading {
+    struct subject *subject;
+    bool given[SUBJECT_KEYS];
+};
+
+/* The first SUBJECT_KEYS_REQUIRED have no default: a body is nobody's guess. */
 #define KEY(section, key, minimum, maximum, field, meaning)                                  \
     {section, key, minimum, maximum, offsetof(struct subject, field), meaning}
-static const struct subject_key subject_keys[] = {
+static const struct subject_key subject_keys[SUBJECT_KEYS] = {
     KEY("walker", "M", 0.1, 200.0, torso_mass_kg, "mass at the hip, kg"),
     KEY("walker", "m", 0.0001, 30.0, leg_mass_kg, "mass in the middle of each leg, kg"),
     KEY("walker", "l", 0.1, 1.5, leg_length_m, "leg length, m"),
@@ -49,6 +58,9 @@ void subject_default(struct subject *subject)
         .leg_length_m = 1.0,
         .spring_N_per_m = 100.0,
         .gravity_m_s2 = PAPER_GRAVITY_M_S2,
+        .stroke_max_m = 0.35,
+        .speed_max_m_s = 1.9,
+        .force_max_N = 90.0,
         .counts_per_m = 13107200.0,
         .ankle_lever_m = 0.12,
     };
@@ -105,7 +117,8 @@ static int take_ankle_kind(struct subject *subject, const char *value, char *mes
 static int take_key(void *context, const char *section, const char *key, const char *value, int line,
                     char *message, size_t size)
 {
-    struct subject *subject = (struct subject *)context;
+    struct reading *reading = (struct reading *)context;
+    struct subject *subject = reading->subject;
     (void)line;
     if (strcmp(section, "subject") == 0 && strcmp(key, "name") == 0) {
         snprintf(subject->name, sizeof subject->name, "%.*s", SUBJECT_NAME_MAX - 1, value);
@@ -117,9 +130,14 @@ static int take_key(void *context, const char *section, const char *key, const c
     if (strcmp(section, "ankle") == 0 && strcmp(key, "kind") == 0) {
         return take_ankle_kind(subject, value, message, size);
     }
-    for (size_t i = 0; i < sizeof subject_keys / sizeof subject_keys[0]; i++) {
+    for (int i = 0; i < SUBJECT_KEYS; i++) {
         const struct subject_key *k = &subject_keys[i];
         if (strcmp(section, k->section) == 0 && strcmp(key, k->key) == 0) {
+            if (reading->given[i]) {
+                snprintf(message, size, "key \"%s\" (%s) is given twice", key, k->meaning);
+                return -1;
+            }
+            reading->given[i] = true;
             return parse_number(key, value, k->minimum, k->maximum, k->meaning,
                                 (double *)((char *)subject + k->offset), message, size);
         }
@@ -130,10 +148,23 @@ static int take_key(void *context, const char *section, const char *key, const c
 
 int subject_read(struct subject *subject, const char *path, char *message)
 {
+    struct reading reading = {.subject = subject};
     subject_default(subject);
+    subject->stroke_max_m = 0.0; /* not the paper's walker's: by this body's scale */
+    subject->speed_max_m_s = 0.0;
+    subject->force_max_N = 0.0;
     snprintf(subject->name, sizeof subject->name, "%.*s", SUBJECT_NAME_MAX - 1, path);
-    if (ini_read(path, take_key, subject, message, SUBJECT_MESSAGE_MAX) != 0) {
+    if (ini_read(path, take_key, &reading, message, SUBJECT_MESSAGE_MAX) != 0) {
         return -1;
+    }
+    for (int i = 0; i < SUBJECT_KEYS_REQUIRED; i++) {
+        if (!reading.given[i]) {
+            snprintf(message, SUBJECT_MESSAGE_MAX,
+                     "%s: section [%s] lacks key \"%s\" (%s), allowed is %g to %g", path,
+                     subject_keys[i].section, subject_keys[i].key, subject_keys[i].meaning,
+                     subject_keys[i].minimum, subject_keys[i].maximum);
+            return -1;
+        }
     }
     if (subject->leg_mass_kg > subject->torso_mass_kg) {
         snprintf(message, SUBJECT_MESSAGE_MAX, "%s: key \"m\" (%g kg) is above key \"M\" (%g kg)", path,

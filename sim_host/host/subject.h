@@ -29,10 +29,11 @@ struct subject {
     bool control_overridden[CONTROL_PARAM_COUNT];
 };
 
-/* The paper's walker with everything else by its scale. */
+/* The paper's walker: the same as sim_host/subjects/paper.ini. */
 void subject_default(struct subject *subject);
 
-/* Reads a subject file over the default. Returns 0, or -1 with file, line, key
+/* Reads a subject file. M, m, l and k must be given; the SEA's limits that are not
+ * follow from the body's scale, the rest from the default. Returns 0, or -1 with file, line, key
  * and what is allowed in message (SUBJECT_MESSAGE_MAX bytes); *subject is then
  * not to be used. */
 int subject_read(struct subject *subject, const char *path, char *message);

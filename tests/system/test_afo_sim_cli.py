@@ -71,7 +71,8 @@ def test_csv_by_step(tmp_path):
 def test_csv_by_tick(tmp_path):
     assert run(*SHORT, "--csv", tmp_path / "ticks.csv", "--ticks").returncode == 0
     header, rows = read_csv(tmp_path / "ticks.csv")
-    assert header == TICK_COLUMNS
+    assert header[:len(TICK_COLUMNS)] == TICK_COLUMNS
+    assert all(len(row) == len(header) for row in rows)
     times = [float(row[1]) for row in rows]
     assert len(rows) > 4000  # eight steps of about a second
     assert all(b - a == pytest.approx(1e-3, abs=1e-9) for a, b in zip(times, times[1:]))
@@ -173,16 +174,35 @@ def test_bad_value_in_a_subject_names_key_and_line(tmp_path, value, what):
     assert not (tmp_path / "out.csv").exists()
 
 
-@pytest.mark.parametrize("line", ["unheard_of = 1", "no equals sign", "[unfinished", "= 3", "M = 1\nM = 2"])
+@pytest.mark.parametrize("line", ["unheard_of = 1", "no equals sign", "[unfinished", "= 3"])
 def test_malformed_subject_is_refused(tmp_path, line):
     path = tmp_path / "bad.ini"
     path.write_text(paper_subject() + line + "\n")
     done = run(*SHORT, "--subject", path)
     assert done.returncode == 2
-    assert "bad.ini" in done.stderr and str(len(path.read_text().splitlines())) in done.stderr
+    assert f"bad.ini:{len(path.read_text().splitlines())}:" in done.stderr
 
 
-@pytest.mark.parametrize("content", [b"", b"\x00\xff\xfe" * 100, b"M = 1\n", b"k" * 100000])
+def test_a_key_given_twice_is_refused(tmp_path):
+    path = tmp_path / "bad.ini"
+    path.write_text(paper_subject().replace("\nm =", "\nM = 2\nm =", 1))
+    done = run(*SHORT, "--subject", path)
+    assert done.returncode == 2
+    assert '"M"' in done.stderr and "twice" in done.stderr
+
+
+@pytest.mark.parametrize("key", ["M", "m", "l", "k"])
+def test_a_subject_without_a_body_is_refused(tmp_path, key):
+    """What is missing is not filled in from somebody else's body."""
+    path = tmp_path / "bad.ini"
+    path.write_text(re.sub(rf"^{key} = .*\n", "", paper_subject(), flags=re.MULTILINE))
+    done = run(*SHORT, "--subject", path)
+    assert done.returncode == 2
+    assert f'"{key}"' in done.stderr and "bad.ini" in done.stderr and "allowed" in done.stderr
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00\xff\xfe" * 100, b"[walker]\nM\x00 = 1\n", b"M = 1\n", b"k" * 100000],
+                         ids=["empty", "binary", "nul", "no section", "one long line"])
 def test_a_subject_that_is_no_subject_is_refused(tmp_path, content):
     path = tmp_path / "bad.ini"
     path.write_bytes(content)
