@@ -2,7 +2,6 @@
 
 #include <assert.h>
 
-#include "firmware/telemetry.h"
 #include "hal/frame_table.h"
 
 static_assert((int)SIDE_LEFT == (int)LEG_LEFT && (int)SIDE_RIGHT == (int)LEG_RIGHT,
@@ -22,16 +21,27 @@ static void count(uint32_t *counter)
     }
 }
 
+static uint64_t now_ns(const struct control_task *task)
+{
+    return (uint64_t)task->tick * (TICK_PERIOD_US * UINT64_C(1000));
+}
+
 int control_task_init(struct control_task *task, const struct control_task_config *config)
 {
-    *task = (struct control_task){0};
-    task->config = *config;
-    task->walk_requested = config->walk_requested;
-    task->desired_speed_rad_s = config->desired_speed_rad_s;
+    const int verdict = control_params_validate(config->params);
+    *task = (struct control_task){.config = *config};
+    if (verdict != CONTROL_PARAMS_OK) {
+        return verdict;
+    }
     task->emergency_stop = true; /* unknown until read */
     network_init(&task->network);
     leg_sensors_init(&task->sensors, config->leg_sensor);
-    return controller_init(&task->controller, config->params);
+    const int node = controller_node_init(&task->node, config->params, config->desired_speed_rad_s,
+                                          config->walk_requested, config->bus);
+    assert(node == 0); /* the dictionary is a constant of the build */
+    (void)node;
+    task->config.params = &task->node.objects.params;
+    return controller_init(&task->controller, task->config.params);
 }
 
 enum can_result control_task_start_cycle(struct control_task *task)
@@ -45,12 +55,14 @@ enum can_result control_task_start_cycle(struct control_task *task)
 static void collect_input(struct control_task *task, struct controller_input *input)
 {
     *input = (struct controller_input){.tick = task->tick,
-                                       .desired_speed_rad_s = task->desired_speed_rad_s,
+                                       .desired_speed_rad_s =
+                                           task->node.objects.desired_speed_rad_s,
                                        .nodes_operational =
                                            network_all_operational(&task->network),
                                        .emergency_stop = task->emergency_stop,
-                                       .walk_requested = task->walk_requested,
-                                       .reset_requested = task->reset_requested};
+                                       .walk_requested = task->node.objects.walk_requested != 0,
+                                       .reset_requested =
+                                           task->node.objects.reset_requested != 0};
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const struct leg_sensor_reading *reading = &task->sensors.reading[leg];
         struct sea_drive_reading drive;
@@ -65,47 +77,66 @@ static void collect_input(struct control_task *task, struct controller_input *in
     }
 }
 
-static void send(struct control_task *task, const struct can_msg *message)
-{
-    if (can_bus_send(&task->config.bus, message) != CAN_OK) {
-        count(&task->counters.send_failures);
-    }
-}
-
-/* What moves the controller besides the bus, the emergency stop, goes onto the
- * bus when it changes, so that a log holds it. */
-static void send_state(struct control_task *task)
-{
-    uint8_t now[2];
-    telemetry_pack_state(now, &task->output, task->emergency_stop);
-    const bool changed = now[0] != task->sent_state[0] || now[1] != task->sent_state[1];
-    if (!changed && task->state_wait > 0) {
-        task->state_wait--;
-        return;
-    }
-    const struct can_msg message = {.id = FRAME_CONTROLLER_STATE,
-                                    .length = FRAME_BYTES_CONTROLLER_STATE,
-                                    .data = {now[0], now[1]}};
-    if (can_bus_send(&task->config.bus, &message) != CAN_OK) {
-        count(&task->counters.send_failures);
-        return; /* tried again at the next tick */
-    }
-    task->sent_state[0] = now[0];
-    task->sent_state[1] = now[1];
-    task->state_wait = SLOW_PDO_TICKS - 1;
-}
-
 static void send_commands(struct control_task *task)
 {
     struct sea_drive_wish wish[LEG_COUNT];
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const struct sea_request *command = &task->output.sea[leg];
         wish[leg] = (struct sea_drive_wish){command->precompression_m, command->enable,
-                                            command->latch_armed, task->reset_requested};
+                                            command->latch_armed,
+                                            task->node.objects.reset_requested != 0};
     }
     if (sea_drives_command(&task->config.drives, wish, &task->config.bus) != CAN_OK) {
         count(&task->counters.send_failures);
     }
+}
+
+/* Sets up the nodes one after the other, as they appear, and keeps the bits of
+ * those that may be started. A node that is silent or boots again starts over. */
+static void configure_nodes(struct control_task *task)
+{
+    struct node_setup *setup = &task->setup;
+    if (!task->config.configure_nodes) {
+        task->configured = (1u << NETWORK_NODES) - 1u;
+        return;
+    }
+    for (unsigned i = 0; i < NETWORK_NODES; i++) {
+        const struct network_node *node = &task->network.node[i];
+        if (node->state == NMT_UNKNOWN || node->booted) {
+            task->configured = (uint8_t)(task->configured & ~(1u << i));
+            if (setup->node == node->id) {
+                setup->node = 0;
+            }
+        }
+    }
+    network_clear_booted(&task->network);
+    for (unsigned i = 0; i < NETWORK_NODES && setup->node == 0; i++) {
+        if (task->network.node[i].state != NMT_UNKNOWN && (task->configured & (1u << i)) == 0) {
+            node_setup_start(setup, &task->config.setup, task->network.node[i].id, now_ns(task));
+            network_command(&task->config.bus, NMT_ENTER_PRE_OPERATIONAL, setup->node);
+        }
+    }
+    if (setup->node == 0 || setup->failure.verdict != SETUP_DONE) {
+        return;
+    }
+    const enum setup_verdict verdict = node_setup_poll(setup, &task->config.bus, now_ns(task));
+    if (verdict == SETUP_DONE) {
+        task->configured = (uint8_t)(task->configured | 1u << network_index(setup->node));
+        setup->node = 0;
+    } else if (verdict < SETUP_DONE) {
+        controller_node_report_setup(&task->node, &setup->failure);
+    }
+}
+
+static void show_counters(struct control_task *task)
+{
+    struct controller_objects *objects = &task->node.objects;
+    objects->ticks = task->tick;
+    objects->syncs_refused = task->counters.syncs_refused;
+    objects->send_failures = task->counters.send_failures;
+    objects->error_frames = task->counters.error_frames;
+    objects->foreign_frames = task->counters.foreign_frames;
+    objects->late_answers = task->counters.late_answers;
 }
 
 static unsigned run_tick(struct control_task *task)
@@ -116,18 +147,27 @@ static unsigned run_tick(struct control_task *task)
     collect_input(task, &input);
     controller_update(&task->controller, &input, &task->output);
     send_commands(task);
-    task->reset_requested = false;
-    network_update(&task->network, &task->config.bus, (1u << NETWORK_NODES) - 1u);
-    send_state(task);
-    if (task->output.new_step) {
-        struct can_msg message = {.id = FRAME_TELEMETRY, .length = FRAME_BYTES_TELEMETRY};
-        telemetry_pack_step(message.data, &task->controller.last_step, task->output.fault);
-        send(task, &message);
-    }
+    task->node.objects.reset_requested = 0;
+    configure_nodes(task);
+    network_update(&task->network, &task->config.bus, task->configured);
+    show_counters(task);
+    controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
+                           now_ns(task));
     sea_drives_age(&task->config.drives);
     leg_sensors_age(&task->sensors);
     return CONTROL_TASK_TICKED | CONTROL_TASK_BUS_ALIVE | CONTROL_TASK_SUPERVISED |
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
+}
+
+static void take_frame(struct control_task *task, const struct can_msg *message)
+{
+    if (!leg_sensors_receive(&task->sensors, message) &&
+        !sea_drives_receive(&task->config.drives, message) &&
+        !network_receive(&task->network, message) &&
+        !node_setup_receive(&task->setup, message, now_ns(task)) &&
+        !controller_node_receive(&task->node, message, now_ns(task))) {
+        count(&task->counters.foreign_frames);
+    }
 }
 
 unsigned control_task_poll(struct control_task *task)
@@ -145,10 +185,8 @@ unsigned control_task_poll(struct control_task *task)
             if (message.id == FRAME_SYNC) {
                 progress |= run_tick(task);
             }
-        } else if (!leg_sensors_receive(&task->sensors, &message) &&
-                   !sea_drives_receive(&task->config.drives, &message) &&
-                   !network_receive(&task->network, &message)) {
-            count(&task->counters.foreign_frames);
+        } else {
+            take_frame(task, &message);
         }
     }
     return progress;

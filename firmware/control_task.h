@@ -17,10 +17,12 @@
 #include <stdint.h>
 
 #include "controller/controller.h"
+#include "firmware/controller_node.h"
 #include "hal/can_bus.h"
 #include "hal/emergency_stop.h"
 #include "hal/leg_sensors.h"
 #include "hal/network.h"
+#include "hal/node_setup.h"
 #include "hal/sea_drives.h"
 
 /* What control_task_poll did; the bits feed the watchdog's gate. */
@@ -32,11 +34,13 @@ enum control_task_progress {
 };
 
 struct control_task_config {
-    const struct control_params *params; /* the caller's, constant while running */
+    const struct control_params *params; /* copied; in force are node.objects.params */
     struct can_bus bus;
     struct sea_drives drives;
     struct emergency_stop stop;
     struct leg_sensor_config leg_sensor[LEG_COUNT];
+    struct node_setup_config setup; /* what the nodes are told, and must be like */
+    bool configure_nodes;           /* false: nodes of another protocol than CANopen */
     float desired_speed_rad_s; /* at the start; forward apex speed */
     bool walk_requested;       /* at the start */
 };
@@ -47,23 +51,21 @@ struct control_task_counters { /* all saturate */
     uint32_t send_failures; /* command frames the bus did not take */
     uint32_t error_frames;
     uint32_t foreign_frames; /* received, nobody's */
-    uint32_t late_answers;   /* ticks in which an answer of the cycle was missing */
+    uint32_t late_answers;   /* answers missing when their tick was processed */
 };
 
 struct control_task {
     struct control_task_config config;
     struct network network;
+    struct node_setup setup;
     struct leg_sensors sensors;
+    struct controller_node node; /* commands, parameters and telemetry over CAN */
     struct controller controller;
-    struct controller_output output;       /* of the last tick */
+    struct controller_output output; /* of the last tick */
     struct control_task_counters counters;
     uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet */
-    uint16_t state_wait;  /* ticks until the controller state frame repeats */
-    uint8_t sent_state[2];
+    uint8_t configured;   /* bit i: node i of the network is set up */
     bool emergency_stop;  /* as used in the last tick, and as sent */
-    bool walk_requested;  /* may be changed between ticks */
-    bool reset_requested; /* may be set between ticks; cleared by the next tick */
-    float desired_speed_rad_s; /* may be changed between ticks */
 };
 
 /* Prepares the task; nothing is sent yet. *config is copied, what it points to

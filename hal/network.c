@@ -2,7 +2,7 @@
 
 #include "hal/frame_table.h"
 
-enum { NMT_COMMAND_START = 1, START_REPEAT_TICKS = 50 };
+enum { START_REPEAT_TICKS = 50 };
 
 static const uint8_t node_ids[NETWORK_NODES] = {NODE_DRIVE_LEFT, NODE_DRIVE_RIGHT,
                                                 NODE_SENSOR_LEFT, NODE_SENSOR_RIGHT};
@@ -10,7 +10,6 @@ static const uint8_t node_ids[NETWORK_NODES] = {NODE_DRIVE_LEFT, NODE_DRIVE_RIGH
 void network_init(struct network *network)
 {
     *network = (struct network){0};
-    network->own_state = NMT_OPERATIONAL;
     for (int i = 0; i < NETWORK_NODES; i++) {
         network->node[i].id = node_ids[i];
         network->node[i].state = NMT_UNKNOWN;
@@ -30,6 +29,7 @@ bool network_receive(struct network *network, const struct can_msg *message)
             if (node->state == NMT_BOOT_UP) {
                 node->state = NMT_PRE_OPERATIONAL; /* entered right after boot-up */
                 node->start_wait = 0;
+                node->booted = true;
                 node->boot_count = node->boot_count < UINT8_MAX ? (uint8_t)(node->boot_count + 1)
                                                                 : node->boot_count;
             }
@@ -39,12 +39,25 @@ bool network_receive(struct network *network, const struct can_msg *message)
     return false;
 }
 
-static void start_node(struct network_node *node, const struct can_bus *bus)
+enum can_result network_command(const struct can_bus *bus, enum nmt_command command, uint8_t node)
 {
-    const struct can_msg start = {
-        .id = FRAME_NMT, .length = 2, .data = {NMT_COMMAND_START, node->id}};
-    if (can_bus_send(bus, &start) == CAN_OK) {
-        node->start_wait = START_REPEAT_TICKS;
+    const struct can_msg message = {.id = FRAME_NMT, .length = 2, .data = {(uint8_t)command, node}};
+    return can_bus_send(bus, &message);
+}
+
+unsigned network_index(uint8_t node)
+{
+    unsigned index = 0;
+    while (index < NETWORK_NODES && node_ids[index] != node) {
+        index++;
+    }
+    return index;
+}
+
+void network_clear_booted(struct network *network)
+{
+    for (int i = 0; i < NETWORK_NODES; i++) {
+        network->node[i].booted = false;
     }
 }
 
@@ -62,17 +75,10 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
         }
         if (node->state == NMT_PRE_OPERATIONAL && node->start_wait == 0 &&
             (may_start & (1u << i)) != 0) {
-            start_node(node, bus);
+            if (network_command(bus, NMT_START, node->id) == CAN_OK) {
+                node->start_wait = START_REPEAT_TICKS;
+            }
         }
-    }
-    if (network->heartbeat_wait > 0) {
-        network->heartbeat_wait--;
-        return;
-    }
-    const struct can_msg heartbeat = {
-        .id = FRAME_HEARTBEAT_CONTROLLER, .length = 1, .data = {network->own_state}};
-    if (can_bus_send(bus, &heartbeat) == CAN_OK) {
-        network->heartbeat_wait = HEARTBEAT_PERIOD_MS - 1;
     }
 }
 

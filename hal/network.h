@@ -1,8 +1,8 @@
 /* The master's view of the network: who is alive, in which NMT state.
  *
- * Produces the controller's heartbeat, consumes the four nodes' (CiA 301, 7.2.8),
- * and starts each node that reports pre-operational. The states are those of the
- * heartbeat frame.
+ * Consumes the four nodes' heartbeats (CiA 301, 7.2.8) and starts each node that
+ * reports pre-operational and may be started. The states are those of the
+ * heartbeat frame. (The own heartbeat is the controller node's.)
  */
 #ifndef HAL_NETWORK_H
 #define HAL_NETWORK_H
@@ -28,12 +28,20 @@ struct network_node {
     uint16_t silent_ticks;   /* since the last heartbeat or boot-up */
     uint16_t start_wait;     /* ticks until NMT start may be repeated */
     uint8_t boot_count;      /* saturates: more than one means it reset itself */
+    bool booted;             /* boot-up seen since network_clear_booted */
 };
 
 struct network {
     struct network_node node[NETWORK_NODES];
-    uint16_t heartbeat_wait;
-    uint8_t own_state; /* what the own heartbeat says */
+};
+
+/* NMT commands (CiA 301, 7.2.8.3.1). */
+enum nmt_command {
+    NMT_START = 1,
+    NMT_STOP = 2,
+    NMT_ENTER_PRE_OPERATIONAL = 128,
+    NMT_RESET_NODE = 129,
+    NMT_RESET_COMMUNICATION = 130
 };
 
 /* Starts with all nodes unknown. */
@@ -42,9 +50,17 @@ void network_init(struct network *network);
 /* Takes boot-up and heartbeat frames of the four nodes; says whether it did. */
 bool network_receive(struct network *network, const struct can_msg *message);
 
-/* Once a tick: ages, time-outs, the own heartbeat, and NMT start for nodes that
- * wait in pre-operational and whose bit (1 << index) is set in may_start. */
+/* Once a tick: ages, time-outs, and NMT start for nodes that wait in pre-operational and whose bit (1 << index) is set in may_start. */
 void network_update(struct network *network, const struct can_bus *bus, unsigned may_start);
+
+/* Sends one NMT command to a node (0 = all). Returns what the bus says. */
+enum can_result network_command(const struct can_bus *bus, enum nmt_command command, uint8_t node);
+
+/* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
+unsigned network_index(uint8_t node);
+
+/* Forgets who booted. */
+void network_clear_booted(struct network *network);
 
 /* True when all four are alive and operational. */
 bool network_all_operational(const struct network *network);

@@ -21,7 +21,15 @@ int task_rig_init(struct task_rig *rig, const struct subject *subject,
         .desired_speed_rad_s = (float)desired_speed_rad_s,
         .walk_requested = walk_requested,
     };
+    config.configure_nodes = true;
     for (int leg = 0; leg < LEG_COUNT; leg++) {
+        const double stroke_m = subject->stroke_max_m > 0.0 ? subject->stroke_max_m
+                                                            : 0.35 * subject->leg_length_m;
+        config.setup.counts_per_m[leg] = (uint32_t)subject->counts_per_m;
+        config.setup.limit_max_counts[leg] = (int32_t)(stroke_m * subject->counts_per_m);
+        config.setup.following_error_counts[leg] =
+            (uint32_t)(0.1 * subject->leg_length_m * subject->counts_per_m);
+        config.setup.ankle_is_lever[leg] = subject->ankle == ANKLE_LEVER;
         axes[leg] = (struct cia402_axis_config){(float)subject->counts_per_m, 0, 1};
         config.leg_sensor[leg] = (struct leg_sensor_config){
             .angle_direction = 1,

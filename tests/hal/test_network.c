@@ -85,21 +85,6 @@ START_TEST(silence_is_noticed_within_the_time_out)
 }
 END_TEST
 
-START_TEST(own_heartbeat_every_100_ticks)
-{
-    struct fake_bus fake;
-    struct network network;
-    fake_bus_init(&fake);
-    const struct can_bus bus = fake_bus_interface(&fake);
-    network_init(&network);
-    for (int tick = 0; tick < 1000; tick++) {
-        network_update(&network, &bus, 0);
-    }
-    ck_assert_uint_eq(fake_bus_count(&fake, 0x710), 10);
-    ck_assert_int_eq(fake_bus_last(&fake, 0x710)->data[0], 5);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("network");
@@ -107,7 +92,6 @@ int main(void)
     tcase_add_test(tests, nodes_are_started_one_by_one_and_become_operational);
     tcase_add_test(tests, start_waits_for_permission_and_is_repeated);
     tcase_add_test(tests, silence_is_noticed_within_the_time_out);
-    tcase_add_test(tests, own_heartbeat_every_100_ticks);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -1,0 +1,246 @@
+#include "firmware/controller_node.h"
+
+#include "firmware/version.h"
+#include "hal/bytes.h"
+#include "hal/canopen/co_defs.h"
+#include "hal/crc.h"
+#include "hal/frame_table.h"
+
+enum { TPDO_STEP = 0, TPDO_STATE = 1, INDEX_COMMANDS = 0x2000, INDEX_PARAMS = 0x2010 };
+
+#define SPEED_UNITS_PER_RAD_S 10000.0f
+#define R0_UNITS_PER_METRE 100000.0f
+#define EMERGENCY_STOP_BIT 0x80u
+#define RIGHT_BIT 0x80u
+
+static const struct co_dictionary dictionary_template = {controller_object_table, 0, NULL};
+
+/* ---- what may be written --------------------------------------------------- */
+
+/* Parameters that may change while a spring may be loaded: the law's, not the body's. */
+static bool may_change_live(unsigned parameter)
+{
+    const size_t offset = control_param_descriptors[parameter].offset;
+    return offset == offsetof(struct control_params, kp_m_s_rad) ||
+           offset == offsetof(struct control_params, speed_ramp_rad_s) ||
+           offset == offsetof(struct control_params, r0_min_m) ||
+           offset == offsetof(struct control_params, r0_max_m) ||
+           offset == offsetof(struct control_params, r0_change_max_m);
+}
+
+static float float_from_bytes(const uint8_t *bytes)
+{
+    const union {
+        uint32_t bits;
+        float value;
+    } number = {bytes_get_u32(bytes)};
+    return number.value;
+}
+
+static uint32_t check_range(float value, float minimum, float maximum)
+{
+    if (value >= minimum && value <= maximum) {
+        return CO_ABORT_NONE;
+    }
+    if (value > maximum) {
+        return CO_ABORT_TOO_HIGH;
+    }
+    return value < minimum ? CO_ABORT_TOO_LOW : CO_ABORT_VALUE; /* the last: not a number */
+}
+
+static uint32_t check_parameter(const struct controller_node *node, unsigned parameter, float value)
+{
+    const struct control_param_descriptor *d = &control_param_descriptors[parameter];
+    const uint32_t verdict = check_range(value, d->minimum, d->maximum);
+    if (verdict != CO_ABORT_NONE) {
+        return verdict;
+    }
+    if (node->powered && !may_change_live(parameter)) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    struct control_params changed = node->objects.params;
+    *(float *)((char *)&changed + d->offset) = value;
+    return control_params_validate(&changed) == CONTROL_PARAMS_OK ? CO_ABORT_NONE : CO_ABORT_VALUE;
+}
+
+static uint32_t writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                        unsigned length)
+{
+    const struct controller_node *node = (const struct controller_node *)context;
+    if (entry->type != CO_REAL32 || length != sizeof(float)) {
+        return CO_ABORT_NONE; /* the dictionary's own limits decide */
+    }
+    const float value = float_from_bytes(bytes);
+    if (entry->index == INDEX_PARAMS && entry->sub >= 1 && entry->sub <= CONTROL_PARAM_COUNT) {
+        return check_parameter(node, entry->sub - 1u, value);
+    }
+    if (entry->index == INDEX_COMMANDS) {
+        const struct speed_table *table = &node->objects.params.table;
+        return check_range(value, table->speed_rad_s[0], table->speed_rad_s[table->count - 1]);
+    }
+    return CO_ABORT_NONE;
+}
+
+static uint32_t crc_of(const struct control_params *params)
+{
+    return crc32_update(CRC32_INIT, params, sizeof *params);
+}
+
+static void written(void *context, const struct co_entry *entry)
+{
+    struct controller_node *node = (struct controller_node *)context;
+    if (entry->index == INDEX_PARAMS) {
+        node->objects.params_crc = crc_of(&node->objects.params);
+    }
+}
+
+/* ---- set-up ---------------------------------------------------------------- */
+
+static void defaults(void *context, struct co_comm *comm)
+{
+    (void)context;
+    comm->device_type = 0; /* no standard profile */
+    comm->heartbeat_ms = HEARTBEAT_PERIOD_MS;
+    comm->tpdo[TPDO_STEP].cob_id = FRAME_TELEMETRY;
+    comm->tpdo[TPDO_STEP].map[0] = UINT32_C(0x20020110);
+    comm->tpdo[TPDO_STEP].map[1] = UINT32_C(0x20020210);
+    comm->tpdo[TPDO_STEP].map[2] = UINT32_C(0x20020310);
+    comm->tpdo[TPDO_STEP].map[3] = UINT32_C(0x20020408);
+    comm->tpdo[TPDO_STEP].map[4] = UINT32_C(0x20020508);
+    comm->tpdo[TPDO_STEP].map_count = 5;
+    comm->tpdo[TPDO_STATE].cob_id = FRAME_CONTROLLER_STATE;
+    comm->tpdo[TPDO_STATE].event_ms = SLOW_PDO_TICKS * TICK_PERIOD_US / 1000;
+    comm->tpdo[TPDO_STATE].map[0] = UINT32_C(0x20010108);
+    comm->tpdo[TPDO_STATE].map[1] = UINT32_C(0x20010208);
+    comm->tpdo[TPDO_STATE].map_count = 2;
+    const char name[] = "AFO controller";
+    for (unsigned i = 0; i < sizeof name; i++) {
+        comm->name[i] = name[i];
+    }
+}
+
+static const struct co_device_ops device_ops = {.access = {.writing = writing, .written = written}};
+
+static void default_objects(struct controller_objects *objects, const struct control_params *params)
+{
+    const char *version = version_text();
+    *objects = (struct controller_objects){.command_count = 3,
+                                           .state_count = 2,
+                                           .step_count = 5,
+                                           .record_count = 4,
+                                           .param_count = CONTROL_PARAM_COUNT,
+                                           .counter_count = 6,
+                                           .identity_count = 3,
+                                           .setup_count = 6,
+                                           .params = *params,
+                                           .build_id = version_build_id()};
+    for (unsigned i = 0; i + 1 < sizeof objects->version && version[i] != '\0'; i++) {
+        objects->version[i] = version[i];
+    }
+    objects->params_crc = crc_of(&objects->params);
+}
+
+int controller_node_init(struct controller_node *node, const struct control_params *params,
+                         float desired_speed_rad_s, bool walk_requested, struct can_bus bus)
+{
+    struct co_dictionary dictionary = dictionary_template;
+    *node = (struct controller_node){0};
+    default_objects(&node->objects, params);
+    node->objects.desired_speed_rad_s = desired_speed_rad_s;
+    node->objects.walk_requested = walk_requested ? 1 : 0;
+    dictionary.count = controller_object_count;
+    dictionary.base = &node->objects;
+    const struct co_device_config config = {.node_id = NODE_CONTROLLER,
+                                            .application = &dictionary,
+                                            .ops = &device_ops,
+                                            .context = node,
+                                            .defaults = defaults};
+    if (co_device_init(&node->device, &config, bus, 0) != 0) {
+        return -1;
+    }
+    /* The master starts itself (CiA 301: a self-starting device). */
+    const struct can_msg start = {.id = FRAME_NMT, .length = 2, .data = {CO_NMT_START, NODE_CONTROLLER}};
+    (void)co_device_receive(&node->device, &start, 0);
+    node->sent_state = UINT8_MAX; /* whatever the state is: tell it at the first tick */
+    return 0;
+}
+
+/* ---- running --------------------------------------------------------------- */
+
+bool controller_node_receive(struct controller_node *node, const struct can_msg *message,
+                             uint64_t now_ns)
+{
+    if (message->id == FRAME_NMT || message->id == FRAME_SYNC) {
+        return true; /* it is the master: nobody else's word on either */
+    }
+    return co_device_receive(&node->device, message, now_ns);
+}
+
+static uint16_t scaled_u16(float value, float units)
+{
+    return (uint16_t)bytes_saturate_i32(value * units, 0, UINT16_MAX);
+}
+
+static void show_step(struct controller_objects *objects, const struct step_record *step)
+{
+    objects->step_measured = scaled_u16(step->measured_speed_rad_s, SPEED_UNITS_PER_RAD_S);
+    objects->step_commanded = scaled_u16(step->commanded_speed_rad_s, SPEED_UNITS_PER_RAD_S);
+    objects->step_r0 = scaled_u16(step->r0_m, R0_UNITS_PER_METRE);
+    objects->step_number = (uint8_t)(step->number & 0xFFu);
+    objects->step_side_fault =
+        (uint8_t)((step->side == SIDE_RIGHT ? RIGHT_BIT : 0u) | objects->fault);
+    objects->record_number = step->number;
+    objects->record_measured_rad_s = step->measured_speed_rad_s;
+    objects->record_commanded_rad_s = step->commanded_speed_rad_s;
+    objects->record_r0_m = step->r0_m;
+}
+
+static void tell_fault(struct controller_node *node)
+{
+    const struct controller_objects *objects = &node->objects;
+    const uint8_t vendor[5] = {objects->state, objects->fault, 0, 0, 0};
+    if (objects->fault != 0) {
+        co_device_raise(&node->device, CONTROLLER_EMCY_FAULT, CO_ERROR_GENERIC, vendor);
+    } else {
+        co_device_clear(&node->device, CONTROLLER_EMCY_FAULT);
+    }
+}
+
+void controller_node_update(struct controller_node *node, const struct controller *controller,
+                            const struct controller_output *output, bool emergency_stop,
+                            uint64_t now_ns)
+{
+    struct controller_objects *objects = &node->objects;
+    node->powered = supervisor_may_enable(output->state);
+    objects->state =
+        (uint8_t)((emergency_stop ? EMERGENCY_STOP_BIT : 0u) | ((unsigned)output->state & 0x7Fu));
+    objects->fault = (uint8_t)((unsigned)output->fault & 0x7Fu);
+    if (objects->state != node->sent_state || objects->fault != node->sent_fault) {
+        if (objects->fault != node->sent_fault) {
+            tell_fault(node);
+        }
+        node->sent_state = objects->state;
+        node->sent_fault = objects->fault;
+        co_device_trigger_tpdo(&node->device, TPDO_STATE);
+    }
+    if (output->new_step) {
+        show_step(objects, &controller->last_step);
+        co_device_trigger_tpdo(&node->device, TPDO_STEP);
+    }
+    co_device_process(&node->device, now_ns);
+}
+
+void controller_node_report_setup(struct controller_node *node, const struct setup_failure *failure)
+{
+    struct controller_objects *objects = &node->objects;
+    objects->refused_node = failure->node;
+    objects->refused_verdict = (uint8_t)(-(int)failure->verdict);
+    objects->refused_index = failure->index;
+    objects->refused_sub = failure->sub;
+    objects->refused_expected = failure->expected;
+    objects->refused_found = failure->found;
+    const uint8_t vendor[5] = {failure->node, (uint8_t)(failure->index & 0xFFu),
+                               (uint8_t)(failure->index >> 8), failure->sub,
+                               objects->refused_verdict};
+    co_device_raise(&node->device, CONTROLLER_EMCY_SETUP_REFUSED, CO_ERROR_GENERIC, vendor);
+}

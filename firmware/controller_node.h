@@ -1,0 +1,91 @@
+/* The controller as a node of its own (16): what a person or a tool can read and
+ * change over CAN while it walks. Object dictionary: controller_objects.c.
+ *
+ * It is the network's master, so it starts itself and NMT commands do not stop
+ * its control loop. A value written over SDO takes effect at the next tick; it is
+ * refused with an abort code when it is out of its range, does not fit the other
+ * parameters, or describes the body or the spring while the drives are powered.
+ * Everything here is driven by frames and ticks, so a log replays it.
+ */
+#ifndef FIRMWARE_CONTROLLER_NODE_H
+#define FIRMWARE_CONTROLLER_NODE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "controller/controller.h"
+#include "hal/can_bus.h"
+#include "hal/canopen/co_device.h"
+#include "hal/node_setup.h"
+
+/* Values of the dictionary's entries 0x2000 and above. */
+struct controller_objects {
+    uint8_t command_count, state_count, step_count, record_count, param_count, counter_count;
+    uint8_t identity_count, setup_count;
+    /* 0x2000: commands */
+    float desired_speed_rad_s;
+    uint8_t walk_requested;
+    uint8_t reset_requested;
+    /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
+    uint8_t state;
+    uint8_t fault;
+    /* 0x2002: last step as in TPDO1 */
+    uint16_t step_measured;  /* 0.1 mrad/s */
+    uint16_t step_commanded; /* 0.1 mrad/s */
+    uint16_t step_r0;        /* 10 um */
+    uint8_t step_number;     /* modulo 256 */
+    uint8_t step_side_fault; /* bit 7: right; bits 0-6: latched fault */
+    /* 0x2003: the same step in full */
+    uint32_t record_number;
+    float record_measured_rad_s, record_commanded_rad_s, record_r0_m;
+    /* 0x2010: the parameters, in the order of CONTROL_PARAM_TABLE */
+    struct control_params params;
+    /* 0x2020: counters */
+    uint32_t ticks, syncs_refused, send_failures, error_frames, foreign_frames, late_answers;
+    /* 0x2030: identity */
+    char version[32];
+    uint32_t build_id;
+    uint32_t params_crc;
+    /* 0x2031: why a node was refused at start */
+    uint8_t refused_node, refused_sub, refused_verdict;
+    uint16_t refused_index;
+    uint32_t refused_expected, refused_found;
+};
+
+struct controller_node {
+    struct co_device device;
+    struct controller_objects objects;
+    bool powered; /* drives may be under torque: body parameters are locked */
+    uint8_t sent_state, sent_fault;
+};
+
+extern const struct co_entry controller_object_table[];
+extern const uint16_t controller_object_count;
+
+/* Emergency codes of this node (CiA 301: 0xFF00.. are the device's own). The
+ * vendor bytes are state, fault, and for a refused node: node, index, sub. */
+enum controller_emcy {
+    CONTROLLER_EMCY_FAULT = 0xFF10,        /* the supervisor latched a fault */
+    CONTROLLER_EMCY_SETUP_REFUSED = 0x6320 /* a node's parameters are not as expected */
+};
+
+/* Prepares the node with these parameters (copied; from now on
+ * node->objects.params are the ones in force) and sends its boot-up message.
+ * Do not move the node afterwards. Returns 0, or -1 for an unusable dictionary. */
+int controller_node_init(struct controller_node *node, const struct control_params *params,
+                         float desired_speed_rad_s, bool walk_requested, struct can_bus bus);
+
+/* Takes a frame if it is for this node and says whether it did. */
+bool controller_node_receive(struct controller_node *node, const struct can_msg *message,
+                             uint64_t now_ns);
+
+/* Once a tick: shows what the controller did, sends what is due (heartbeat, state
+ * on change, step, emergencies). */
+void controller_node_update(struct controller_node *node, const struct controller *controller,
+                            const struct controller_output *output, bool emergency_stop,
+                            uint64_t now_ns);
+
+/* A node was refused at start: raises the emergency and keeps the reason. */
+void controller_node_report_setup(struct controller_node *node, const struct setup_failure *failure);
+
+#endif

@@ -1,0 +1,64 @@
+/* Object dictionary of the controller. Indices never change their meaning. */
+#include "firmware/controller_node.h"
+
+#define OWNER struct controller_objects
+#define RO CO_READ
+#define RW (CO_READ | CO_WRITE)
+#define FIXED (CO_READ | CO_CONST)
+#define TX CO_MAP_TX
+
+/* Ranges of REAL32 entries are in no table here: the validator of the parameters
+ * checks them (controller_node.c), the same one that reads subject files. */
+enum param_sub {
+    PARAM_SUB_COUNT = 0,
+#define PARAM_SUB(field, unit, minimum, maximum, meaning) PARAM_SUB_##field,
+    CONTROL_PARAM_TABLE(PARAM_SUB)
+#undef PARAM_SUB
+};
+
+#define PARAM_ENTRY(field, unit, minimum, maximum, meaning)                                      \
+    CO_ANY(OWNER, params.field, 0x2010, PARAM_SUB_##field, CO_REAL32, RW, #field),
+
+const struct co_entry controller_object_table[] = {
+    CO_ANY(OWNER, command_count, 0x2000, 0, CO_UNSIGNED8, FIXED, "Commands"),
+    CO_ANY(OWNER, desired_speed_rad_s, 0x2000, 1, CO_REAL32, RW, "Desired apex speed rad/s"),
+    CO_OBJECT(OWNER, walk_requested, 0x2000, 2, CO_UNSIGNED8, RW, 0, 1, "Walk requested"),
+    CO_OBJECT(OWNER, reset_requested, 0x2000, 3, CO_UNSIGNED8, RW, 0, 1, "Reset fault"),
+    CO_ANY(OWNER, state_count, 0x2001, 0, CO_UNSIGNED8, FIXED, "State"),
+    CO_ANY(OWNER, state, 0x2001, 1, CO_UNSIGNED8, RO | TX, "Supervisor state and emergency stop"),
+    CO_ANY(OWNER, fault, 0x2001, 2, CO_UNSIGNED8, RO | TX, "Latched fault"),
+    CO_ANY(OWNER, step_count, 0x2002, 0, CO_UNSIGNED8, FIXED, "Last step"),
+    CO_ANY(OWNER, step_measured, 0x2002, 1, CO_UNSIGNED16, RO | TX, "Measured speed 0.1 mrad/s"),
+    CO_ANY(OWNER, step_commanded, 0x2002, 2, CO_UNSIGNED16, RO | TX, "Commanded speed 0.1 mrad/s"),
+    CO_ANY(OWNER, step_r0, 0x2002, 3, CO_UNSIGNED16, RO | TX, "Precompression 10 um"),
+    CO_ANY(OWNER, step_number, 0x2002, 4, CO_UNSIGNED8, RO | TX, "Step number modulo 256"),
+    CO_ANY(OWNER, step_side_fault, 0x2002, 5, CO_UNSIGNED8, RO | TX, "Side and fault"),
+    CO_ANY(OWNER, record_count, 0x2003, 0, CO_UNSIGNED8, FIXED, "Last step in full"),
+    CO_ANY(OWNER, record_number, 0x2003, 1, CO_UNSIGNED32, RO, "Step number"),
+    CO_ANY(OWNER, record_measured_rad_s, 0x2003, 2, CO_REAL32, RO, "Measured speed rad/s"),
+    CO_ANY(OWNER, record_commanded_rad_s, 0x2003, 3, CO_REAL32, RO, "Commanded speed rad/s"),
+    CO_ANY(OWNER, record_r0_m, 0x2003, 4, CO_REAL32, RO, "Precompression m"),
+    CO_ANY(OWNER, param_count, 0x2010, PARAM_SUB_COUNT, CO_UNSIGNED8, FIXED, "Parameters"),
+    CONTROL_PARAM_TABLE(PARAM_ENTRY)
+    CO_ANY(OWNER, counter_count, 0x2020, 0, CO_UNSIGNED8, FIXED, "Counters"),
+    CO_ANY(OWNER, ticks, 0x2020, 1, CO_UNSIGNED32, RO, "Ticks"),
+    CO_ANY(OWNER, syncs_refused, 0x2020, 2, CO_UNSIGNED32, RO, "SYNCs refused by the bus"),
+    CO_ANY(OWNER, send_failures, 0x2020, 3, CO_UNSIGNED32, RO, "Frames refused by the bus"),
+    CO_ANY(OWNER, error_frames, 0x2020, 4, CO_UNSIGNED32, RO, "Error frames"),
+    CO_ANY(OWNER, foreign_frames, 0x2020, 5, CO_UNSIGNED32, RO, "Foreign frames"),
+    CO_ANY(OWNER, late_answers, 0x2020, 6, CO_UNSIGNED32, RO, "Late answers"),
+    CO_ANY(OWNER, identity_count, 0x2030, 0, CO_UNSIGNED8, FIXED, "Firmware identity"),
+    CO_STRING(OWNER, version, 0x2030, 1, FIXED, "Version"),
+    CO_ANY(OWNER, build_id, 0x2030, 2, CO_UNSIGNED32, FIXED, "Build id"),
+    CO_ANY(OWNER, params_crc, 0x2030, 3, CO_UNSIGNED32, RO, "Parameter CRC-32"),
+    CO_ANY(OWNER, setup_count, 0x2031, 0, CO_UNSIGNED8, FIXED, "Refused node"),
+    CO_ANY(OWNER, refused_node, 0x2031, 1, CO_UNSIGNED8, RO, "Node, 0 = none"),
+    CO_ANY(OWNER, refused_verdict, 0x2031, 2, CO_UNSIGNED8, RO, "1 differs 2 aborted 3 silent"),
+    CO_ANY(OWNER, refused_index, 0x2031, 3, CO_UNSIGNED16, RO, "Object index"),
+    CO_ANY(OWNER, refused_sub, 0x2031, 4, CO_UNSIGNED8, RO, "Object sub-index"),
+    CO_ANY(OWNER, refused_expected, 0x2031, 5, CO_UNSIGNED32, RO, "Expected value"),
+    CO_ANY(OWNER, refused_found, 0x2031, 6, CO_UNSIGNED32, RO, "Found value or abort code"),
+};
+
+const uint16_t controller_object_count =
+    (uint16_t)(sizeof controller_object_table / sizeof controller_object_table[0]);
