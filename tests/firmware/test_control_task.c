@@ -70,6 +70,8 @@ static void start(struct bench *b)
                                          .desired_speed_rad_s = 0.4f,
                                          .walk_requested = true};
     ck_assert_int_eq(control_task_init(&b->task, &config), CONTROL_PARAMS_OK);
+    ck_assert_uint_eq(fake_bus_count(&b->fake, 0x710), 1); /* its boot-up message */
+    fake_bus_clear(&b->fake);
 }
 
 static void put(struct bench *b, uint32_t id, uint8_t length, uint64_t data)
