@@ -1,12 +1,15 @@
 /* `struct can_bus` on Linux SocketCAN (PF_CAN, raw sockets).
  *
  * Only what was asked for is received (kernel filters), so foreign traffic costs
- * nothing; the own SYNC comes back as CAN_FRAME_OWN, other own frames do not;
- * error frames update the status and arrive as CAN_FRAME_ERROR; ENOBUFS becomes
- * CAN_FULL and is counted; receive overflow is counted from SO_RXQ_OVFL; times are
- * the kernel's receive time stamps, turned into CLOCK_MONOTONIC; an interface that
- * goes down gives CAN_DOWN until it comes back.
- * Facts: Linux Documentation/networking/can.rst; linux/can/raw.h, linux/can/error.h.
+ * nothing; the own SYNC comes back as CAN_FRAME_OWN at its place in the bus's order,
+ * other own frames do not; error frames update the status and arrive as
+ * CAN_FRAME_ERROR; when the kernel's queue is full (ENOBUFS, EAGAIN) frames wait here
+ * in order of their identifiers and CAN_FULL comes when there is no room left;
+ * receive overflow is counted from SO_RXQ_OVFL; times are the kernel's receive time
+ * stamps, turned into CLOCK_MONOTONIC; an interface that is down or gone gives
+ * CAN_DOWN and is taken up again when it is back.
+ * Facts: Linux Documentation/networking/can.rst; linux/can/raw.h, can/error.h,
+ * can/netlink.h.
  */
 #ifndef HAL_PORT_SOCKETCAN_SOCKETCAN_BUS_H
 #define HAL_PORT_SOCKETCAN_SOCKETCAN_BUS_H
@@ -18,42 +21,56 @@
 
 enum { SOCKETCAN_FILTERS_MAX = 32, SOCKETCAN_TX_QUEUE = 32, SOCKETCAN_NAME_MAX = 16 };
 
-/* A standard data frame passes when (id & mask) == (filter.id & mask). */
+/* A standard frame passes when (frame id & mask) == (id & mask) for one of them. */
 struct socketcan_filter {
     uint16_t id;
     uint16_t mask;
 };
 
-struct socketcan_bus {
-    int fd;
-    int sync_fd; /* second socket which hears the own SYNC, -1 if not asked for */
-    int interface_index;
-    char name[SOCKETCAN_NAME_MAX];
-    bool is_down;
-    uint32_t kernel_drops;
-    int64_t realtime_minus_monotonic_ns;
-    struct can_bus_status status;
-    unsigned tx_count;
-    struct can_msg tx[SOCKETCAN_TX_QUEUE]; /* sorted by identifier, for when the kernel is full */
+/* What struct can_bus_status has no place for; counters saturate. */
+struct socketcan_counters {
+    uint32_t kernel_full; /* ENOBUFS or EAGAIN from send */
+    uint32_t went_down;   /* interface down or gone */
+    uint32_t came_back;
+    uint32_t send_errors; /* any other errno from send */
 };
 
-/* Opens `interface_name`. filters: what to receive (count 0: everything); the array
- * is copied. hear_own_sync: the boundary of the tick is wanted (the controller).
- * Returns 0, or a negative errno value (-ENODEV: no such interface; -EAFNOSUPPORT:
- * the kernel has no CAN; -ENETDOWN is not an error here, the bus starts CAN_DOWN).
- * Not for real-time use after start; the others below are. */
+struct socketcan_bus {
+    int fd; /* -1 while the interface does not exist */
+    char name[SOCKETCAN_NAME_MAX];
+    bool hear_own_sync;
+    bool is_down;
+    uint64_t next_retry_ns;
+    uint32_t kernel_drops;
+    int64_t realtime_minus_monotonic_ns;
+    unsigned filter_count;
+    struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
+    struct can_bus_status status;
+    struct socketcan_counters counters;
+    unsigned tx_count;
+    struct can_msg tx[SOCKETCAN_TX_QUEUE]; /* sorted by identifier, last is next */
+};
+
+/* Opens `interface_name`. filters: what to receive, copied (count 0: everything,
+ * at most SOCKETCAN_FILTERS_MAX). hear_own_sync: the boundary of the tick is wanted (the
+ * controller); the SYNC need not be among the filters. Returns 0, or a negative errno
+ * value: -ENODEV no such interface, -EAFNOSUPPORT no CAN in this kernel, -EINVAL name or
+ * filters too long. An interface that is down is not an error: the bus starts CAN_DOWN.
+ * Not for a real-time loop; all else is. */
 int socketcan_bus_open(struct socketcan_bus *bus, const char *interface_name,
                        const struct socketcan_filter *filters, unsigned filter_count,
                        bool hear_own_sync);
 
 void socketcan_bus_close(struct socketcan_bus *bus);
 
-/* The interface as the portable code sees it; valid until close. */
+/* The interface as the portable code sees it; valid until close. Its recover() asks
+ * the kernel over netlink to restart the controller, which needs CAP_NET_ADMIN; without,
+ * set `restart-ms` with ip(8). */
 struct can_bus socketcan_bus_interface(struct socketcan_bus *bus);
 
-/* Sleeps until a frame waits, the send queue can move, or CLOCK_MONOTONIC reaches
- * deadline_ns. Returns 1 when there is something to receive, 0 at the deadline,
- * negative errno on failure (-EINTR: a signal). */
+/* Sleeps until a frame waits or CLOCK_MONOTONIC reaches deadline_ns; meanwhile frames
+ * that wait here are sent and an interface that came back is taken up. Returns 1 when
+ * there is something to receive, 0 at the deadline, negative errno (-EINTR: a signal). */
 int socketcan_bus_wait(struct socketcan_bus *bus, uint64_t deadline_ns);
 
 /* CLOCK_MONOTONIC in ns. */
