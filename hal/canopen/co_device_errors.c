@@ -1,10 +1,10 @@
 /* Emergencies of a device: error register, history, EMCY frames (CiA 301 clauses
  * 7.2.7, 7.5.2.2, 7.5.2.4). */
-#include <assert.h>
 #include <string.h>
 
 #include "hal/bytes.h"
 #include "hal/canopen/co_device_internal.h"
+#include "hal/contract.h"
 
 static void queue_emcy(struct co_device *device, uint16_t code, const uint8_t *vendor)
 {
@@ -56,7 +56,7 @@ static void remember(struct co_device *device, uint16_t code, const uint8_t *ven
 void co_device_raise(struct co_device *device, uint16_t code, uint8_t register_bits,
                      const uint8_t *vendor)
 {
-    assert(code != CO_EMCY_NONE);
+    HAL_ASSERT(code != CO_EMCY_NONE);
     if (co_device_has_error(device, code)) {
         return;
     }

@@ -1,8 +1,8 @@
 /* PDO traffic of a device: receiving, SYNC, event transmission and time-outs. */
-#include <assert.h>
 #include <string.h>
 
 #include "hal/canopen/co_device_internal.h"
+#include "hal/contract.h"
 
 static void apply_rpdo(struct co_device *device, unsigned number, const uint8_t *data,
                        uint64_t now_ns)
@@ -107,7 +107,7 @@ void co_device_take_sync(struct co_device *device, uint64_t now_ns)
 
 void co_device_trigger_tpdo(struct co_device *device, unsigned number)
 {
-    assert(number < CO_PDO_COUNT);
+    HAL_ASSERT(number < CO_PDO_COUNT);
     struct co_pdo *pdo = &device->comm.tpdo[number];
     if (pdo->type == CO_SYNC_ACYCLIC || pdo->type >= CO_EVENT_MANUFACTURER) {
         pdo->waiting = true;

@@ -1,10 +1,10 @@
 #include "hal/canopen/co_sdo_client.h"
 
-#include <assert.h>
 #include <string.h>
 
 #include "hal/bytes.h"
 #include "hal/canopen/co_defs.h"
+#include "hal/contract.h"
 
 enum client_state {
     IDLE = 0,
@@ -35,7 +35,7 @@ enum {
 
 void co_sdo_client_init(struct co_sdo_client *client, uint8_t node, uint64_t timeout_ns)
 {
-    assert(node >= 1 && node <= CO_NODE_MAX);
+    HAL_ASSERT(node >= 1 && node <= CO_NODE_MAX);
     memset(client, 0, sizeof *client);
     client->node = node;
     client->timeout_ns = timeout_ns;
@@ -67,7 +67,7 @@ void co_sdo_client_read(struct co_sdo_client *client, uint16_t index, uint8_t su
 void co_sdo_client_write(struct co_sdo_client *client, uint16_t index, uint8_t sub,
                          const uint8_t *bytes, unsigned length, uint64_t now_ns)
 {
-    assert(length >= 1 && length <= CO_VALUE_MAX);
+    HAL_ASSERT(length >= 1 && length <= CO_VALUE_MAX);
     start(client, index, sub, now_ns);
     memcpy(client->buffer, bytes, length);
     client->length = (uint8_t)length;
