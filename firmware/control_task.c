@@ -2,6 +2,7 @@
 
 #include <assert.h>
 
+#include "hal/contract.h"
 #include "hal/frame_table.h"
 
 static_assert((int)SIDE_LEFT == (int)LEG_LEFT && (int)SIDE_RIGHT == (int)LEG_RIGHT,
@@ -38,7 +39,7 @@ int control_task_init(struct control_task *task, const struct control_task_confi
     leg_sensors_init(&task->sensors, config->leg_sensor);
     const int node = controller_node_init(&task->node, config->params, config->desired_speed_rad_s,
                                           config->walk_requested, config->bus);
-    assert(node == 0); /* the dictionary is a constant of the build */
+    HAL_ASSERT(node == 0); /* the dictionary is a constant of the build */
     (void)node;
     task->config.params = &task->node.objects.params;
     return controller_init(&task->controller, task->config.params);
