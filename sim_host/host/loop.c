@@ -32,13 +32,13 @@ static void configure_actuators(struct plant_config *plant, const struct subject
 }
 
 int loop_configure(struct loop_config *config, const struct subject *subject,
+                   const struct control_params *params, double desired_speed_rad_s,
                    enum sensor_preset_kind sensors, uint64_t seed, char *message)
 {
     memset(config, 0, sizeof *config);
     config->subject = *subject;
-    if (subject_control_params(subject, &config->params, message) != 0) {
-        return -1;
-    }
+    config->params = *params;
+    config->desired_speed_rad_s = desired_speed_rad_s;
     const struct gait_walker walker = subject_gait_walker(subject);
     struct gait_point start;
     const enum gait_curve_error error =
@@ -60,7 +60,6 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
                                              .theta_n_rad = start.lift_off[1],
                                              .theta_s_rate_rad_s = start.lift_off[2],
                                              .theta_n_rate_rad_s = start.lift_off[3]};
-    config->desired_speed_rad_s = start.speed_rad_s;
     return 0;
 }
 

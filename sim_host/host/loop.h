@@ -55,10 +55,11 @@ struct loop {
     bool log_failed;
 };
 
-/* Subject, sensors and law to a full config: controller parameters from the
- * subject, plant by its scale, start pose = the model's gait at start_r0_m.
- * Returns 0, or -1 with the reason in message (LOOP_MESSAGE_MAX bytes). */
+/* Subject, its parameters and the sensors to a full config: plant by the subject's
+ * scale, start pose = the model's gait at start_r0_m. Returns 0, or -1 with the
+ * reason in message (LOOP_MESSAGE_MAX bytes). */
 int loop_configure(struct loop_config *config, const struct subject *subject,
+                   const struct control_params *params, double desired_speed_rad_s,
                    enum sensor_preset_kind sensors, uint64_t seed, char *message);
 
 /* Builds everything and boots the nodes. The loop is large (about 200 kB): static

@@ -6,17 +6,13 @@
 #include <stdint.h>
 
 #include "sim_host/host/loop.h"
+#include "sim_host/host/walk_options.h"
 
 struct sim_options {
-    double speed_rad_s; /* 0 = not given */
+    struct walk_options walk;
     uint32_t steps;
-    bool open_loop;
-    double r0_m;        /* 0 = not given */
-    double start_r0_m;  /* 0 = not given */
-    double kp;          /* < 0 = not given */
     enum sensor_preset_kind sensors;
     const char *sensors_name;
-    const char *subject_path; /* NULL = the paper's walker */
     uint64_t seed;
     const char *csv_path;
     bool ticks;

@@ -187,7 +187,7 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.name, (double)params->torso_mass_kg, (double)params->leg_mass_kg,
             (double)params->leg_length_m, (double)params->spring_stiffness_n_m);
-    if (options->open_loop) {
+    if (options->walk.open_loop) {
         fprintf(stream, "  law        off: constant precompression r0 = %g m\n",
                 (double)params->open_loop_r0_m);
     } else {

@@ -50,69 +50,19 @@ static double now_s(void)
 
 /* ---- preparing ------------------------------------------------------------- */
 
-static int control_override(struct subject *subject, const char *name, double value)
-{
-    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
-        if (strcmp(control_param_descriptors[i].name, name) == 0) {
-            subject->control_overridden[i] = true;
-            subject->control_override[i] = value;
-            return 0;
-        }
-    }
-    return -1;
-}
-
-static void apply_options(struct subject *subject, const struct sim_options *options)
-{
-    if (options->kp >= 0.0) {
-        control_override(subject, "kp_m_s_rad", options->kp);
-    }
-    if (options->start_r0_m > 0.0) {
-        control_override(subject, "start_r0_m", options->start_r0_m);
-    }
-    if (options->open_loop) {
-        control_override(subject, "law", (double)LAW_OPEN_LOOP);
-        control_override(subject, "open_loop_r0_m", options->r0_m);
-    }
-}
-
-static int check_speed(const struct session *session, char *message)
-{
-    const struct speed_table *table = &session->config.params.table;
-    const double low = (double)table->speed_rad_s[0];
-    const double high = (double)table->speed_rad_s[table->count - 1];
-    const double speed = session->options.speed_rad_s;
-    if (speed < low || speed > high) {
-        snprintf(message, LOOP_MESSAGE_MAX,
-                 "--speed %g is out of range: this subject's steady gaits go from %.4g to %.4g rad/s",
-                 speed, low, high);
-        return -1;
-    }
-    return 0;
-}
-
 static int prepare(struct session *session)
 {
     const struct sim_options *options = &session->options;
     struct subject subject;
+    struct control_params params;
+    double speed_rad_s;
     char message[LOOP_MESSAGE_MAX] = "";
 
-    subject_default(&subject);
-    if (options->subject_path != NULL && subject_read(&subject, options->subject_path, message) != 0) {
+    if (walk_options_resolve(&options->walk, &subject, &params, &speed_rad_s, message) != 0 ||
+        loop_configure(&session->config, &subject, &params, speed_rad_s, options->sensors,
+                       options->seed, message) != 0) {
         complain(message);
         return -1;
-    }
-    apply_options(&subject, options);
-    if (loop_configure(&session->config, &subject, options->sensors, options->seed, message) != 0) {
-        complain(message);
-        return -1;
-    }
-    if (options->speed_rad_s > 0.0) {
-        if (check_speed(session, message) != 0) {
-            complain(message);
-            return -1;
-        }
-        session->config.desired_speed_rad_s = options->speed_rad_s;
     }
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
