@@ -77,6 +77,14 @@ static bool interface_is_up(const struct socketcan_bus *bus, int fd)
     return ioctl(fd, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
 }
 
+/* Binding to an interface that is down leaves ENETDOWN for the next call. */
+static void clear_pending_error(int fd)
+{
+    int error;
+    socklen_t size = sizeof error;
+    (void)getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+}
+
 static int open_socket(struct socketcan_bus *bus)
 {
     const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
@@ -165,6 +173,7 @@ static bool is_usable(struct socketcan_bus *bus)
     }
     bus->is_down = !interface_is_up(bus, bus->fd);
     if (!bus->is_down) {
+        clear_pending_error(bus->fd);
         count(&bus->counters.came_back);
         bus->status.error_state = CAN_ERROR_ACTIVE;
     }

@@ -1,0 +1,299 @@
+/* The SocketCAN port on a real vcan0. A second raw socket, spoken to with the plain
+ * kernel interface, plays the others on the bus. */
+#include <check.h>
+#include <errno.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "hal/port_socketcan/socketcan_bus.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/in_vcan.h"
+
+static struct socketcan_bus bus;
+static struct can_bus can;
+static int other = -1;
+
+static const struct socketcan_filter filters[] = {{0x181, 0x7FF}, {0x280, 0x7F8}};
+
+static int open_other(void)
+{
+    const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK, CAN_RAW);
+    struct sockaddr_can address = {.can_family = AF_CAN};
+    address.can_ifindex = (int)if_nametoindex("vcan0");
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(bind(fd, (struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+static void run(const char *command)
+{
+    ck_assert_msg(system(command) == 0, "failed: %s", command);
+}
+
+static void setup(void)
+{
+    run("ip link set vcan0 up");
+    ck_assert_int_eq(socketcan_bus_open(&bus, "vcan0", filters, 2, true), 0);
+    can = socketcan_bus_interface(&bus);
+    other = open_other();
+}
+
+static void teardown(void)
+{
+    socketcan_bus_close(&bus);
+    close(other);
+}
+
+static void other_sends(uint32_t id, unsigned length)
+{
+    struct can_frame frame = {.can_id = id, .can_dlc = (uint8_t)length};
+    for (unsigned i = 0; i < length; i++) {
+        frame.data[i] = (uint8_t)(0x10 + i);
+    }
+    ck_assert_int_eq(send(other, &frame, sizeof frame, 0), sizeof frame);
+}
+
+static void other_reads(struct can_frame *frame)
+{
+    struct pollfd waiting = {.fd = other, .events = POLLIN};
+    ck_assert_int_eq(poll(&waiting, 1, 500), 1);
+    ck_assert_int_eq(read(other, frame, sizeof *frame), sizeof *frame);
+}
+
+static bool wait_for_frame(unsigned ms)
+{
+    return socketcan_bus_wait(&bus, socketcan_now_ns() + ms * UINT64_C(1000000)) == 1;
+}
+
+START_TEST(frames_pass_the_filters_or_are_not_seen_at_all)
+{
+    struct can_msg message;
+    uint64_t time_ns;
+    const uint64_t before_ns = socketcan_now_ns();
+    other_sends(0x182, 8);
+    other_sends(0x181, 6);
+    other_sends(0x288, 5);
+    other_sends(0x283, 5);
+    other_sends(0x181 | CAN_EFF_FLAG, 2);
+    other_sends(0x181 | CAN_RTR_FLAG, 2);
+    ck_assert(wait_for_frame(200));
+    ck_assert_int_eq(can_bus_receive(&can, &message, &time_ns), CAN_OK);
+    ck_assert_uint_eq(message.id, 0x181);
+    ck_assert_uint_eq(message.length, 6);
+    ck_assert_uint_eq(message.flags, 0);
+    ck_assert_uint_eq(message.data[5], 0x15);
+    ck_assert_uint_eq(message.data[6], 0);
+    ck_assert_uint_ge(time_ns + 1000000, before_ns);
+    ck_assert_uint_le(time_ns, socketcan_now_ns() + 1000000);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(message.id, 0x283);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_EMPTY);
+}
+END_TEST
+
+START_TEST(only_the_own_sync_is_heard_and_in_its_place)
+{
+    struct can_msg message = {.id = 0x201, .length = 8};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    other_sends(0x181, 6);
+    message = (struct can_msg){.id = 0x080};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    message = (struct can_msg){.id = 0x181};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK); /* own: not heard */
+    other_sends(0x283, 5);
+    usleep(20000);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(message.id, 0x181);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(message.id, 0x080);
+    ck_assert_uint_eq(message.flags, CAN_FRAME_OWN);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(message.id, 0x283);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_EMPTY);
+    struct can_frame frame;
+    other_reads(&frame);
+    ck_assert_uint_eq(frame.can_id, 0x201);
+    ck_assert_uint_eq(frame.can_dlc, 8);
+}
+END_TEST
+
+START_TEST(all_kinds_of_frames_go_out_as_they_are)
+{
+    struct can_frame frame;
+    struct can_msg message = {
+        .id = 0x1ABCDEF0, .flags = CAN_FRAME_EXTENDED, .length = 3, .data = {1, 2, 3}};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    other_reads(&frame);
+    ck_assert_uint_eq(frame.can_id, 0x1ABCDEF0 | CAN_EFF_FLAG);
+    message = (struct can_msg){.id = 0x123, .flags = CAN_FRAME_REMOTE, .length = 4};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    other_reads(&frame);
+    ck_assert_uint_eq(frame.can_id, 0x123 | CAN_RTR_FLAG);
+    message = (struct can_msg){.id = 0x800};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_INVALID);
+    message = (struct can_msg){.id = 0x100, .length = 9};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_INVALID);
+}
+END_TEST
+
+static void other_reports(uint32_t classes, unsigned controller, unsigned tec, unsigned rec)
+{
+    struct can_frame frame = {.can_id = CAN_ERR_FLAG | classes, .can_dlc = 8};
+    frame.data[1] = (uint8_t)controller;
+    frame.data[6] = (uint8_t)tec;
+    frame.data[7] = (uint8_t)rec;
+    ck_assert_int_eq(send(other, &frame, sizeof frame, 0), sizeof frame);
+}
+
+START_TEST(error_frames_change_the_status)
+{
+    struct can_msg message;
+    struct can_bus_status status;
+    other_reports(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE, 130, 5);
+    ck_assert(wait_for_frame(200));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(message.flags, CAN_FRAME_ERROR);
+    can_bus_get_status(&can, &status);
+    ck_assert_int_eq(status.error_state, CAN_ERROR_PASSIVE);
+    ck_assert_uint_eq(status.tx_error_count, 130);
+    ck_assert_uint_eq(status.rx_error_count, 5);
+
+    other_reports(CAN_ERR_BUSOFF, 0, 0, 0);
+    ck_assert(wait_for_frame(200));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    can_bus_get_status(&can, &status);
+    ck_assert_int_eq(status.error_state, CAN_BUS_OFF);
+    ck_assert_uint_eq(status.bus_off_count, 1);
+    message = (struct can_msg){.id = 0x201};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_DOWN);
+    can_bus_recover(&can); /* vcan has no controller to restart: must do no harm */
+
+    other_reports(CAN_ERR_RESTARTED, 0, 0, 0);
+    ck_assert(wait_for_frame(200));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    can_bus_get_status(&can, &status);
+    ck_assert_int_eq(status.error_state, CAN_ERROR_ACTIVE);
+    ck_assert_uint_eq(status.error_frames, 3);
+    message = (struct can_msg){.id = 0x201};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+}
+END_TEST
+
+START_TEST(an_overflow_of_the_receive_queue_is_counted)
+{
+    struct can_msg message;
+    struct can_bus_status status;
+    enum { SENT = 4000 };
+    const int room = 4096; /* small, so that it overflows */
+    ck_assert_int_eq(setsockopt(bus.fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof room), 0);
+    for (int i = 0; i < SENT; i++) {
+        other_sends(0x181, 6);
+    }
+    usleep(20000);
+    while (can_bus_receive(&can, &message, NULL) == CAN_OK) {
+    }
+    /* The kernel tells of the loss with the next frame that gets through. */
+    other_sends(0x181, 6);
+    usleep(20000);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    can_bus_get_status(&can, &status);
+    ck_assert_uint_gt(status.rx_overflow, 0);
+    ck_assert_uint_eq(status.rx_overflow + status.rx_frames, SENT + 1);
+}
+END_TEST
+
+START_TEST(an_interface_may_go_down_and_come_back)
+{
+    struct can_msg message = {.id = 0x201};
+    run("ip link set vcan0 down");
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_DOWN);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_DOWN);
+    ck_assert_int_eq(socketcan_bus_wait(&bus, socketcan_now_ns() + 20000000), 0);
+    run("ip link set vcan0 up");
+    (void)socketcan_bus_wait(&bus, socketcan_now_ns() + 50000000);
+    message = (struct can_msg){.id = 0x201};
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    close(other);
+    other = open_other();
+    other_sends(0x181, 6);
+    ck_assert(wait_for_frame(200));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(bus.counters.went_down, 1);
+    ck_assert_uint_eq(bus.counters.came_back, 1);
+}
+END_TEST
+
+START_TEST(an_interface_may_be_removed_and_made_again)
+{
+    struct can_msg message = {.id = 0x201};
+    run("ip link del vcan0");
+    usleep(10000);
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_DOWN);
+    run("ip link add dev vcan0 type vcan");
+    run("ip link set vcan0 up");
+    (void)socketcan_bus_wait(&bus, socketcan_now_ns() + 50000000);
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    close(other);
+    other = open_other();
+    other_sends(0x181, 6);
+    ck_assert(wait_for_frame(200));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+}
+END_TEST
+
+START_TEST(a_full_kernel_queue_keeps_frames_in_order_of_identifiers)
+{
+    /* A token bucket that lets one frame through every few milliseconds. */
+    if (system("tc qdisc add dev vcan0 root tbf rate 32kbit burst 100 limit 120 "
+               "2>/dev/null") != 0) {
+        return; /* no traffic control in this kernel */
+    }
+    unsigned full = 0;
+    for (int i = 0; i < 200 && bus.counters.kernel_full == 0; i++) {
+        const struct can_msg message = {.id = 0x300};
+        full += can_bus_send(&can, &message) == CAN_FULL ? 1 : 0;
+    }
+    run("tc qdisc del dev vcan0 root");
+    ck_assert_uint_gt(bus.counters.kernel_full, 0);
+    ck_assert_uint_eq(full, 0); /* the own queue had room */
+    (void)socketcan_bus_wait(&bus, socketcan_now_ns() + 5000000);
+    ck_assert_uint_eq(bus.tx_count, 0);
+}
+END_TEST
+
+START_TEST(opening_says_what_is_wrong)
+{
+    struct socketcan_bus none;
+    ck_assert_int_eq(socketcan_bus_open(&none, "nosuchcan0", NULL, 0, false), -ENODEV);
+    ck_assert_int_eq(socketcan_bus_open(&none, "", NULL, 0, false), -EINVAL);
+    ck_assert_int_eq(socketcan_bus_open(&none, "a_name_that_is_too_long", NULL, 0, false), -EINVAL);
+}
+END_TEST
+
+int main(int argc, char **argv)
+{
+    (void)argc;
+    in_vcan_or_restart(argv);
+    Suite *suite = suite_create("socketcan_bus");
+    TCase *tcase = tcase_create("all");
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_set_timeout(tcase, 30);
+    tcase_add_test(tcase, frames_pass_the_filters_or_are_not_seen_at_all);
+    tcase_add_test(tcase, only_the_own_sync_is_heard_and_in_its_place);
+    tcase_add_test(tcase, all_kinds_of_frames_go_out_as_they_are);
+    tcase_add_test(tcase, error_frames_change_the_status);
+    tcase_add_test(tcase, an_overflow_of_the_receive_queue_is_counted);
+    tcase_add_test(tcase, an_interface_may_go_down_and_come_back);
+    tcase_add_test(tcase, a_full_kernel_queue_keeps_frames_in_order_of_identifiers);
+    tcase_add_test(tcase, opening_says_what_is_wrong);
+    tcase_add_test(tcase, an_interface_may_be_removed_and_made_again);
+    suite_add_tcase(suite, tcase);
+    return run_suite(suite);
+}
