@@ -1,89 +1,13 @@
-/* Works in the walker's own units (M = 1, l = 1, g = 1): there a walker is two numbers, m/M and
- * k l / (M g), and a gait one more, r0 / l. From the paper's gait at r0 = 0.05 the branch is followed
- * first to the wanted walker, then along r0. */
 #include "sim_host/study/gait_curve.h"
 
 #include <stddef.h>
 
-#include "model/stride.h"
-#include "sim_host/study/fixed_point.h"
+#include "sim_host/study/branch.h"
 
-#define START_R0 0.05
-#define WALKER_STEP 0.1 /* of the way from the paper's walker to the wanted one */
-#define R0_STEP 0.004
-#define SMALLEST_SHARE (1.0 / 4096.0)
-
-/* A point of the path in parameter space. */
-struct place {
-    double mass_ratio, stiffness, r0;
-};
-
-struct gait {
-    struct place place;
-    double x[3];
-};
-
-static struct place between(const struct place *a, const struct place *b, double share)
+static void report(const struct branch_gait *gait, const struct gait_walker *walker,
+                   struct gait_point *point)
 {
-    const struct place p = {a->mass_ratio + share * (b->mass_ratio - a->mass_ratio),
-                            a->stiffness + share * (b->stiffness - a->stiffness),
-                            a->r0 + share * (b->r0 - a->r0)};
-    return p;
-}
-
-static enum fixed_point_status solve(const struct place *place, double x[3],
-                                     struct stride_result *result)
-{
-    const struct walker_params params = {1.0, place->mass_ratio, 1.0, place->stiffness, 1.0};
-    struct walker walker;
-    if (walker_init(&walker, &params) != WALKER_OK) {
-        return FIXED_POINT_FAULT;
-    }
-    const struct stride_settings settings = stride_settings_accurate(&walker);
-    return fixed_point_find(&walker, &settings, place->r0, x, result);
-}
-
-/* Follows the branch in a straight line to `target`, with secant prediction and steps as long as they go. */
-static int follow(struct gait *gait, const struct place *target, double first_share,
-                  struct stride_result *result)
-{
-    const struct place from = gait->place;
-    double share = 0.0, step = first_share, before_share = 0.0;
-    double before[3] = {gait->x[0], gait->x[1], gait->x[2]};
-    if (first_share >= 1.0) {
-        step = 1.0;
-    }
-    while (share < 1.0) {
-        const double to = share + step < 1.0 ? share + step : 1.0;
-        const struct place place = between(&from, target, to);
-        double x[3];
-        for (int i = 0; i < 3; i++) {
-            const double slope =
-                share > before_share ? (gait->x[i] - before[i]) / (share - before_share) : 0.0;
-            x[i] = gait->x[i] + slope * (to - share);
-        }
-        if (solve(&place, x, result) != FIXED_POINT_OK) {
-            step *= 0.5;
-            if (step < SMALLEST_SHARE * first_share) {
-                return 0;
-            }
-            continue;
-        }
-        for (int i = 0; i < 3; i++) {
-            before[i] = gait->x[i];
-            gait->x[i] = x[i];
-        }
-        before_share = share;
-        share = to;
-        gait->place = place;
-    }
-    gait->place = *target;
-    return 1;
-}
-
-static void report(const struct gait *gait, const struct gait_walker *walker,
-                   const struct stride_result *result, struct gait_point *point)
-{
+    const struct stride_result *result = &gait->stride;
     const double l = walker->leg_length_m;
     const double unit_s = __builtin_sqrt(l / walker->gravity_m_s2);
     point->speed_rad_s = -gait->x[0] / unit_s;
@@ -140,28 +64,19 @@ enum gait_curve_error gait_curve(const struct gait_walker *walker, double r0_min
     if (!grid_is_good(r0_min_m, r0_min_m + (count - 1) * r0_step_m, count, l)) {
         return GAIT_CURVE_BAD_GRID;
     }
-    const struct gait_walker paper = gait_walker_of_paper();
-    const double unit_s = __builtin_sqrt(paper.leg_length_m / paper.gravity_m_s2);
-    struct gait gait = {
-        {paper.leg_mass_kg, paper.ankle_stiffness_N_m / paper.gravity_m_s2, START_R0},
-        {-0.406959924 * unit_s, -0.059568706, 1.756768065 * unit_s}};
-    struct place target = {
-        walker->leg_mass_kg / walker->hip_mass_kg,
-        walker->ankle_stiffness_N_m * l / (walker->hip_mass_kg * walker->gravity_m_s2), START_R0};
-    struct stride_result result;
-    if (!follow(&gait, &target, WALKER_STEP, &result)) {
+    const double ratio = walker->leg_mass_kg / walker->hip_mass_kg;
+    const double stiffness =
+        walker->ankle_stiffness_N_m * l / (walker->hip_mass_kg * walker->gravity_m_s2);
+    struct branch_gait gait = branch_start(BRANCH_LONG);
+    if (!branch_follow(&gait, ratio, stiffness, gait.r0)) {
         return GAIT_CURVE_LOST;
     }
     for (int i = 0; i < count; i++) {
         points[i].r0_m = r0_min_m + i * r0_step_m;
-        target.r0 = points[i].r0_m / l;
-        const double way = target.r0 - gait.place.r0;
-        const double distance = way < 0.0 ? -way : way;
-        const double share = distance > R0_STEP ? R0_STEP / distance : 1.0;
-        if (!follow(&gait, &target, share, &result)) {
+        if (!branch_follow(&gait, ratio, stiffness, points[i].r0_m / l)) {
             return GAIT_CURVE_LOST;
         }
-        report(&gait, walker, &result, &points[i]);
+        report(&gait, walker, &points[i]);
         *good = i + 1;
     }
     return GAIT_CURVE_OK;
