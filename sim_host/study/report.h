@@ -1,0 +1,68 @@
+/* How a command of afo-study prints: the same rows as a table for people, as CSV or as one JSON object;
+ * and a progress line with the time left. */
+#ifndef SIM_HOST_STUDY_REPORT_H
+#define SIM_HOST_STUDY_REPORT_H
+
+#include <stdio.h>
+#include <time.h>
+
+#include "sim_host/study/orbit.h"
+
+enum report_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
+
+/* Options that every command has. */
+struct common {
+    struct walker_params params;
+    enum report_format format;
+    int threads;
+    int quiet;
+    int resume;
+    const char *out_path; /* NULL: standard output */
+};
+
+enum cell_kind { CELL_NUMBER, CELL_INTEGER, CELL_TEXT, CELL_TRUTH };
+
+struct cell {
+    enum cell_kind kind;
+    double number;
+    long integer;
+    const char *text;
+};
+
+struct report {
+    const struct common *common;
+    FILE *file;
+    const char *const *columns; /* NULL-terminated */
+    int column_count;
+    int rows_open, rows_written, fields_written;
+    int rows_resumed; /* complete rows found in the file to be resumed */
+    struct timespec started;
+    int progress_shown;
+};
+
+struct cell cell_number(double number);
+struct cell cell_integer(long integer);
+struct cell cell_text(const char *text);
+struct cell cell_truth(int is_true);
+
+/* Opens the output. `settings` describes everything that the rows depend on beside the walker; with
+ * --resume the file's own must be the same. Prints a message and returns 0 when that fails. */
+int report_open(struct report *report, const struct common *common, const char *command,
+                const char *settings, const char *const *columns);
+
+/* A line of the table; `cells` has one per column. */
+void report_row(struct report *report, const struct cell *cells);
+
+/* A named result beside the table. */
+void report_value(struct report *report, const char *name, struct cell value);
+/* The same for a list, and for a list of pairs (values alternate). */
+void report_list(struct report *report, const char *name, const double *values, int count);
+void report_pairs(struct report *report, const char *name, const double *values, int pairs);
+
+/* Shows how far the work is, on a terminal only, unless --quiet. */
+void report_progress(struct report *report, int done, int of);
+
+/* Ends the output. 0 (and a message) when not all could be written. */
+int report_close(struct report *report);
+
+#endif
