@@ -3,6 +3,7 @@
 #include <assert.h>
 
 #include "hal/contract.h"
+#include "hal/bytes.h"
 #include "hal/frame_table.h"
 
 static_assert((int)SIDE_LEFT == (int)LEG_LEFT && (int)SIDE_RIGHT == (int)LEG_RIGHT,
@@ -149,6 +150,7 @@ static unsigned run_tick(struct control_task *task)
     controller_update(&task->controller, &input, &task->output);
     send_commands(task);
     task->node.objects.reset_requested = 0;
+    task->node.objects.input_digest = task->node.objects.input_digest * UINT32_C(16777619) + 1u;
     configure_nodes(task);
     network_update(&task->network, &task->config.bus, task->configured);
     show_counters(task);
@@ -160,6 +162,17 @@ static unsigned run_tick(struct control_task *task)
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
 }
 
+/* A sum over the frames of a tick, so that their order within it does not count
+ * (a controller may sort them into several queues), of a hash that any changed bit
+ * changes: FNV-1a's step (http://www.isthe.com/chongo/tech/comp/fnv) over words. */
+static uint32_t frame_hash(const struct can_msg *message)
+{
+    const uint32_t prime = UINT32_C(16777619);
+    uint32_t hash = (UINT32_C(2166136261) ^ (message->id << 4 | message->length)) * prime;
+    hash = (hash ^ bytes_get_u32(message->data)) * prime;
+    return (hash ^ bytes_get_u32(message->data + 4)) * prime;
+}
+
 static void take_frame(struct control_task *task, const struct can_msg *message)
 {
     if (!leg_sensors_receive(&task->sensors, message) &&
@@ -168,7 +181,9 @@ static void take_frame(struct control_task *task, const struct can_msg *message)
         !node_setup_receive(&task->setup, message, now_ns(task)) &&
         !controller_node_receive(&task->node, message, now_ns(task))) {
         count(&task->counters.foreign_frames);
+        return;
     }
+    task->node.objects.input_digest += frame_hash(message);
 }
 
 unsigned control_task_poll(struct control_task *task)

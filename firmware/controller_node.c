@@ -112,7 +112,8 @@ static void defaults(void *context, struct co_comm *comm)
     comm->tpdo[TPDO_STATE].event_ms = SLOW_PDO_TICKS * TICK_PERIOD_US / 1000;
     comm->tpdo[TPDO_STATE].map[0] = UINT32_C(0x20010108);
     comm->tpdo[TPDO_STATE].map[1] = UINT32_C(0x20010208);
-    comm->tpdo[TPDO_STATE].map_count = 2;
+    comm->tpdo[TPDO_STATE].map[2] = UINT32_C(0x20010320);
+    comm->tpdo[TPDO_STATE].map_count = 3;
     const char name[] = "AFO controller";
     for (unsigned i = 0; i < sizeof name; i++) {
         comm->name[i] = name[i];
@@ -125,7 +126,7 @@ static void default_objects(struct controller_objects *objects, const struct con
 {
     const char *version = version_text();
     *objects = (struct controller_objects){.command_count = 3,
-                                           .state_count = 2,
+                                           .state_count = 3,
                                            .step_count = 5,
                                            .record_count = 4,
                                            .param_count = CONTROL_PARAM_COUNT,

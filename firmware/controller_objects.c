@@ -27,6 +27,7 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, state_count, 0x2001, 0, CO_UNSIGNED8, FIXED, "State"),
     CO_ANY(OWNER, state, 0x2001, 1, CO_UNSIGNED8, RO | TX, "Supervisor state and emergency stop"),
     CO_ANY(OWNER, fault, 0x2001, 2, CO_UNSIGNED8, RO | TX, "Latched fault"),
+    CO_ANY(OWNER, input_digest, 0x2001, 3, CO_UNSIGNED32, RO | TX, "Digest of the input"),
     CO_ANY(OWNER, step_count, 0x2002, 0, CO_UNSIGNED8, FIXED, "Last step"),
     CO_ANY(OWNER, step_measured, 0x2002, 1, CO_UNSIGNED16, RO | TX, "Measured speed 0.1 mrad/s"),
     CO_ANY(OWNER, step_commanded, 0x2002, 2, CO_UNSIGNED16, RO | TX, "Commanded speed 0.1 mrad/s"),

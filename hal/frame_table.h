@@ -41,7 +41,7 @@ enum {
     X(DRIVE_TARGETS, 0x201, 8, 1000, 1000, 16, S)                             \
     X(LEG_STATE_LEFT, 0x283, 5, 1000, 1000, 3, S)                             \
     X(LEG_STATE_RIGHT, 0x284, 5, 1000, 1000, 4, S)                            \
-    X(CONTROLLER_STATE, 0x290, 2, 10000, 10000, 16, E)                        \
+    X(CONTROLLER_STATE, 0x290, 6, 10000, 10000, 16, E)                        \
     X(DRIVE_COMMAND_LEFT, 0x301, 6, 2000, 2000, 16, E)                        \
     X(DRIVE_COMMAND_RIGHT, 0x302, 6, 2000, 2000, 16, E)                       \
     X(DRIVE_SLOW_LEFT, 0x381, 8, 100000, 50000, 1, N)                         \

@@ -1,0 +1,68 @@
+/* Feeds a recorded log to the control task and compares what it commands.
+ *
+ * The log's order is all that is needed: a tick's input is the frames between two
+ * SYNCs (firmware/control_task.h). Frames of the controller itself are not fed but
+ * compared, byte by byte, in order for each identifier; the emergency stop is read
+ * back from the controller's own state frames, which say what it was.
+ */
+#ifndef SIM_HOST_HOST_REPLAY_H
+#define SIM_HOST_HOST_REPLAY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "sim_host/bus/candump_log.h"
+#include "sim_host/host/task_rig.h"
+
+enum { REPLAY_CYCLE_FRAMES = 256, REPLAY_QUEUE = 64, REPLAY_IDS = 32, REPLAY_MESSAGE_MAX = 512 };
+
+enum replay_verdict {
+    REPLAY_EQUAL = 0,
+    REPLAY_DIFFERS = 1,    /* message says frame, tick and field */
+    REPLAY_BAD_LOG = -1,   /* message says line, column and reason */
+    REPLAY_NO_SYNC = -2    /* the log holds no SYNC: nothing to replay */
+};
+
+struct replay_frame {
+    struct can_msg message;
+    unsigned long line; /* of the log */
+    uint64_t time_us;
+};
+
+/* What the task sent and the log has not shown yet, per identifier. */
+struct replay_queue {
+    uint32_t id;
+    unsigned head, count;
+    struct can_msg sent[REPLAY_QUEUE];
+    uint64_t tick[REPLAY_QUEUE];
+};
+
+struct replay {
+    struct task_rig rig;
+    struct replay_frame cycle[REPLAY_CYCLE_FRAMES]; /* input of the tick that runs next */
+    struct replay_frame next[REPLAY_CYCLE_FRAMES];  /* being read: what followed its SYNC */
+    unsigned cycle_count, next_count;
+    unsigned next_fed;
+    bool sync_pending; /* the own SYNC waits to be fetched by the task */
+    struct replay_queue queue[REPLAY_IDS];
+    unsigned queue_count;
+    uint64_t ticks;
+    uint64_t frames;   /* read from the log */
+    uint64_t compared; /* command frames found equal */
+    bool differs;
+    char message[REPLAY_MESSAGE_MAX];
+};
+
+/* Sets up the control task as the run that was recorded. Do not move *replay
+ * afterwards. Returns 0, or -1 when the task refuses the parameters. */
+int replay_init(struct replay *replay, const struct subject *subject,
+                const struct control_params *params, double desired_speed_rad_s);
+
+/* Replays a whole log. replay->message explains every verdict but REPLAY_EQUAL. */
+enum replay_verdict replay_run(struct replay *replay, FILE *log);
+
+/* The name of the field in byte `byte` of a frame that the controller sends. */
+const char *replay_field_name(uint32_t id, unsigned byte);
+
+#endif

@@ -1,0 +1,104 @@
+/* afo-replay: a recorded log through the control task, command frames compared. */
+#include <argp.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim_host/host/replay.h"
+#include "sim_host/host/walk_options.h"
+
+enum { EXIT_EQUAL = 0, EXIT_DIFFERS = 1, EXIT_USAGE = 2 };
+
+struct options {
+    struct walk_options walk;
+    const char *log_path;
+    bool quiet;
+};
+
+static const struct argp_option option_list[] = {
+    {"quiet", 'q', 0, 0, "say nothing when all is equal", 2}, {0}};
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct options *options = (struct options *)state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->walk;
+        break;
+    case 'q':
+        options->quiet = true;
+        break;
+    case ARGP_KEY_ARG:
+        if (options->log_path != NULL) {
+            argp_error(state, "one log at a time, found also \"%s\"", text);
+        }
+        options->log_path = text;
+        break;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "which log? afo-replay LOG");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static int report(const struct replay *replay, enum replay_verdict verdict, const char *path, bool quiet)
+{
+    switch (verdict) {
+    case REPLAY_EQUAL:
+        if (!quiet) {
+            printf("%s: %llu frames, %llu ticks; all %llu frames of the controller reproduced\n", path,
+                   (unsigned long long)replay->frames, (unsigned long long)replay->ticks,
+                   (unsigned long long)replay->compared);
+        }
+        return EXIT_EQUAL;
+    case REPLAY_DIFFERS:
+        printf("%s: %s\n", path, replay->message);
+        return EXIT_DIFFERS;
+    default:
+        fprintf(stderr, "afo-replay: %s: %s\n", path, replay->message);
+        return EXIT_USAGE;
+    }
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
+    static const struct argp parser = {
+        option_list, take, "LOG",
+        "Feeds a candump log to the control task and compares every frame that the controller "
+        "sent, bit by bit. Subject, speed and law must be those of the recorded run.\v"
+        "Exit status: 0 all frames reproduced, 1 a frame differs, 2 wrong usage or log.",
+        children, 0, 0};
+    static struct replay replay;
+    struct options options = {0};
+    struct subject subject;
+    struct control_params params;
+    double speed_rad_s;
+    char message[SUBJECT_MESSAGE_MAX] = "";
+
+    walk_options_init(&options.walk);
+    option_identity("afo-replay");
+    if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0) {
+        return EXIT_USAGE;
+    }
+    if (walk_options_resolve(&options.walk, &subject, &params, &speed_rad_s, message) != 0) {
+        fprintf(stderr, "afo-replay: %s\n", message);
+        return EXIT_USAGE;
+    }
+    FILE *log = fopen(options.log_path, "r");
+    if (log == NULL) {
+        fprintf(stderr, "afo-replay: %s: %s\n", options.log_path, strerror(errno));
+        return EXIT_USAGE;
+    }
+    if (replay_init(&replay, &subject, &params, speed_rad_s) != 0) {
+        fprintf(stderr, "afo-replay: the control task refuses these parameters\n");
+        fclose(log);
+        return EXIT_USAGE;
+    }
+    const enum replay_verdict verdict = replay_run(&replay, log);
+    fclose(log);
+    return report(&replay, verdict, options.log_path, options.quiet);
+}
