@@ -41,7 +41,7 @@ uint64_t socketcan_now_ns(void)
 
 /* ---- opening and losing the interface ----------------------------------- */
 
-static int set_options(const struct socketcan_bus *bus, int fd)
+static int set_filters(const struct socketcan_bus *bus, int fd)
 {
     struct can_filter filters[SOCKETCAN_FILTERS_MAX + 1];
     unsigned n = 0;
@@ -55,18 +55,27 @@ static int set_options(const struct socketcan_bus *bus, int fd)
         filters[n].can_mask = CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG;
         n++;
     }
+    if (n == 0) { /* one that matches every data and remote frame */
+        filters[n++] = (struct can_filter){.can_id = 0, .can_mask = 0};
+    }
+    return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
+                      (socklen_t)(n * sizeof filters[0])) == 0
+               ? 0
+               : -errno;
+}
+
+static int set_options(const struct socketcan_bus *bus, int fd)
+{
     const int on = 1;
     const int own = bus->hear_own_sync ? 1 : 0;
     const can_err_mask_t errors = CAN_ERR_MASK;
-    if ((n > 0 && setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
-                             (socklen_t)(n * sizeof filters[0])) != 0) ||
-        setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &own, sizeof own) != 0 ||
+    if (setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &own, sizeof own) != 0 ||
         setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0 ||
         setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0 ||
         setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0) {
         return -errno;
     }
-    return 0;
+    return set_filters(bus, fd);
 }
 
 static bool interface_is_up(const struct socketcan_bus *bus, int fd)
@@ -125,6 +134,19 @@ int socketcan_bus_open(struct socketcan_bus *bus, const char *interface_name,
     bus->hear_own_sync = hear_own_sync;
     bus->realtime_minus_monotonic_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
     return open_socket(bus);
+}
+
+int socketcan_bus_set_filters(struct socketcan_bus *bus, const struct socketcan_filter *filters,
+                              unsigned filter_count)
+{
+    if (filter_count > SOCKETCAN_FILTERS_MAX) {
+        return -EINVAL;
+    }
+    if (filter_count > 0) {
+        memcpy(bus->filters, filters, filter_count * sizeof filters[0]);
+    }
+    bus->filter_count = filter_count;
+    return bus->fd >= 0 ? set_filters(bus, bus->fd) : 0;
 }
 
 void socketcan_bus_close(struct socketcan_bus *bus)

@@ -61,6 +61,10 @@ int socketcan_bus_open(struct socketcan_bus *bus, const char *interface_name,
                        const struct socketcan_filter *filters, unsigned filter_count,
                        bool hear_own_sync);
 
+/* Replaces the receive filters; same limits and errors as socketcan_bus_open(). */
+int socketcan_bus_set_filters(struct socketcan_bus *bus, const struct socketcan_filter *filters,
+                              unsigned filter_count);
+
 void socketcan_bus_close(struct socketcan_bus *bus);
 
 /* The interface as the portable code sees it; valid until close. Its recover() asks

@@ -1,0 +1,179 @@
+#include "sim_host/nodes/walker_nodes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "hal/frame_table.h"
+
+enum { TICK_NS = TICK_PERIOD_US * 1000 };
+
+static int init_side(struct walker_nodes *nodes, enum side side,
+                     const struct can_bus bus[WALKER_NODES], uint64_t now_ns)
+{
+    const struct sea_params *sea = &nodes->plant.config.sea[side];
+    const struct drive_node_config drive = {
+        .side = side,
+        .node_id = (uint8_t)(NODE_DRIVE_LEFT + (int)side),
+        .counts_per_m = (uint32_t)sea->counts_per_m,
+        .stroke_m = sea->stroke_max_m,
+        .max_speed_m_per_s = sea->speed_limit_m_s,
+        .rated_force_N = sea->rated_force_N,
+        .following_error_m = 0.1 * nodes->plant.config.walk.body.leg_length_m,
+        .unload_rate_m_per_s = sea->unload_rate_m_s,
+    };
+    const struct leg_sensor_node_config sensor = {
+        .side = side,
+        .node_id = (uint8_t)(NODE_SENSOR_LEFT + (int)side),
+        .ankle_is_lever = nodes->plant.config.sensors[side].ankle_is_lever,
+    };
+    const int first = side == SIDE_LEFT ? WALKER_DRIVE_LEFT : WALKER_DRIVE_RIGHT;
+    return drive_node_init(&nodes->drive[side], &drive, bus[first], now_ns) == 0 &&
+                   leg_sensor_node_init(&nodes->sensor[side], &sensor, bus[first + 1], now_ns) == 0
+               ? 0
+               : -1;
+}
+
+int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
+                      const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message)
+{
+    memset(nodes, 0, sizeof *nodes);
+    if (plant_init(&nodes->plant, plant, message) != PLANT_OK) {
+        return -1;
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        if (init_side(nodes, (enum side)side, bus, now_ns) != 0) {
+            snprintf(message, PLANT_ERROR_MAX, "a virtual node refuses its configuration");
+            plant_free(&nodes->plant);
+            return -1;
+        }
+    }
+    walker_nodes_measure(nodes);
+    return 0;
+}
+
+void walker_nodes_free(struct walker_nodes *nodes)
+{
+    plant_free(&nodes->plant);
+}
+
+bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *message,
+                          uint64_t now_ns)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        (void)drive_node_receive(&nodes->drive[side], message, now_ns);
+        (void)leg_sensor_node_receive(&nodes->sensor[side], message, now_ns);
+    }
+    return message->id == FRAME_SYNC && message->flags == 0;
+}
+
+void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        nodes->drive[side].now_ns = now_ns;
+        co_device_process(&nodes->drive[side].device, now_ns);
+        co_device_process(&nodes->sensor[side].device, now_ns);
+    }
+}
+
+bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64_t now_ns)
+{
+    const enum side side = node < WALKER_DRIVE_RIGHT ? SIDE_LEFT : SIDE_RIGHT;
+    return node == WALKER_DRIVE_LEFT || node == WALKER_DRIVE_RIGHT
+               ? drive_node_poll(&nodes->drive[side], now_ns)
+               : leg_sensor_node_poll(&nodes->sensor[side], now_ns);
+}
+
+void walker_nodes_advance(struct walker_nodes *nodes)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct drive_axis_command axis;
+        drive_node_command(&nodes->drive[side], TICK_NS, &axis);
+        const struct sea_command command = {
+            .mode = axis.powered ? SEA_POSITION : SEA_TORQUE_OFF,
+            .target_position_m = axis.target_m,
+            .latch_armed = axis.latch_armed,
+        };
+        plant_set_command(&nodes->plant, (enum side)side, &command);
+    }
+    plant_advance(&nodes->plant);
+}
+
+void walker_nodes_measure(struct walker_nodes *nodes)
+{
+    static const double lever_count_rad = 6.283185307179586 / ANKLE_COUNTS_PER_TURN;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct sea_output out;
+        plant_sea_output(&nodes->plant, (enum side)side, &out);
+        const struct drive_axis_feedback feedback = {
+            .position_m = out.reported_position_m,
+            .velocity_m_per_s = out.speed_m_s,
+            .force_N = out.motor_force_N,
+            .temperature_degC = out.temperature_degC,
+            .dc_link_V = out.dc_link_V,
+            .latch_holds = out.latch == SEA_LATCH_CLOSED,
+        };
+        drive_node_measure(&nodes->drive[side], &feedback);
+        plant_sample(&nodes->plant, (enum side)side, &nodes->sample[side]);
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const struct sensor_sample *sample = &nodes->sample[nodes->swapped ? 1 - side : side];
+        const bool lever = nodes->plant.config.sensors[side].ankle_is_lever;
+        leg_sensor_node_silence(&nodes->sensor[side], !sample->sent);
+        leg_sensor_node_measure(&nodes->sensor[side], sample->leg_angle_rad,
+                                lever ? (double)sample->ankle_counts * lever_count_rad
+                                      : sample->ankle_extension_m);
+    }
+}
+
+/* ---- what the nodes listen to ---------------------------------------------- */
+
+static unsigned add(uint16_t *ids, unsigned count, uint32_t id)
+{
+    if (id > CAN_ID_STANDARD_MAX || count == WALKER_NODES_IDS_MAX) {
+        return count; /* an invalid PDO has bit 31 */
+    }
+    for (unsigned i = 0; i < count; i++) {
+        if (ids[i] == id) {
+            return count;
+        }
+    }
+    ids[count] = (uint16_t)id;
+    return count + 1;
+}
+
+static unsigned add_device(uint16_t *ids, unsigned count, const struct co_device *device)
+{
+    const struct co_comm *comm = &device->comm;
+    count = add(ids, count, CO_COB_NMT);
+    count = add(ids, count, comm->sync_cob_id);
+    count = add(ids, count, comm->sdo_request_id);
+    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+        count = add(ids, count, comm->rpdo[i].cob_id);
+    }
+    for (unsigned i = 0; i < CO_HEARTBEATS_MAX; i++) {
+        if ((comm->consumer[i] & 0xFFFFU) != 0) {
+            count = add(ids, count, CO_COB_HEARTBEAT + (comm->consumer[i] >> 16 & 0x7FU));
+        }
+    }
+    return count;
+}
+
+unsigned walker_nodes_ids(const struct walker_nodes *nodes, uint16_t *ids)
+{
+    unsigned count = 0;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        count = add_device(ids, count, &nodes->drive[side].device);
+        count = add_device(ids, count, &nodes->sensor[side].device);
+    }
+    return count;
+}
+
+uint32_t walker_nodes_sdo_requests(const struct walker_nodes *nodes)
+{
+    uint32_t requests = 0;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        requests += nodes->drive[side].device.counters.sdo_requests;
+        requests += nodes->sensor[side].device.counters.sdo_requests;
+    }
+    return requests;
+}

@@ -1,0 +1,70 @@
+/* The walker as the bus sees it: two drives, two leg sensors, and the plant behind
+ * them. The same on the in-process bus (a port per node) and on SocketCAN (one
+ * interface for all, frame by frame).
+ *
+ * A tick, from SYNC k to SYNC k+1:
+ *   - frames go to the nodes as they come; at the SYNC they apply the commands of the
+ *     cycle before and answer with what walker_nodes_measure() gave them;
+ *   - walker_nodes_advance() carries the drives' commands to the plant and moves it on;
+ *   - walker_nodes_measure() reads the plant for the next SYNC.
+ */
+#ifndef SIM_HOST_NODES_WALKER_NODES_H
+#define SIM_HOST_NODES_WALKER_NODES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/can_bus.h"
+#include "sim_host/nodes/drive_node.h"
+#include "sim_host/nodes/leg_sensor_node.h"
+#include "sim_host/plant/plant.h"
+
+enum { WALKER_NODES = 4, WALKER_NODES_IDS_MAX = 48 };
+
+/* Order of node busses: drive left, sensor left, drive right, sensor right. */
+enum walker_node {
+    WALKER_DRIVE_LEFT = 0,
+    WALKER_SENSOR_LEFT = 1,
+    WALKER_DRIVE_RIGHT = 2,
+    WALKER_SENSOR_RIGHT = 3
+};
+
+struct walker_nodes {
+    struct plant plant;
+    struct drive_node drive[SIDE_COUNT];
+    struct leg_sensor_node sensor[SIDE_COUNT];
+    struct sensor_sample sample[SIDE_COUNT];
+    bool swapped; /* fault: left and right sensor exchanged */
+};
+
+/* Builds the plant (its heap is given back by walker_nodes_free), boots the nodes on
+ * their busses and measures for the first SYNC. Returns 0, or -1 with the reason in message
+ * (PLANT_ERROR_MAX bytes); then nothing is held. *nodes must not move afterwards. */
+int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
+                      const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message);
+void walker_nodes_free(struct walker_nodes *nodes);
+
+/* Gives one frame to all nodes: for an interface they share. True for a SYNC. */
+bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *message,
+                          uint64_t now_ns);
+
+/* What is due by time, without receiving: heartbeats, time-outs. */
+void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns);
+
+/* Polls one node on its own bus; true when it saw a SYNC. */
+bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64_t now_ns);
+
+/* The drives' commands to the plant, and the plant one tick on. */
+void walker_nodes_advance(struct walker_nodes *nodes);
+
+/* The plant's state to the nodes, once a tick (the sensors' noise moves on here). */
+void walker_nodes_measure(struct walker_nodes *nodes);
+
+/* Identifiers any of the nodes listens to, without repetition, as their object
+ * dictionaries have them now. Returns how many; ids holds WALKER_NODES_IDS_MAX. */
+unsigned walker_nodes_ids(const struct walker_nodes *nodes, uint16_t *ids);
+
+/* Number of SDO requests so far: after a change walker_nodes_ids() may differ. */
+uint32_t walker_nodes_sdo_requests(const struct walker_nodes *nodes);
+
+#endif

@@ -1,0 +1,341 @@
+/* afo-walker: the walker's side of a real CAN bus, plant and four CANopen nodes.
+ *
+ * Its time advances one tick per SYNC, so a controller may pace it in real time or
+ * run it in lock-step. When the SYNC stays away it goes on by the clock: the drives
+ * notice that their master is gone and unload, the walker falls, the hand picks it up.
+ */
+#include <argp.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/frame_table.h"
+#include "hal/port_socketcan/socketcan_bus.h"
+#include "sim_host/host/loop.h"
+#include "sim_host/host/walk_options.h"
+#include "sim_host/nodes/walker_nodes.h"
+
+enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
+enum { APEXES_MAX = 100000, CLOCK_TICKS_AT_ONCE = 20 };
+
+static const uint64_t NS_PER_MS = 1000000;
+static const uint64_t IDLE_NS = 5000000; /* longest sleep while nobody is heard */
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+/* ---- command line ---------------------------------------------------------- */
+
+struct options {
+    struct walk_options walk;
+    const char *interface_name;
+    enum sensor_preset_kind sensors;
+    uint64_t seed;
+    uint64_t steps;
+    uint64_t silence_ms;
+    bool json;
+    bool quiet;
+};
+
+enum { KEY_CAN = 0x100, KEY_SENSORS, KEY_SEED, KEY_STEPS, KEY_SILENCE };
+
+static const struct argp_option option_list[] = {
+    {0, 0, 0, 0, "The bus and the walker:", 2},
+    {"can", KEY_CAN, "INTERFACE", 0, "SocketCAN interface, e.g. vcan0 (must be given)", 0},
+    {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
+    {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
+    {"steps", KEY_STEPS, "N", 0, "end after N steps (default: at SIGINT or SIGTERM)", 0},
+    {"silence", KEY_SILENCE, "MS", 0,
+     "go on by the clock after so long without SYNC (default 500; 20 suits real time)", 0},
+    {0, 0, 0, 0, "What comes out:", 3},
+    {"json", 'j', 0, 0, "one JSON object on standard output instead of the report", 0},
+    {"quiet", 'q', 0, 0, "no report", 0},
+    {0}};
+
+static error_t take_option(int key, char *text, struct argp_state *state)
+{
+    struct options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->walk;
+        break;
+    case KEY_CAN:
+        options->interface_name = text;
+        break;
+    case KEY_SENSORS:
+        if (!sensor_preset_from_name(text, &options->sensors)) {
+            argp_error(state, "--sensors: \"%s\" is unknown, allowed is ideal, 17bit, 14bit, 12bit",
+                       text);
+        }
+        break;
+    case KEY_SEED:
+        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
+        break;
+    case KEY_STEPS:
+        options->steps = option_whole(state, "--steps", text, 1, APEXES_MAX);
+        break;
+    case KEY_SILENCE:
+        options->silence_ms = option_whole(state, "--silence", text, 2, 60000);
+        break;
+    case 'j':
+        options->json = true;
+        break;
+    case 'q':
+        options->quiet = true;
+        break;
+    case ARGP_KEY_ARG:
+        argp_error(state, "unexpected argument \"%s\"", text);
+        break;
+    case ARGP_KEY_END:
+        if (options->interface_name == NULL) {
+            argp_error(state, "--can INTERFACE must be given");
+        }
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static void parse_options(struct options *options, int argc, char **argv)
+{
+    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
+    static const struct argp parser = {
+        option_list, take_option, 0,
+        "The simulated walker with its two SEA drives and two leg sensors as CANopen nodes "
+        "1 to 4 on a CAN interface.\v"
+        "Exit status: 0 ended without a fall, 1 fell, 2 wrong usage or no such interface.",
+        children, 0, 0};
+    *options = (struct options){.sensors = SENSORS_17BIT, .seed = 1, .silence_ms = 500};
+    walk_options_init(&options->walk);
+    option_identity("afo-walker");
+    if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
+        exit(EXIT_USAGE);
+    }
+}
+
+/* ---- the walker ------------------------------------------------------------ */
+
+struct session {
+    struct options options;
+    struct loop_config config;
+    struct socketcan_bus bus;
+    struct walker_nodes nodes;
+    uint32_t sdo_requests; /* when the filters were last set */
+    uint64_t start_ns;     /* CLOCK_MONOTONIC */
+    uint64_t last_sync_ns; /* CLOCK_MONOTONIC; 0: none yet */
+    uint64_t next_clock_ns;
+    uint64_t time_ns;      /* the nodes' time */
+    uint64_t sync_ticks, clock_ticks, silences;
+    bool by_clock;
+    unsigned falls, held;
+    char last_fall[32];
+    unsigned apexes;
+    double apex_speed_rad_s[APEXES_MAX];
+};
+
+static void complain(const char *message)
+{
+    fprintf(stderr, "afo-walker: %s\n", message);
+}
+
+static void listen_to_nodes_ids(struct session *session)
+{
+    uint16_t ids[WALKER_NODES_IDS_MAX];
+    struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
+    unsigned count = walker_nodes_ids(&session->nodes, ids);
+    if (count > SOCKETCAN_FILTERS_MAX) {
+        count = 0; /* more than filters: hear everything */
+    }
+    for (unsigned i = 0; i < count; i++) {
+        filters[i] = (struct socketcan_filter){.id = ids[i], .mask = CAN_ID_STANDARD_MAX};
+    }
+    (void)socketcan_bus_set_filters(&session->bus, filters, count);
+    session->sdo_requests = walker_nodes_sdo_requests(&session->nodes);
+}
+
+static int prepare(struct session *session)
+{
+    const struct options *options = &session->options;
+    struct subject subject;
+    struct control_params params;
+    double speed_rad_s;
+    char message[LOOP_MESSAGE_MAX] = "";
+    if (walk_options_resolve(&options->walk, &subject, &params, &speed_rad_s, message) != 0 ||
+        loop_configure(&session->config, &subject, &params, speed_rad_s, options->sensors,
+                       options->seed, message) != 0) {
+        complain(message);
+        return -1;
+    }
+    session->config.plant.support.hold_after_fall = true;
+    const int error = socketcan_bus_open(&session->bus, options->interface_name, NULL, 0, false);
+    if (error != 0) {
+        fprintf(stderr, "afo-walker: cannot open CAN interface %s: %s\n", options->interface_name,
+                strerror(-error));
+        return -1;
+    }
+    session->start_ns = socketcan_now_ns();
+    struct can_bus bus[WALKER_NODES];
+    for (int i = 0; i < WALKER_NODES; i++) {
+        bus[i] = socketcan_bus_interface(&session->bus);
+    }
+    if (walker_nodes_init(&session->nodes, &session->config.plant, bus, 0, message) != 0) {
+        complain(message);
+        socketcan_bus_close(&session->bus);
+        return -1;
+    }
+    listen_to_nodes_ids(session);
+    return 0;
+}
+
+static void record(struct session *session)
+{
+    struct walk_event event;
+    while (plant_next_event(&session->nodes.plant, &event)) {
+        if (event.kind == WALK_EVENT_APEX && session->apexes < APEXES_MAX) {
+            session->apex_speed_rad_s[session->apexes++] = event.value;
+        } else if (event.kind == WALK_EVENT_FAULT) {
+            session->falls++;
+            snprintf(session->last_fall, sizeof session->last_fall, "%s",
+                     walk_fault_name((enum walk_fault)(int)event.value));
+        } else if (event.kind == WALK_EVENT_TAKE_HOLD) {
+            session->held++;
+        }
+    }
+}
+
+static void finish_tick(struct session *session)
+{
+    walker_nodes_advance(&session->nodes);
+    walker_nodes_measure(&session->nodes);
+    record(session);
+}
+
+static void take_frame(struct session *session, const struct can_msg *message)
+{
+    const bool is_sync = message->id == FRAME_SYNC && message->flags == 0;
+    if (is_sync) {
+        session->time_ns += session->last_sync_ns != 0 ? NS_PER_MS : 0;
+        session->last_sync_ns = socketcan_now_ns();
+        session->by_clock = false;
+    }
+    (void)walker_nodes_receive(&session->nodes, message, session->time_ns);
+    if (is_sync) {
+        session->sync_ticks++;
+        finish_tick(session);
+    } else if (walker_nodes_sdo_requests(&session->nodes) != session->sdo_requests) {
+        listen_to_nodes_ids(session);
+    }
+}
+
+/* Without SYNC: time passes all the same. */
+static void go_by_clock(struct session *session, uint64_t now_ns)
+{
+    if (session->last_sync_ns == 0) { /* nobody has come yet: held, only heartbeats */
+        session->time_ns = now_ns - session->start_ns;
+        walker_nodes_process(&session->nodes, session->time_ns);
+        return;
+    }
+    if (!session->by_clock) {
+        if (now_ns - session->last_sync_ns < session->options.silence_ms * NS_PER_MS) {
+            return;
+        }
+        session->by_clock = true;
+        session->silences++;
+        session->next_clock_ns = now_ns;
+    }
+    for (int i = 0; i < CLOCK_TICKS_AT_ONCE && now_ns >= session->next_clock_ns; i++) {
+        session->next_clock_ns += NS_PER_MS;
+        session->time_ns += NS_PER_MS;
+        session->clock_ticks++;
+        walker_nodes_process(&session->nodes, session->time_ns);
+        finish_tick(session);
+    }
+    if (now_ns >= session->next_clock_ns) {
+        session->next_clock_ns = now_ns + NS_PER_MS; /* the process was stopped: no burst */
+    }
+}
+
+static void serve(struct session *session)
+{
+    const struct can_bus bus = socketcan_bus_interface(&session->bus);
+    while (!interrupted &&
+           (session->options.steps == 0 || session->apexes < session->options.steps)) {
+        struct can_msg message;
+        const uint64_t now_ns = socketcan_now_ns();
+        const uint64_t deadline_ns =
+            session->by_clock ? session->next_clock_ns : now_ns + IDLE_NS;
+        (void)socketcan_bus_wait(&session->bus, deadline_ns);
+        while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
+            take_frame(session, &message);
+        }
+        go_by_clock(session, socketcan_now_ns());
+    }
+}
+
+/* ---- reporting ------------------------------------------------------------- */
+
+static void report_json(const struct session *session)
+{
+    const struct can_bus_status *status = &session->bus.status;
+    printf("{\"steps\": %u, \"falls\": %u, \"last_fall\": \"%s\", \"sync_ticks\": %llu, "
+           "\"clock_ticks\": %llu, \"silences\": %llu, \"rx_frames\": %u, \"tx_frames\": %u, "
+           "\"tx_refused\": %u, \"rx_overflow\": %u, \"error_frames\": %u, \"bus_off\": %u, "
+           "\"kernel_full\": %u, \"went_down\": %u, \"apex_speed_rad_s\": [",
+           session->apexes, session->falls, session->last_fall,
+           (unsigned long long)session->sync_ticks, (unsigned long long)session->clock_ticks,
+           (unsigned long long)session->silences, status->rx_frames, status->tx_frames,
+           status->tx_refused, status->rx_overflow, status->error_frames, status->bus_off_count,
+           session->bus.counters.kernel_full, session->bus.counters.went_down);
+    for (unsigned i = 0; i < session->apexes; i++) {
+        printf("%s%.9g", i > 0 ? ", " : "", session->apex_speed_rad_s[i]);
+    }
+    puts("]}");
+}
+
+static void report_text(const struct session *session)
+{
+    const struct can_bus_status *status = &session->bus.status;
+    printf("%u steps, %u falls%s%s\n", session->apexes, session->falls,
+           session->falls > 0 ? ", last: " : "", session->last_fall);
+    if (session->apexes > 0) {
+        printf("last apex speed %.4f rad/s\n", session->apex_speed_rad_s[session->apexes - 1]);
+    }
+    printf("%llu ticks by SYNC, %llu by the clock in %llu silences\n",
+           (unsigned long long)session->sync_ticks, (unsigned long long)session->clock_ticks,
+           (unsigned long long)session->silences);
+    printf("%s: %u frames received, %u sent, %u refused, %u lost in the queue, %u error frames, "
+           "%u times bus-off, %u times down\n",
+           session->options.interface_name, status->rx_frames, status->tx_frames,
+           status->tx_refused, status->rx_overflow, status->error_frames, status->bus_off_count,
+           session->bus.counters.went_down);
+}
+
+int main(int argc, char **argv)
+{
+    static struct session session;
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_interrupt; /* without SA_RESTART: it ends the wait */
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    parse_options(&session.options, argc, argv);
+    if (prepare(&session) != 0) {
+        return EXIT_USAGE;
+    }
+    serve(&session);
+    walker_nodes_free(&session.nodes);
+    socketcan_bus_close(&session.bus);
+    if (session.options.json) {
+        report_json(&session);
+    } else if (!session.options.quiet) {
+        report_text(&session);
+    }
+    return session.falls > 0 ? EXIT_FELL : EXIT_WALKED;
+}
