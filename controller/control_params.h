@@ -21,7 +21,14 @@
 /* Which law turns a step's apex speed into the next precompression. */
 enum law_mode {
     LAW_PROPORTIONAL = 0, /* paper eq. (16) */
-    LAW_OPEN_LOOP = 1     /* constant r0, approached by a ramp from the start gait */
+    LAW_OPEN_LOOP = 1,    /* constant r0, approached by a ramp from the start gait */
+    LAW_WEARER = 8        /* a person: prescribed r0, v* = their own running mean (step_law.h) */
+};
+
+/* Whose gait the observer looks at: which rules find heel strike and lift-off. */
+enum body_kind {
+    BODY_COMPASS = 0, /* point feet, straight legs: the model's own events */
+    BODY_PERSON = 1   /* the leg from hip to ankle of a person: leg_events.h */
 };
 
 /*  X(field, unit, minimum, maximum, meaning) */
@@ -31,9 +38,9 @@ enum law_mode {
     X(leg_length_m, "m", 0.1, 1.5, "l, hip to heel")                                                \
     X(spring_stiffness_n_m, "N/m", 1.0, 100000.0, "k of the ankle spring")                          \
     X(gravity_m_s2, "m/s^2", 1.0, 20.0, "g")                                                        \
-    X(law, "-", 0.0, 1.0, "0 = proportional, eq. (16); 1 = open loop")                              \
+    X(law, "-", 0.0, 8.0, "0 = proportional, eq. (16); 1 = open loop; 8 = wearer")                  \
     X(kp_m_s_rad, "m/(rad/s)", 0.0, 1.0, "gain of eq. (16) on the forward apex speed")              \
-    X(start_r0_m, "m", 0.0001, 0.6, "precompression of the gait that walking starts from")          \
+    X(start_r0_m, "m", 0.0001, 0.6, "precompression that walking starts from; a wearer's r0*")      \
     X(speed_ramp_rad_s, "rad/s per step", 0.00001, 1.0, "largest change of the speed command")      \
     X(r0_min_m, "m", 0.0001, 0.6, "smallest precompression the law may ask for")                    \
     X(r0_max_m, "m", 0.0001, 0.6, "largest precompression the law may ask for")                     \
@@ -42,6 +49,8 @@ enum law_mode {
     X(open_loop_ramp_m, "m per step", 0.000001, 0.6, "its ramp from start_r0_m")                    \
     X(apex_window_s, "s", 0.004, 0.1, "half width of the fit around the apex")                      \
     X(angle_hysteresis_rad, "rad", 0.0001, 0.2, "swing of an angle below which it is no event")     \
+    X(body, "-", 0.0, 1.0, "0 = compass walker, 1 = person")                                        \
+    X(sensor_latency_s, "s", 0.0, 0.02, "age of a leg sample at its SYNC; event times allow for it") \
     X(sea_speed_max_m_s, "m/s", 0.001, 10.0, "speed limit of the SEA reference")                    \
     X(sea_acceleration_m_s2, "m/s^2", 0.01, 1000.0, "acceleration limit of the SEA reference")      \
     X(sea_tolerance_m, "m", 0.00001, 0.05, "the spring counts as loaded, or unloaded, within this") \

@@ -189,6 +189,17 @@ static void follow_gait(struct controller *controller, const struct controller_i
     }
 }
 
+/* A compass walker's latch may be armed from the apex on: its ankle cannot extend
+ * before the other foot has landed. A person's can, by standing on the toes or by
+ * rolling over the foot, so for them the other foot's heel strike must have been
+ * seen: no push before that foot can carry them. */
+static bool may_release(const struct controller *controller, enum side side)
+{
+    const struct gait_state *gait = &controller->observer.state;
+    return controller->params->body != (real)BODY_PERSON ||
+           (gait->phase == PHASE_DOUBLE_SUPPORT && gait->stance == side);
+}
+
 void controller_update(struct controller *controller, const struct controller_input *input,
                        struct controller_output *output)
 {
@@ -213,6 +224,9 @@ void controller_update(struct controller *controller, const struct controller_in
             output->sea[side] = sea_reference_update(&controller->sea[side], controller->params,
                                                      values.sea[side].precompression_m);
             output->sea[side].enable = true;
+            if (!may_release(controller, (enum side)side)) {
+                output->sea[side].latch_armed = false;
+            }
         }
     }
     output->state = state;

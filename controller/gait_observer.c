@@ -2,40 +2,58 @@
 
 #include "controller/apex_fit.h"
 
-/* Without any extension this long after heel strike there is no push-off: the
- * support has passed to the leading leg. */
-#define NO_PUSH_OFF_S REAL(0.03)
+/* Yardstick of leg_events before the first apex and long after the last one, and its
+ * limits, all in sqrt(g/l): a slow first step. */
+#define FIRST_SPEED_SHARE REAL(0.3)
+#define LEAST_SPEED_SHARE REAL(0.1)
+#define MOST_SPEED_SHARE REAL(0.8)
+#define SPEED_FORGOTTEN_S REAL(3.0)
+#define SPEED_MEAN_GAIN REAL(0.3)
+#define SPEED_JUMP_SHARE REAL(0.3)
 
-/* Extension that has stopped growing for this long has reached its end. */
-#define EXTENSION_SETTLED_S REAL(0.02)
+/* A person's leg must have been this far ahead for its fall through the vertical to
+ * be a step's apex. */
+#define PERSON_AHEAD_RAD REAL(0.06)
 
-/* Shares of the leg length: an extension that counts as one, and how close to
- * the spring's rest length the ankle counts as fully extended. */
-#define EXTENSION_SEEN_SHARE REAL(0.001)
-#define EXTENSION_DONE_SHARE REAL(0.0002)
+/* A stride differing more than this from the mean starts a new mean. */
+#define STRIDE_CHANGE_SHARE REAL(0.3)
+#define STRIDE_MEAN_GAIN REAL(0.4)
+#define STRIDE_LONGEST_S REAL(4.0)
 
 static uint32_t ticks_from_seconds(real seconds)
 {
     return (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5));
 }
 
-static real angle_at(const struct gait_observer *observer, enum side side, uint32_t tick)
+static real seconds_since(uint32_t tick, uint32_t then)
 {
-    return observer->angle_rad[side][tick % GAIT_HISTORY];
+    return (real)(tick - then) * CONTROL_PERIOD_S;
+}
+
+static bool is_person(const struct control_params *params)
+{
+    return params->body == (real)BODY_PERSON;
 }
 
 void gait_observer_init(struct gait_observer *observer, const struct control_params *params)
 {
     *observer = (struct gait_observer){0};
     observer->window_ticks = ticks_from_seconds(params->apex_window_s);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        observer->state.stride_share[side] = REAL(-1.0);
+    }
 }
 
-/* How long before `tick` a value went from `before` (> 0) to `now` (<= 0), by the
- * straight line between the two samples. */
-static real since_crossing_s(real before, real now)
+/* An event age_s before `now` as signals.h wants it: the first SYNC at or after it
+ * and the rest. Age is that of the sample; the event is older by the latency. */
+static void report(struct gait_state *state, const struct control_params *params,
+                   enum gait_event_kind kind, enum side side, uint32_t now, real age_s)
 {
-    const real fall = before - now;
-    return fall > REAL(0.0) ? CONTROL_PERIOD_S * (-now / fall) : REAL(0.0);
+    const real age = (age_s + params->sensor_latency_s) * (real)CONTROL_RATE_HZ;
+    const real aged = age > REAL(0.0) ? age : REAL(0.0);
+    const uint32_t whole = (uint32_t)aged;
+    state->event[kind] = (struct gait_event){true, side, now - whole,
+                                             (aged - (real)whole) * CONTROL_PERIOD_S, REAL(0.0)};
 }
 
 static void enter_phase(struct gait_observer *observer, enum gait_phase phase, enum side stance,
@@ -46,9 +64,39 @@ static void enter_phase(struct gait_observer *observer, enum gait_phase phase, e
     state->stance = stance;
     state->phase_since_tick = tick;
     state->stance_past_apex = false;
-    observer->swing_passed = false;
-    observer->extension_peak_m = REAL(0.0);
-    observer->extension_peak_tick = tick;
+    compass_events_begin_phase(&observer->compass, tick);
+}
+
+/* The apex speed's running mean, taken anew after a rest or a jump. */
+static void follow_speed(struct gait_observer *observer, uint32_t tick, real speed_rad_s)
+{
+    const real mean = observer->yardstick_rad_s;
+    const bool anew = seconds_since(tick, observer->last_apex_tick) > SPEED_FORGOTTEN_S ||
+                      real_abs(speed_rad_s - mean) > SPEED_JUMP_SHARE * mean;
+    observer->yardstick_rad_s = anew ? speed_rad_s : mean + SPEED_MEAN_GAIN * (speed_rad_s - mean);
+    observer->last_apex_tick = tick;
+}
+
+/* ---- apex -------------------------------------------------------------------- */
+
+static void report_apex(struct gait_observer *observer, const struct control_params *params,
+                        enum side side, uint32_t tick)
+{
+    struct gait_state *state = &observer->state;
+    const uint32_t centre = observer->apex_tick[side];
+    const struct apex_fit fit =
+        apex_fit_solve(observer->angle_rad[side], GAIT_HISTORY, centre, observer->window_ticks);
+    if (!(fit.speed_rad_s > REAL(0.0))) {
+        return;
+    }
+    const struct angle_fit swing =
+        apex_fit_other_leg(observer->angle_rad[side_other(side)], GAIT_HISTORY, centre,
+                           observer->window_ticks, fit.before_tick_s);
+    report(state, params, GAIT_APEX, side, tick, seconds_since(tick, centre) + fit.before_tick_s);
+    state->event[GAIT_APEX].speed_rad_s = fit.speed_rad_s;
+    state->apex =
+        (struct apex_estimate){-fit.speed_rad_s, swing.angle_rad, swing.rate_rad_s, REAL(0.0)};
+    follow_speed(observer, centre, fit.speed_rad_s);
 }
 
 /* A falling zero crossing of one leg's angle is the apex of that leg's stance:
@@ -57,95 +105,75 @@ static void watch_apex(struct gait_observer *observer, const struct control_para
                        enum side side, uint32_t tick)
 {
     struct gait_state *state = &observer->state;
-    const real angle = angle_at(observer, side, tick);
-
-    if (angle > params->angle_hysteresis_rad) {
+    const real angle = observer->angle_rad[side][tick % GAIT_HISTORY];
+    const real ahead = is_person(params) && params->angle_hysteresis_rad < PERSON_AHEAD_RAD
+                           ? PERSON_AHEAD_RAD
+                           : params->angle_hysteresis_rad;
+    if (angle > ahead) {
         observer->foot_ahead[side] = true;
     }
     if (observer->foot_ahead[side] && angle <= REAL(0.0)) {
         observer->foot_ahead[side] = false;
         observer->apex_pending[side] = observer->samples > observer->window_ticks;
         observer->apex_tick[side] = tick;
-        if (state->phase != PHASE_SINGLE_SUPPORT || state->stance != side) {
+        if (!is_person(params) && (state->phase != PHASE_SINGLE_SUPPORT || state->stance != side)) {
             enter_phase(observer, PHASE_SINGLE_SUPPORT, side, tick);
         }
         state->stance_past_apex = true;
     }
-    if (!observer->apex_pending[side] ||
-        tick - observer->apex_tick[side] < observer->window_ticks) {
-        return;
-    }
-    observer->apex_pending[side] = false;
-    const struct apex_fit fit = apex_fit_solve(observer->angle_rad[side], GAIT_HISTORY,
-                                               observer->apex_tick[side], observer->window_ticks);
-    if (fit.speed_rad_s > REAL(0.0)) {
-        const struct angle_fit swing =
-            apex_fit_other_leg(observer->angle_rad[side_other(side)], GAIT_HISTORY,
-                               observer->apex_tick[side], observer->window_ticks, fit.before_tick_s);
-        state->event[GAIT_APEX] = (struct gait_event){
-            true, side, observer->apex_tick[side], fit.before_tick_s, fit.speed_rad_s};
-        state->apex = (struct apex_estimate){-fit.speed_rad_s, swing.angle_rad, swing.rate_rad_s,
-                                             REAL(0.0)};
+    if (observer->apex_pending[side] &&
+        tick - observer->apex_tick[side] >= observer->window_ticks) {
+        observer->apex_pending[side] = false;
+        /* A person's legs that fall back together are a bow or a sway, no step. */
+        if (!is_person(params) || observer->leg[side_other(side)].contact == LEG_SWING) {
+            report_apex(observer, params, side, tick);
+        }
     }
 }
 
-static void watch_heel_strike(struct gait_observer *observer, const struct control_params *params,
-                              uint32_t tick)
-{
-    struct gait_state *state = &observer->state;
-    const enum side stance = state->stance;
-    const real sum = angle_at(observer, SIDE_LEFT, tick) + angle_at(observer, SIDE_RIGHT, tick);
-    const real before = observer->sum_rad;
-    observer->sum_rad = sum;
+/* ---- the stride's clock ------------------------------------------------------- */
 
-    if (state->phase != PHASE_SINGLE_SUPPORT) {
-        return;
+static void strike_clock(struct stride_clock *clock, const struct gait_event *strike)
+{
+    const real stride_s = seconds_since(strike->tick, clock->strike_tick) - strike->before_tick_s +
+                          clock->strike_before_s;
+    if (!clock->started || stride_s > STRIDE_LONGEST_S) {
+        clock->stride_s = REAL(0.0);
+    } else if (real_abs(stride_s - clock->stride_s) > STRIDE_CHANGE_SHARE * clock->stride_s) {
+        clock->stride_s = stride_s;
+    } else {
+        clock->stride_s += STRIDE_MEAN_GAIN * (stride_s - clock->stride_s);
     }
-    if (sum > params->angle_hysteresis_rad) {
-        observer->swing_passed = true; /* the scuff, rising through 0, lies behind */
-    }
-    if (observer->swing_passed && sum <= REAL(0.0) && angle_at(observer, stance, tick) < REAL(0.0)) {
-        state->event[GAIT_HEEL_STRIKE] = (struct gait_event){
-            true, side_other(stance), tick, since_crossing_s(before, sum), REAL(0.0)};
-        enter_phase(observer, PHASE_DOUBLE_SUPPORT, stance, tick);
-    }
+    clock->started = true;
+    clock->strike_tick = strike->tick;
+    clock->strike_before_s = strike->before_tick_s;
 }
 
-/* True when the trailing ankle has nothing left to give. */
-static bool push_off_ended(const struct gait_observer *observer, const struct control_params *params,
-                           const struct controller_input *input)
+static real stride_share(const struct stride_clock *clock, uint32_t tick)
 {
-    const enum side side = observer->state.stance;
-    const real extension = input->leg[side].ankle_extension_m;
-    const real seen = EXTENSION_SEEN_SHARE * params->leg_length_m;
-    const real done = EXTENSION_DONE_SHARE * params->leg_length_m;
-
-    if (observer->extension_peak_m < seen) {
-        return input->tick - observer->state.phase_since_tick >= ticks_from_seconds(NO_PUSH_OFF_S);
+    if (!clock->started || !(clock->stride_s > REAL(0.0))) {
+        return REAL(-1.0);
     }
-    return extension >= input->sea[side].precompression_m - done ||
-           extension < observer->extension_peak_m - seen ||
-           input->tick - observer->extension_peak_tick >= ticks_from_seconds(EXTENSION_SETTLED_S);
+    const real since_s = seconds_since(tick, clock->strike_tick) + clock->strike_before_s;
+    return since_s > STRIDE_LONGEST_S ? REAL(-1.0)
+                                      : real_clamp(since_s / clock->stride_s, REAL(0.0), REAL(1.0));
 }
 
-static void watch_lift_off(struct gait_observer *observer, const struct control_params *params,
-                           const struct controller_input *input)
+/* ---- supports ----------------------------------------------------------------- */
+
+static void strike(struct gait_observer *observer, const struct control_params *params,
+                   enum side landed, uint32_t tick, real age_s)
 {
-    struct gait_state *state = &observer->state;
-    if (state->phase != PHASE_DOUBLE_SUPPORT) {
-        return;
-    }
-    const enum side leaving = state->stance;
-    const real extension = input->leg[leaving].ankle_extension_m;
-    if (extension > observer->extension_peak_m) {
-        observer->extension_peak_m = extension;
-        observer->extension_peak_tick = input->tick;
-    }
-    if (push_off_ended(observer, params, input)) {
-        state->event[GAIT_LIFT_OFF] =
-            (struct gait_event){true, leaving, input->tick, REAL(0.0), REAL(0.0)};
-        enter_phase(observer, PHASE_SINGLE_SUPPORT, side_other(leaving), input->tick);
-    }
+    report(&observer->state, params, GAIT_HEEL_STRIKE, landed, tick, age_s);
+    strike_clock(&observer->clock[landed], &observer->state.event[GAIT_HEEL_STRIKE]);
+    enter_phase(observer, PHASE_DOUBLE_SUPPORT, side_other(landed), tick);
+}
+
+static void lift_off(struct gait_observer *observer, const struct control_params *params,
+                     enum side leaving, uint32_t tick, real age_s)
+{
+    report(&observer->state, params, GAIT_LIFT_OFF, leaving, tick, age_s);
+    enter_phase(observer, PHASE_SINGLE_SUPPORT, side_other(leaving), tick);
 }
 
 /* Before the first event: the leg in front carries the body next. */
@@ -160,23 +188,88 @@ static void guess_stance(struct gait_observer *observer, const struct control_pa
     }
 }
 
+static void watch_compass(struct gait_observer *observer, const struct control_params *params,
+                          const struct controller_input *input)
+{
+    const struct gait_state *state = &observer->state;
+    struct compass_event event;
+    if (state->phase == PHASE_UNKNOWN) {
+        guess_stance(observer, params, input);
+    }
+    switch (state->phase) {
+    case PHASE_SINGLE_SUPPORT:
+        event = compass_events_strike(&observer->compass, params, input, state->stance);
+        if (event.happened) {
+            strike(observer, params, side_other(state->stance), input->tick, event.age_s);
+        }
+        break;
+    case PHASE_DOUBLE_SUPPORT:
+        event = compass_events_lift_off(&observer->compass, params, input, state->stance,
+                                        state->phase_since_tick);
+        if (event.happened) {
+            lift_off(observer, params, state->stance, input->tick, event.age_s);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+/* Forward speed at the last apexes, bounded; a slow step's when that is long ago. */
+static real yardstick(const struct gait_observer *observer, const struct control_params *params,
+                      uint32_t tick)
+{
+    const real unit = real_sqrt(params->gravity_m_s2 / params->leg_length_m);
+    const real speed = observer->yardstick_rad_s;
+    if (!(speed > REAL(0.0)) || seconds_since(tick, observer->last_apex_tick) > SPEED_FORGOTTEN_S) {
+        return FIRST_SPEED_SHARE * unit;
+    }
+    return real_clamp(speed, LEAST_SPEED_SHARE * unit, MOST_SPEED_SHARE * unit);
+}
+
+static void watch_person(struct gait_observer *observer, const struct control_params *params,
+                         uint32_t tick)
+{
+    const uint32_t centre = tick - LEG_RATE_HALF_WINDOW;
+    if (observer->samples <= 2 * LEG_RATE_HALF_WINDOW) {
+        return;
+    }
+    struct leg_view view = {.yardstick_rad_s = yardstick(observer, params, tick)};
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        const real *angle = observer->angle_rad[i];
+        view.rate_rad_s = leg_events_rate(angle, GAIT_HISTORY, centre);
+        view.ahead_rad =
+            angle[centre % GAIT_HISTORY] - observer->angle_rad[1 - i][centre % GAIT_HISTORY];
+        const struct leg_event event = leg_events_update(&observer->leg[i], &view, tick);
+        if (event.kind == LEG_EVENT_STRIKE) {
+            strike(observer, params, (enum side)i, tick, event.age_s);
+        } else if (event.kind == LEG_EVENT_TOE_OFF) {
+            lift_off(observer, params, (enum side)i, tick, event.age_s);
+        }
+    }
+}
+
 void gait_observer_update(struct gait_observer *observer, const struct control_params *params,
                           const struct controller_input *input)
 {
+    const uint32_t tick = input->tick;
     for (int kind = 0; kind < GAIT_EVENT_KINDS; kind++) {
         observer->state.event[kind] = (struct gait_event){0};
     }
     for (int side = 0; side < SIDE_COUNT; side++) {
-        observer->angle_rad[side][input->tick % GAIT_HISTORY] = input->leg[side].leg_angle_rad;
+        observer->angle_rad[side][tick % GAIT_HISTORY] = input->leg[side].leg_angle_rad;
     }
     if (observer->samples < UINT32_MAX) {
         observer->samples++;
     }
-    if (observer->state.phase == PHASE_UNKNOWN) {
-        guess_stance(observer, params, input);
+    if (is_person(params)) {
+        watch_person(observer, params, tick);
+    } else {
+        watch_compass(observer, params, input);
     }
-    watch_lift_off(observer, params, input);
-    watch_heel_strike(observer, params, input->tick);
-    watch_apex(observer, params, SIDE_LEFT, input->tick);
-    watch_apex(observer, params, SIDE_RIGHT, input->tick);
+    watch_apex(observer, params, SIDE_LEFT, tick);
+    watch_apex(observer, params, SIDE_RIGHT, tick);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        observer->state.stride_share[side] = stride_share(&observer->clock[side], tick);
+    }
 }

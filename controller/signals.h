@@ -95,6 +95,9 @@ struct gait_state {
     bool stance_past_apex; /* single support, and theta_s already negative */
     struct gait_event event[GAIT_EVENT_KINDS];
     struct apex_estimate apex; /* of the newest GAIT_APEX event; zeros before the first */
+    /* Gait phase of each leg: share of its stride gone by since its heel strike, 0..1
+     * (1 is held while a stride lasts longer than the ones before); -1 = not known. */
+    real stride_share[SIDE_COUNT];
 };
 
 /* One SEA's command of this tick. */

@@ -7,6 +7,19 @@
  * follows the desired speed by a ramp per step, because the law's basin is
  * narrow: a jump of 0.02 rad/s falls, a ramp of 0.01 per step does not. r0 is
  * limited in value and in change per step.
+ *
+ * LAW_WEARER, for a person in the device:
+ *     r0[k] = r0* - kp (m[k] - v[k]),  m[k] = running mean of the person's own v
+ * A person walks at 1.3 to 1.9 rad/s at the apex, above every steady gait of the
+ * compass model, so there is no finv to read a feed-forward from, and a v* that
+ * is not theirs would have the device argue with their choice of speed, step after
+ * step at its limit. So the push-off is the prescribed r0* (start_r0_m), the target
+ * is the speed they keep by themselves, forgotten over WEARER_MEAN_STEPS steps, and
+ * eq. (16) acts on what is left: the departure of this step from their own mean.
+ * Since that departure averages to nothing, so does the correction: over time the
+ * device gives what was prescribed, and it never pulls towards a speed of its own.
+ * Its kp keeps the sign that stabilises the model; that it steadies a person is not
+ * claimed (kp_m_s_rad = 0 gives the prescription alone).
  */
 #ifndef CONTROLLER_STEP_LAW_H
 #define CONTROLLER_STEP_LAW_H
@@ -20,8 +33,11 @@
 struct step_law {
     real command_rad_s; /* v*, after the ramp */
     real r0_m;          /* the last answer */
+    real mean_rad_s;    /* LAW_WEARER: the person's own mean apex speed */
     uint32_t steps;
 };
+
+enum { WEARER_MEAN_STEPS = 16 };
 
 /* Starts from the gait of params->start_r0_m. *params must be valid. */
 void step_law_init(struct step_law *law, const struct control_params *params);

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_host/host/wearer_options.h"
+
 enum {
     KEY_STEPS = 0x100,
     KEY_SENSORS,
@@ -12,6 +14,8 @@ enum {
     KEY_TICKS,
     KEY_LOG,
     KEY_WEARER,
+    KEY_COLUMN,
+    KEY_RATE,
     KEY_FAULT,
     KEY_FAULT_STEP,
     KEY_REAL_TIME
@@ -25,6 +29,8 @@ static const struct argp_option option_list[] = {
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200)", 0},
         {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
     {"wearer", KEY_WEARER, "FILE.csv", 0, "recorded walking in the walker's place", 0},
+    {"column", KEY_COLUMN, "ROLE=NAME", 0, "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
+    {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
@@ -51,6 +57,9 @@ static void take_fault(struct argp_state *state, struct sim_options *options, co
 
 static void check_together(struct argp_state *state, const struct sim_options *options)
 {
+    if (options->wearer_path != NULL && options->walk.speed_rad_s > 0.0) {
+        argp_error(state, "--speed and --wearer exclude each other: a person chooses their speed");
+    }
     if (options->ticks && options->csv_path == NULL) {
         argp_error(state, "--ticks needs --csv FILE");
     }
@@ -87,6 +96,15 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_WEARER:
         options->wearer_path = text;
+        break;
+    case KEY_COLUMN:
+        if (!wearer_options_column(&options->wearer_format, text)) {
+            argp_error(state, "--column: \"%s\" is not ROLE=NAME with one of the roles %s", text,
+                       wearer_options_roles);
+        }
+        break;
+    case KEY_RATE:
+        options->wearer_format.sample_rate_hz = option_number(state, "--rate", text, 20.0, 5000.0);
         break;
     case KEY_FAULT:
         take_fault(state, options, text);
@@ -130,6 +148,7 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
                                     .fault_step = 10};
     walk_options_init(&options->walk);
     option_identity("afo-sim");
+    wearer_format_default(&options->wearer_format);
     if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
         exit(2);
     }

@@ -18,6 +18,7 @@ struct sim_options {
     bool ticks;
     const char *log_path;
     const char *wearer_path;
+    struct wearer_format wearer_format;
     enum loop_fault fault;
     uint32_t fault_step;
     bool real_time; /* one tick a millisecond instead of as fast as it goes */

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "firmware/version.h"
+#include "sim_host/host/wearer_report.h"
 
 static const char *side_name(enum side side)
 {
@@ -61,6 +62,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     if (options->wearer_path != NULL) {
         fprintf(stream, ", \"apexes_left\": %u, \"apexes_right\": %u", record->apexes[SIDE_LEFT],
                 record->apexes[SIDE_RIGHT]);
+        wearer_report_json(stream, &record->gait);
     }
     fputs(", \"apex_speed_rad_s\": [", stream);
     for (uint32_t i = 0; i < record->count; i++) {
@@ -187,7 +189,10 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.name, (double)params->torso_mass_kg, (double)params->leg_mass_kg,
             (double)params->leg_length_m, (double)params->spring_stiffness_n_m);
-    if (options->walk.open_loop) {
+    if (params->law == (real)LAW_WEARER) {
+        fprintf(stream, "  law        wearer: r0* = %g m, v* = their own mean\n",
+                (double)params->start_r0_m);
+    } else if (options->walk.open_loop) {
         fprintf(stream, "  law        off: constant precompression r0 = %g m\n",
                 (double)params->open_loop_r0_m);
     } else {

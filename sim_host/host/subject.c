@@ -244,6 +244,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
         .open_loop_ramp_m = (real)(0.0005 * length_scale),
         .apex_window_s = (real)(0.08 * time_scale),
         .angle_hysteresis_rad = REAL(0.01),
+        .sensor_latency_s = REAL(0.0001), /* an absolute encoder that samples at SYNC */
         .sea_speed_max_m_s = (real)(0.8 * speed),
         .sea_acceleration_m_s2 = (real)(g),
         .sea_tolerance_m = (real)(0.001 * l),

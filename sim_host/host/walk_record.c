@@ -2,15 +2,17 @@
 
 #include <stdlib.h>
 
-bool walk_record_init(struct walk_record *record, uint32_t capacity)
+bool walk_record_init(struct walk_record *record, uint32_t capacity, double origin_s)
 {
     *record = (struct walk_record){.capacity = capacity};
+    gait_record_init(&record->gait, origin_s);
     record->rows = (struct walk_row *)calloc(capacity, sizeof *record->rows);
     return record->rows != NULL;
 }
 
 void walk_record_free(struct walk_record *record)
 {
+    gait_record_free(&record->gait);
     free(record->rows);
     record->rows = NULL;
 }
@@ -53,12 +55,14 @@ int walk_record_take(struct walk_record *record, struct loop *loop)
     int kind = -1;
     while (plant_next_event(&loop->plant, &event)) {
         kind = (int)event.kind;
+        gait_record_truth(&record->gait, &event);
         if (event.kind == WALK_EVENT_APEX) {
             add_row(record, &event);
         } else if (event.kind == WALK_EVENT_HEEL_STRIKE && record->count > 0) {
             record->rows[record->count - 1].step_length_m = event.value;
         }
     }
+    gait_record_take(&record->gait, loop);
     if (loop->rig.task.output.new_step) {
         loop->rig.task.output.new_step = false; /* taken */
         match_step(record, &loop->rig.task.controller.last_step);

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sim_host/host/gait_record.h"
 #include "sim_host/host/loop.h"
 
 struct walk_row {
@@ -26,10 +27,12 @@ struct walk_record {
     uint32_t apexes[SIDE_COUNT];  /* seen by the controller */
     uint32_t unmatched;           /* controller's apexes without one of the plant: false ones */
     double first_apex_s;
+    struct gait_record gait; /* events as the controller saw them, beside the truth */
 };
 
-/* Room for `capacity` steps. Returns false without memory. */
-bool walk_record_init(struct walk_record *record, uint32_t capacity);
+/* Room for `capacity` steps; gait event times count from origin_s of the plant.
+ * Returns false without memory. */
+bool walk_record_init(struct walk_record *record, uint32_t capacity, double origin_s);
 void walk_record_free(struct walk_record *record);
 
 /* Takes what the last tick brought: the plant's events, the controller's step.

@@ -18,6 +18,10 @@ enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
 /* After the last apex asked for, the controller's record of it is still to come. */
 enum { RECORD_DELAY_TICKS = 150, FIRST_STEP_TICKS = 20000, STEP_TICKS = 10000 };
 
+/* A person's other foot lands as early as 0.17 s after the apex, so the fit around
+ * it ends sooner than on the paper's walker. */
+#define WEARER_APEX_WINDOW_S REAL(0.03)
+
 static volatile sig_atomic_t interrupted;
 
 static void on_interrupt(int number)
@@ -50,6 +54,16 @@ static double now_s(void)
 
 /* ---- preparing ------------------------------------------------------------- */
 
+/* A person walks as they like: rules, law and timing of the controller for them. */
+static void prepare_for_wearer(struct control_params *params, bool open_loop)
+{
+    params->body = (real)BODY_PERSON;
+    params->apex_window_s = WEARER_APEX_WINDOW_S;
+    if (!open_loop) {
+        params->law = (real)LAW_WEARER;
+    }
+}
+
 static int prepare(struct session *session)
 {
     const struct sim_options *options = &session->options;
@@ -73,6 +87,8 @@ static int prepare(struct session *session)
         }
         session->config.plant.kind = PLANT_WEARER;
         strcpy(session->config.plant.wearer_path, options->wearer_path);
+        session->config.plant.wearer_format = options->wearer_format;
+        prepare_for_wearer(&session->config.params, options->walk.open_loop);
     }
     return 0;
 }
@@ -243,7 +259,11 @@ static int run(struct session *session)
     session->loop = (struct loop *)malloc(sizeof *session->loop);
     const uint32_t rows =
         session->options.wearer_path != NULL ? 1000000 : session->options.steps + 2;
-    if (session->loop == NULL || !walk_record_init(&session->record, rows)) {
+    const double origin_s =
+        session->options.wearer_path != NULL
+            ? (double)session->config.plant.wearer_start_tick * session->config.plant.tick_s
+            : 0.0;
+    if (session->loop == NULL || !walk_record_init(&session->record, rows, origin_s)) {
         complain("out of memory");
         return EXIT_USAGE;
     }

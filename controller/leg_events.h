@@ -1,0 +1,71 @@
+/* Heel strike and toe-off of a person's leg, from the pitch of both legs alone.
+ *
+ * What a planted foot does to its leg: it stays where it is while the hip goes on,
+ * so the leg from hip to ankle turns backwards at about the walking speed over the
+ * leg's length. That rate, as measured at the last apexes, is the yardstick here;
+ * no threshold is in absolute units, so the rules scale with person and speed:
+ *   heel strike  the leg ahead, coming from its swing, has been slowed until it
+ *                turns backwards at most of that rate (the foot is planted);
+ *   toe-off      the leg behind has stopped turning backwards and turns forwards
+ *                (Zeni et al., Gait & Posture 27:710, 2008: the foot's rearmost
+ *                point relative to the pelvis).
+ * "Ahead" and "behind" are of one leg relative to the other, so an offset that both
+ * sensors share does not move them. Legs side by side, or that sway without
+ * stepping, make no events. The rates are slopes smoothed over +-16 ms; the events
+ * are reported after that delay, and are the older by it.
+ */
+#ifndef CONTROLLER_LEG_EVENTS_H
+#define CONTROLLER_LEG_EVENTS_H
+
+#include <stdint.h>
+
+#include "controller/signals.h"
+
+#define leg_events_init REAL_SYMBOL(leg_events_init)
+#define leg_events_update REAL_SYMBOL(leg_events_update)
+#define leg_events_rate REAL_SYMBOL(leg_events_rate)
+
+enum { LEG_RATE_HALF_WINDOW = 16 }; /* ticks */
+
+enum leg_contact {
+    LEG_UNKNOWN = 0, /* standing still, or just started */
+    LEG_STANCE = 1,
+    LEG_SWING = 2
+};
+
+enum leg_event_kind { LEG_EVENT_NONE = 0, LEG_EVENT_STRIKE = 1, LEG_EVENT_TOE_OFF = 2 };
+
+struct leg_event {
+    enum leg_event_kind kind;
+    real age_s; /* the event lies this long before the tick of the call, >= 0 */
+};
+
+struct leg_events {
+    enum leg_contact contact;
+    real rate_before_rad_s;  /* smoothed rate one tick ago */
+    uint32_t first_tick;     /* at which the rate had gone through the coming event's first level */
+    real first_before_ticks; /* that crossing lies this long before first_tick */
+    struct leg_event waiting; /* placed ahead of now; reported when its time has come */
+    bool swung;               /* the swing was fast enough to be a step */
+    uint32_t since_tick;      /* of the contact state */
+    uint32_t moved_tick;      /* when the leg last moved */
+};
+
+/* Both legs as they were LEG_RATE_HALF_WINDOW ticks ago. */
+struct leg_view {
+    real rate_rad_s;      /* of this leg, smoothed */
+    real ahead_rad;       /* this leg's angle minus the other's */
+    real yardstick_rad_s; /* forward speed at the last apexes, > 0 */
+};
+
+void leg_events_init(struct leg_events *leg, uint32_t tick);
+
+/* Slope of the line through the samples within LEG_RATE_HALF_WINDOW of `centre`, rad/s;
+ * angle_rad[tick % size] as in apex_fit.h. About 200 operations. */
+real leg_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick);
+
+/* One tick of one leg, every tick in order. Constant cost, tens of operations. */
+struct leg_event leg_events_update(struct leg_events *leg, const struct leg_view *view,
+                                   uint32_t tick);
+
+#endif
