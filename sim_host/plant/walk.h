@@ -9,9 +9,10 @@
  *     not latched, then r is free while the spring lifts it, and the heel comes
  *     down again plastically;
  *   - heel strike: toe of the swing leg meets the ground, coming down, ahead of
- *     the stance toe, with theta_s < 0 (the mid-stance scuff is ignored). Plastic
- *     impact. If the trailing latch is not armed and the wearer does not push,
- *     the trailing foot leaves after unarmed_hold_s (default: at once);
+ *     the stance toe, with theta_s < 0 and theta_s + theta_n falling (the mid-stance
+ *     scuff, where it rises, is ignored). Plastic impact. If the trailing latch is
+ *     not armed and the wearer does not push, the trailing foot leaves after
+ *     unarmed_hold_s (default: at once);
  *   - double support: both toes pinned, r of the trailing leg free, not below 0;
  *     the leading ankle is held as it landed;
  *   - lift-off: released spring and wearer's own push have reached their ends.

@@ -154,12 +154,15 @@ static double between_legs_rad(const struct walker3_state *state)
     return state->q[WALKER3_STANCE] - state->q[WALKER3_SWING];
 }
 
-/* Whether the swing foot may touch down in the step that ends in *next. */
+/* Whether the swing foot may touch down in the step that ends in *next. It swings
+ * back by then: while theta_s + theta_n still rises it is only passing the stance
+ * foot, and what the toe does there is the scuff that is ignored. */
 static bool may_strike(const struct walk_run *run, const struct walker3_state *next, double tau_s)
 {
     const struct walk *walk = run->walk;
     double gap_m, ahead_m;
-    if (!walk->foot_was_above || next->q[WALKER3_STANCE] >= 0.0) {
+    if (!walk->foot_was_above || next->q[WALKER3_STANCE] >= 0.0 ||
+        next->dq[WALKER3_STANCE] + next->dq[WALKER3_SWING] >= 0.0) {
         return false;
     }
     walk_toe_gap(walk, next, swing_extension_at(run, tau_s), &gap_m, &ahead_m);
