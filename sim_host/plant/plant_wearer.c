@@ -52,10 +52,14 @@ static void pass_apex(struct plant *plant, const struct wearer_state *next)
     }
 }
 
-static void run_latch(struct plant *plant, enum side side, double ankle_m, double now_s)
+/* The ankle begins to extend where it passes the trigger: a latch that is armed while
+ * the recorded ankle is extended already (after heel strike it is) stays closed. */
+static void run_latch(struct plant *plant, enum side side, double before_m, double ankle_m,
+                      double now_s)
 {
     struct sea *sea = &plant->sea[side];
-    if (sea_may_release(sea) && ankle_m > sea->params.extension_trigger_m) {
+    const double trigger_m = sea->params.extension_trigger_m;
+    if (sea_may_release(sea) && before_m <= trigger_m && ankle_m > trigger_m) {
         sea_ankle_extends(sea, now_s);
     }
     if (sea->release_pending && sea->release_time_s <= now_s) {
@@ -81,7 +85,8 @@ static void run_actuator(struct plant *plant, enum side side, const struct weare
     const double step_m = (next->ankle_m[side] - start_m) / (double)periods;
     for (int i = 0; i < periods; i++) {
         const double ankle_m = start_m + (double)i * step_m;
-        run_latch(plant, side, ankle_m, plant_now_s(plant) + (double)i * period_s);
+        run_latch(plant, side, ankle_m - step_m, ankle_m,
+                  plant_now_s(plant) + (double)i * period_s);
         sea_drive_period(sea, ankle_m);
         const double before_N = sea_ankle_force_N(sea, ankle_m);
         sea_finish_period(sea);
