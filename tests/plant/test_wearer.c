@@ -316,9 +316,9 @@ START_TEST(the_actuators_work_against_the_recorded_ankle)
             }
             if (event.kind == WALK_EVENT_APEX) {
                 const double t = event.time_s - 0.5;
-                assert_close(person_angle(t, event.side), 0.0, 1e-5, 0.0);
+                assert_close(person_angle(t, (int)event.side), 0.0, 1e-5, 0.0);
                 assert_close(event.value, 0.35 * 6.2831853, 1e-3, 0.0);
-                ck_assert(person_contact(t, event.side));
+                ck_assert(person_contact(t, (int)event.side));
             }
             if (event.kind == WALK_EVENT_RELEASE) {
                 work_at_release += 0.5 * 7000.0 * event.value * event.value;
