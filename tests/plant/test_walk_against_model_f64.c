@@ -1,6 +1,6 @@
 /* The plant's three-degree-of-freedom walk against the reduced model's stride. Two derivations: the
  * plant keeps r and both toes by constraint forces in one set of coordinates, the model has closed
- * forms per phase. */
+ * forms per phase. SHOW=1 CK_FORK=no prints the differences. */
 #include <stdio.h>
 #include <stdlib.h>
 
