@@ -204,40 +204,60 @@ static bool is_usable(struct socketcan_bus *bus)
 
 /* ---- sending -------------------------------------------------------------- */
 
-/* Returns 0, or the errno of a send that did not happen. */
-static int send_now(struct socketcan_bus *bus, const struct can_msg *message)
+static void to_kernel(const struct can_msg *message, struct can_frame *frame)
 {
-    struct can_frame frame;
-    memset(&frame, 0, sizeof frame);
-    frame.can_id = message->id;
-    frame.can_id |= (message->flags & CAN_FRAME_EXTENDED) != 0 ? CAN_EFF_FLAG : 0;
-    frame.can_id |= (message->flags & CAN_FRAME_REMOTE) != 0 ? CAN_RTR_FLAG : 0;
-    frame.can_dlc = message->length;
-    memcpy(frame.data, message->data, message->length);
-    if (send(bus->fd, &frame, sizeof frame, 0) == (ssize_t)sizeof frame) {
-        count(&bus->status.tx_frames);
-        return 0;
-    }
-    return errno;
+    memset(frame, 0, sizeof *frame);
+    frame->can_id = message->id;
+    frame->can_id |= (message->flags & CAN_FRAME_EXTENDED) != 0 ? CAN_EFF_FLAG : 0;
+    frame->can_id |= (message->flags & CAN_FRAME_REMOTE) != 0 ? CAN_RTR_FLAG : 0;
+    frame->can_dlc = message->length;
+    memcpy(frame->data, message->data, message->length);
 }
 
-/* Sends what waits, most urgent first, until the kernel is full. */
+/* Hands the queue to the kernel, most urgent first. Returns how many it took, or a
+ * negative errno when it took none. */
+static int send_queue(struct socketcan_bus *bus)
+{
+    struct can_frame frames[SOCKETCAN_TX_QUEUE];
+    struct iovec parts[SOCKETCAN_TX_QUEUE];
+    struct mmsghdr headers[SOCKETCAN_TX_QUEUE];
+    memset(headers, 0, bus->tx_count * sizeof headers[0]);
+    for (unsigned i = 0; i < bus->tx_count; i++) {
+        to_kernel(&bus->tx[bus->tx_count - 1 - i], &frames[i]);
+        parts[i] = (struct iovec){.iov_base = &frames[i], .iov_len = sizeof frames[i]};
+        headers[i].msg_hdr.msg_iov = &parts[i];
+        headers[i].msg_hdr.msg_iovlen = 1;
+    }
+    const int taken = sendmmsg(bus->fd, headers, bus->tx_count, 0);
+    return taken < 0 ? -errno : taken;
+}
+
 static void flush(struct socketcan_bus *bus)
 {
     while (bus->tx_count > 0) {
-        const int error = send_now(bus, &bus->tx[bus->tx_count - 1]);
-        if (error == ENOBUFS || error == EAGAIN || error == EINTR) {
+        const int taken = send_queue(bus);
+        if (taken > 0) {
+            bus->tx_count -= (unsigned)taken;
+            bus->status.tx_frames += (uint32_t)taken;
+            continue;
+        }
+        if (taken == -ENOBUFS || taken == -EAGAIN || taken == -EINTR) {
             count(&bus->counters.kernel_full);
             return;
         }
-        if (error == ENETDOWN || error == ENODEV || error == ENXIO) {
-            lose_interface(bus, error);
+        if (taken == -ENETDOWN || taken == -ENODEV || taken == -ENXIO) {
+            lose_interface(bus, -taken);
             return;
         }
-        if (error != 0) {
-            count(&bus->counters.send_errors);
-        }
-        bus->tx_count--;
+        count(&bus->counters.send_errors);
+        bus->tx_count--; /* the kernel will never take this one */
+    }
+}
+
+void socketcan_bus_flush(struct socketcan_bus *bus)
+{
+    if (is_usable(bus)) {
+        flush(bus);
     }
 }
 
@@ -276,8 +296,7 @@ static enum can_result port_send(void *context, const struct can_msg *message)
     }
     bus->tx[at] = *message;
     bus->tx_count++;
-    flush(bus);
-    return bus->is_down ? CAN_DOWN : CAN_OK;
+    return CAN_OK;
 }
 
 /* ---- receiving ------------------------------------------------------------ */
@@ -352,52 +371,89 @@ static void translate(const struct can_frame *frame, struct can_msg *message)
     }
 }
 
+/* Space for the control data of one frame, aligned as cmsg(3) wants it. */
+struct control {
+    _Alignas(struct cmsghdr) char bytes[CMSG_SPACE(sizeof(struct timespec)) +
+                                        CMSG_SPACE(sizeof(uint32_t))];
+};
+
+/* Puts one frame from the kernel into the batch, unless it is an own one that nobody
+ * wants to hear. */
+static void take_frame(struct socketcan_bus *bus, const struct can_frame *frame,
+                       struct msghdr *header)
+{
+    struct socketcan_received *received = &bus->rx[bus->rx_count];
+    struct can_msg *message = &received->message;
+    const bool own = (header->msg_flags & MSG_CONFIRM) != 0;
+    received->time_ns = read_control_data(bus, header);
+    translate(frame, message);
+    if (own && (message->id != SYNC_ID || message->flags != 0)) {
+        return;
+    }
+    if ((message->flags & CAN_FRAME_ERROR) != 0) {
+        take_error_frame(bus, frame);
+    } else if (own) {
+        message->flags |= CAN_FRAME_OWN;
+    } else {
+        count(&bus->status.rx_frames);
+    }
+    bus->rx_count++;
+}
+
+/* Fetches the next batch. Returns false when the interface is lost. */
+static bool fetch(struct socketcan_bus *bus)
+{
+    struct can_frame frames[SOCKETCAN_RX_BATCH];
+    struct control controls[SOCKETCAN_RX_BATCH];
+    struct iovec parts[SOCKETCAN_RX_BATCH];
+    struct mmsghdr headers[SOCKETCAN_RX_BATCH];
+    memset(headers, 0, sizeof headers);
+    for (unsigned i = 0; i < SOCKETCAN_RX_BATCH; i++) {
+        parts[i] = (struct iovec){.iov_base = &frames[i], .iov_len = sizeof frames[i]};
+        headers[i].msg_hdr = (struct msghdr){.msg_iov = &parts[i],
+                                             .msg_iovlen = 1,
+                                             .msg_control = controls[i].bytes,
+                                             .msg_controllen = sizeof controls[i].bytes};
+    }
+    bus->rx_next = 0;
+    bus->rx_count = 0;
+    const int got = recvmmsg(bus->fd, headers, SOCKETCAN_RX_BATCH, MSG_DONTWAIT, NULL);
+    if (got < 0) {
+        if (errno == ENETDOWN || errno == ENODEV || errno == ENXIO) {
+            lose_interface(bus, errno);
+            return false;
+        }
+        return true;
+    }
+    for (int i = 0; i < got; i++) {
+        if (headers[i].msg_len == sizeof frames[i]) {
+            take_frame(bus, &frames[i], &headers[i].msg_hdr);
+        }
+    }
+    return true;
+}
+
 static enum can_result port_receive(void *context, struct can_msg *message, uint64_t *time_ns)
 {
     struct socketcan_bus *bus = context;
-    if (!is_usable(bus)) {
-        return CAN_DOWN;
-    }
-    flush(bus);
-    /* Own frames other than the SYNC are skipped: at most as many as were sent. */
-    for (unsigned skipped = 0; skipped < 64 && bus->fd >= 0; skipped++) {
-        struct can_frame frame;
-        union { /* aligned as cmsg(3) wants it */
-            struct cmsghdr align;
-            char bytes[CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t))];
-        } control;
-        struct iovec part = {.iov_base = &frame, .iov_len = sizeof frame};
-        struct msghdr header = {.msg_iov = &part,
-                                .msg_iovlen = 1,
-                                .msg_control = control.bytes,
-                                .msg_controllen = sizeof control.bytes};
-        const ssize_t size = recvmsg(bus->fd, &header, 0);
-        if (size != (ssize_t)sizeof frame) {
-            if (size < 0 && (errno == ENETDOWN || errno == ENODEV || errno == ENXIO)) {
-                lose_interface(bus, errno);
-                return CAN_DOWN;
-            }
+    if (bus->rx_next == bus->rx_count) {
+        if (!is_usable(bus)) {
+            return CAN_DOWN;
+        }
+        flush(bus);
+        if (bus->is_down || !fetch(bus)) {
+            return CAN_DOWN;
+        }
+        if (bus->rx_count == 0) {
             return CAN_EMPTY;
         }
-        const uint64_t stamp_ns = read_control_data(bus, &header);
-        const bool own = (header.msg_flags & MSG_CONFIRM) != 0;
-        translate(&frame, message);
-        if (own && (message->id != SYNC_ID || message->flags != 0)) {
-            continue;
-        }
-        if ((message->flags & CAN_FRAME_ERROR) != 0) {
-            take_error_frame(bus, &frame);
-        } else if (own) {
-            message->flags |= CAN_FRAME_OWN;
-        } else {
-            count(&bus->status.rx_frames);
-        }
-        if (time_ns != NULL) {
-            *time_ns = stamp_ns;
-        }
-        return CAN_OK;
     }
-    return CAN_EMPTY;
+    const struct socketcan_received *received = &bus->rx[bus->rx_next++];
+    *message = received->message;
+    if (time_ns != NULL) {
+        *time_ns = received->time_ns;
+    }
+    return CAN_OK;
 }
 
 static void port_get_status(void *context, struct can_bus_status *status)
@@ -424,35 +480,51 @@ struct can_bus socketcan_bus_interface(struct socketcan_bus *bus)
     return (struct can_bus){.ops = &port_ops, .context = bus};
 }
 
+/* The kernel stamps with CLOCK_REALTIME, which may be set: measured again each second. */
+static void follow_clock(struct socketcan_bus *bus, uint64_t now_ns)
+{
+    if (now_ns - bus->offset_age_ns > (uint64_t)NS_PER_S) {
+        bus->offset_age_ns = now_ns;
+        bus->realtime_minus_monotonic_ns = clock_ns(CLOCK_REALTIME) - (int64_t)now_ns;
+    }
+}
+
+/* When to look again although nothing came. */
+static uint64_t look_again_ns(const struct socketcan_bus *bus, uint64_t now_ns,
+                              uint64_t deadline_ns)
+{
+    uint64_t until_ns = deadline_ns;
+    if (bus->is_down) {
+        until_ns = bus->next_retry_ns;
+    } else if (bus->tx_count > 0) {
+        until_ns = now_ns + RETRY_FULL_NS; /* POLLOUT does not tell of a full device queue */
+    }
+    return until_ns < deadline_ns ? until_ns : deadline_ns;
+}
+
 int socketcan_bus_wait(struct socketcan_bus *bus, uint64_t deadline_ns)
 {
-    bus->realtime_minus_monotonic_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
     for (;;) {
-        const bool usable = is_usable(bus);
-        if (usable) {
+        if (bus->rx_next < bus->rx_count) {
+            return 1;
+        }
+        if (is_usable(bus)) {
             flush(bus);
+            if (!bus->is_down && fetch(bus) && bus->rx_count > 0) {
+                return 1;
+            }
         }
         const uint64_t now_ns = socketcan_now_ns();
-        uint64_t until_ns = deadline_ns;
-        if (!usable) {
-            until_ns = bus->next_retry_ns < until_ns ? bus->next_retry_ns : until_ns;
-        } else if (bus->tx_count > 0) {
-            /* POLLOUT does not tell when a full device queue has room again. */
-            until_ns = now_ns + RETRY_FULL_NS < until_ns ? now_ns + RETRY_FULL_NS : until_ns;
+        follow_clock(bus, now_ns);
+        if (now_ns >= deadline_ns) {
+            return 0;
         }
-        const uint64_t left_ns = until_ns > now_ns ? until_ns - now_ns : 0;
+        const uint64_t left_ns = look_again_ns(bus, now_ns, deadline_ns) - now_ns;
         const struct timespec left = {.tv_sec = (time_t)(left_ns / (uint64_t)NS_PER_S),
                                       .tv_nsec = (long)(left_ns % (uint64_t)NS_PER_S)};
-        struct pollfd waiting = {.fd = usable ? bus->fd : -1, .events = POLLIN};
-        const int ready = ppoll(&waiting, 1, &left, NULL);
-        if (ready < 0) {
+        struct pollfd waiting = {.fd = bus->is_down ? -1 : bus->fd, .events = POLLIN};
+        if (ppoll(&waiting, 1, &left, NULL) < 0) {
             return -errno;
-        }
-        if (ready > 0) {
-            return 1; /* POLLERR too: the next receive says what it is */
-        }
-        if (socketcan_now_ns() >= deadline_ns) {
-            return 0;
         }
     }
 }

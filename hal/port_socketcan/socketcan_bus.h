@@ -3,8 +3,9 @@
  * Only what was asked for is received (kernel filters), so foreign traffic costs
  * nothing; the own SYNC comes back as CAN_FRAME_OWN at its place in the bus's order,
  * other own frames do not; error frames update the status and arrive as
- * CAN_FRAME_ERROR; when the kernel's queue is full (ENOBUFS, EAGAIN) frames wait here
- * in order of their identifiers and CAN_FULL comes when there is no room left;
+ * CAN_FRAME_ERROR; what is sent leaves, in order of identifiers, with the next
+ * receive, wait or flush (one system call for all); when the kernel's queue is full (ENOBUFS, EAGAIN) frames go on
+ * waiting and CAN_FULL comes when there is no room left;
  * receive overflow is counted from SO_RXQ_OVFL; times are the kernel's receive time
  * stamps, turned into CLOCK_MONOTONIC; an interface that is down or gone gives
  * CAN_DOWN and is taken up again when it is back.
@@ -19,7 +20,12 @@
 
 #include "hal/can_bus.h"
 
-enum { SOCKETCAN_FILTERS_MAX = 32, SOCKETCAN_TX_QUEUE = 32, SOCKETCAN_NAME_MAX = 16 };
+enum {
+    SOCKETCAN_FILTERS_MAX = 32,
+    SOCKETCAN_TX_QUEUE = 32,
+    SOCKETCAN_RX_BATCH = 16,
+    SOCKETCAN_NAME_MAX = 16
+};
 
 /* A standard frame passes when (frame id & mask) == (id & mask) for one of them. */
 struct socketcan_filter {
@@ -35,6 +41,11 @@ struct socketcan_counters {
     uint32_t send_errors; /* any other errno from send */
 };
 
+struct socketcan_received {
+    uint64_t time_ns;
+    struct can_msg message;
+};
+
 struct socketcan_bus {
     int fd; /* -1 while the interface does not exist */
     char name[SOCKETCAN_NAME_MAX];
@@ -43,12 +54,15 @@ struct socketcan_bus {
     uint64_t next_retry_ns;
     uint32_t kernel_drops;
     int64_t realtime_minus_monotonic_ns;
+    uint64_t offset_age_ns; /* when that was measured */
     unsigned filter_count;
     struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
     struct can_bus_status status;
     struct socketcan_counters counters;
     unsigned tx_count;
     struct can_msg tx[SOCKETCAN_TX_QUEUE]; /* sorted by identifier, last is next */
+    unsigned rx_next, rx_count; /* of the batch fetched from the kernel */
+    struct socketcan_received rx[SOCKETCAN_RX_BATCH];
 };
 
 /* Opens `interface_name`. filters: what to receive, copied (count 0: everything,
@@ -76,6 +90,9 @@ struct can_bus socketcan_bus_interface(struct socketcan_bus *bus);
  * that wait here are sent and an interface that came back is taken up. Returns 1 when
  * there is something to receive, 0 at the deadline, negative errno (-EINTR: a signal). */
 int socketcan_bus_wait(struct socketcan_bus *bus, uint64_t deadline_ns);
+
+/* Hands what waits to the kernel now. */
+void socketcan_bus_flush(struct socketcan_bus *bus);
 
 /* CLOCK_MONOTONIC in ns. */
 uint64_t socketcan_now_ns(void);

@@ -217,12 +217,12 @@ static void finish_tick(struct session *session)
     record(session);
 }
 
-static void take_frame(struct session *session, const struct can_msg *message)
+static void take_frame(struct session *session, const struct can_msg *message, uint64_t stamp_ns)
 {
     const bool is_sync = message->id == FRAME_SYNC && message->flags == 0;
     if (is_sync) {
         session->time_ns += session->last_sync_ns != 0 ? NS_PER_MS : 0;
-        session->last_sync_ns = socketcan_now_ns();
+        session->last_sync_ns = stamp_ns;
         session->by_clock = false;
     }
     (void)walker_nodes_receive(&session->nodes, message, session->time_ns);
@@ -265,18 +265,23 @@ static void go_by_clock(struct session *session, uint64_t now_ns)
 static void serve(struct session *session)
 {
     const struct can_bus bus = socketcan_bus_interface(&session->bus);
+    uint64_t now_ns = session->start_ns;
     while (!interrupted &&
            (session->options.steps == 0 || session->apexes < session->options.steps)) {
         struct can_msg message;
-        const uint64_t now_ns = socketcan_now_ns();
         const uint64_t deadline_ns =
             session->by_clock ? session->next_clock_ns : now_ns + IDLE_NS;
-        (void)socketcan_bus_wait(&session->bus, deadline_ns);
-        while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
-            take_frame(session, &message);
+        /* While frames flow the clock is not asked: system calls are what costs here. */
+        const bool frames = socketcan_bus_wait(&session->bus, deadline_ns) == 1;
+        while (frames && can_bus_receive(&bus, &message, &now_ns) == CAN_OK) {
+            take_frame(session, &message, now_ns);
         }
-        go_by_clock(session, socketcan_now_ns());
+        if (!frames || session->by_clock || session->last_sync_ns == 0) {
+            now_ns = socketcan_now_ns();
+            go_by_clock(session, now_ns);
+        }
     }
+    socketcan_bus_flush(&session->bus);
 }
 
 /* ---- reporting ------------------------------------------------------------- */

@@ -102,11 +102,13 @@ START_TEST(only_the_own_sync_is_heard_and_in_its_place)
 {
     struct can_msg message = {.id = 0x201, .length = 8};
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    socketcan_bus_flush(&bus);
     other_sends(0x181, 6);
     message = (struct can_msg){.id = 0x080};
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
     message = (struct can_msg){.id = 0x181};
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK); /* own: not heard */
+    socketcan_bus_flush(&bus);
     other_sends(0x283, 5);
     usleep(20000);
     ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
@@ -124,16 +126,35 @@ START_TEST(only_the_own_sync_is_heard_and_in_its_place)
 }
 END_TEST
 
+START_TEST(what_is_sent_at_once_leaves_in_order_of_identifiers)
+{
+    static const uint32_t sent[] = {0x301, 0x710, 0x201, 0x080, 0x601, 0x302};
+    static const uint32_t want[] = {0x080, 0x201, 0x301, 0x302, 0x601, 0x710};
+    struct can_frame frame;
+    for (unsigned i = 0; i < 6; i++) {
+        const struct can_msg message = {.id = sent[i]};
+        ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    }
+    socketcan_bus_flush(&bus);
+    for (unsigned i = 0; i < 6; i++) {
+        other_reads(&frame);
+        ck_assert_uint_eq(frame.can_id, want[i]);
+    }
+}
+END_TEST
+
 START_TEST(all_kinds_of_frames_go_out_as_they_are)
 {
     struct can_frame frame;
     struct can_msg message = {
         .id = 0x1ABCDEF0, .flags = CAN_FRAME_EXTENDED, .length = 3, .data = {1, 2, 3}};
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    socketcan_bus_flush(&bus);
     other_reads(&frame);
     ck_assert_uint_eq(frame.can_id, 0x1ABCDEF0 | CAN_EFF_FLAG);
     message = (struct can_msg){.id = 0x123, .flags = CAN_FRAME_REMOTE, .length = 4};
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
+    socketcan_bus_flush(&bus);
     other_reads(&frame);
     ck_assert_uint_eq(frame.can_id, 0x123 | CAN_RTR_FLAG);
     message = (struct can_msg){.id = 0x800};
@@ -213,6 +234,8 @@ START_TEST(an_interface_may_go_down_and_come_back)
 {
     struct can_msg message = {.id = 0x201};
     run("ip link set vcan0 down");
+    ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK); /* not known yet */
+    socketcan_bus_flush(&bus);
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_DOWN);
     ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_DOWN);
     ck_assert_int_eq(socketcan_bus_wait(&bus, socketcan_now_ns() + 20000000), 0);
@@ -235,6 +258,7 @@ START_TEST(an_interface_may_be_removed_and_made_again)
     struct can_msg message = {.id = 0x201};
     run("ip link del vcan0");
     usleep(10000);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_DOWN);
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_DOWN);
     run("ip link add dev vcan0 type vcan");
     run("ip link set vcan0 up");
@@ -259,6 +283,7 @@ START_TEST(a_full_kernel_queue_keeps_frames_in_order_of_identifiers)
     for (int i = 0; i < 200 && bus.counters.kernel_full == 0; i++) {
         const struct can_msg message = {.id = 0x300};
         full += can_bus_send(&can, &message) == CAN_FULL ? 1 : 0;
+        socketcan_bus_flush(&bus);
     }
     run("tc qdisc del dev vcan0 root");
     ck_assert_uint_gt(bus.counters.kernel_full, 0);
@@ -287,6 +312,7 @@ int main(int argc, char **argv)
     tcase_set_timeout(tcase, 30);
     tcase_add_test(tcase, frames_pass_the_filters_or_are_not_seen_at_all);
     tcase_add_test(tcase, only_the_own_sync_is_heard_and_in_its_place);
+    tcase_add_test(tcase, what_is_sent_at_once_leaves_in_order_of_identifiers);
     tcase_add_test(tcase, all_kinds_of_frames_go_out_as_they_are);
     tcase_add_test(tcase, error_frames_change_the_status);
     tcase_add_test(tcase, an_overflow_of_the_receive_queue_is_counted);
