@@ -279,7 +279,8 @@ static enum can_result port_send(void *context, const struct can_msg *message)
     if (!is_usable(bus) || bus->status.error_state == CAN_BUS_OFF) {
         return CAN_DOWN;
     }
-    if (bus->tx_count == SOCKETCAN_TX_QUEUE) {
+    /* A SYNC ends the cycle whose commands wait here: it must not overtake them. */
+    if (bus->tx_count == SOCKETCAN_TX_QUEUE || message->id == SYNC_ID) {
         flush(bus);
     }
     if (bus->is_down) {

@@ -17,7 +17,7 @@
 enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 
 /* Lock-step: an answer that takes longer is lost, and the cycle goes on without it. */
-#define ANSWER_TIMEOUT_NS UINT64_C(50000000)
+#define ANSWER_TIMEOUT_NS UINT64_C(250000000)
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
 /* A stop that was asked for must have unloaded the springs by then. */
 enum { STOP_TICKS = 3000 };
@@ -218,10 +218,14 @@ static void run(struct host *host)
             (void)pacer_wait(&host->pacer);
         }
         (void)control_task_start_cycle(task);
+        /* Nodes that are not operational do not answer: then a tick lasts its time. */
+        const bool answers = network_all_operational(&task->network);
+        const uint64_t patience_ns = answers ? ANSWER_TIMEOUT_NS : TICK_NS;
         const uint64_t deadline_ns = host->options.real_time
                                          ? host->pacer.next_ns - TICK_NS / 10
-                                         : socketcan_now_ns() + ANSWER_TIMEOUT_NS;
-        if (!run_cycle(host, deadline_ns, !host->options.real_time) && !host->options.real_time) {
+                                         : socketcan_now_ns() + patience_ns;
+        if (!run_cycle(host, deadline_ns, !host->options.real_time) && answers &&
+            !host->options.real_time) {
             host->lost_cycles++;
         }
         tell(host);

@@ -128,15 +128,17 @@ END_TEST
 
 START_TEST(what_is_sent_at_once_leaves_in_order_of_identifiers)
 {
-    static const uint32_t sent[] = {0x301, 0x710, 0x201, 0x080, 0x601, 0x302};
-    static const uint32_t want[] = {0x080, 0x201, 0x301, 0x302, 0x601, 0x710};
+    static const uint32_t sent[] = {0x301, 0x710, 0x201, 0x081, 0x601, 0x302};
+    static const uint32_t want[] = {0x081, 0x201, 0x301, 0x302, 0x601, 0x710, 0x080};
     struct can_frame frame;
     for (unsigned i = 0; i < 6; i++) {
         const struct can_msg message = {.id = sent[i]};
         ck_assert_int_eq(can_bus_send(&can, &message), CAN_OK);
     }
+    const struct can_msg sync = {.id = 0x080}; /* the next cycle: not before them */
+    ck_assert_int_eq(can_bus_send(&can, &sync), CAN_OK);
     socketcan_bus_flush(&bus);
-    for (unsigned i = 0; i < 6; i++) {
+    for (unsigned i = 0; i < 7; i++) {
         other_reads(&frame);
         ck_assert_uint_eq(frame.can_id, want[i]);
     }
