@@ -164,7 +164,7 @@ static unsigned run_tick(struct control_task *task)
 
 /* A sum over the frames of a tick, so that their order within it does not count
  * (a controller may sort them into several queues), of a hash that any changed bit
- * changes: FNV-1a's step (http://www.isthe.com/chongo/tech/comp/fnv) over words. */
+ * changes: FNV-1a's step (isthe.com/chongo/tech/comp/fnv) over words. */
 static uint32_t frame_hash(const struct can_msg *message)
 {
     const uint32_t prime = UINT32_C(16777619);
