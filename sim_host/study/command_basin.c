@@ -259,23 +259,18 @@ static int find_bases(struct study *study, int count, int *status)
 static void print_volume(struct study *study)
 {
     const struct options *options = &study->options;
-    long counts[3] = {0};
-    double cell = 1.0;
+    const double *resumed = study->report.resumed_totals;
+    double converging = resumed[1], all = resumed[1] + resumed[2] + resumed[3], cell = 1.0;
     for (int i = 0; i < options->points; i++) {
-        for (int k = 0; k < 3; k++) {
-            counts[k] += study->lines[i].counts[k];
-        }
+        const long *counts = study->lines[i].counts;
+        converging += (double)counts[OUTCOME_CONVERGES];
+        all += (double)(counts[0] + counts[1] + counts[2]);
     }
     for (int k = 0; k < 3; k++) {
         cell *= (options->ranges[k][1] - options->ranges[k][0]) / (options->points - 1);
     }
-    const long all = counts[0] + counts[1] + counts[2];
-    if (study->report.rows_resumed == 0) {
-        report_value(&study->report, "share",
-                     cell_number((double)counts[OUTCOME_CONVERGES] / (double)all));
-        report_value(&study->report, "volume_rad3_s2",
-                     cell_number((double)counts[OUTCOME_CONVERGES] * cell));
-    }
+    report_value(&study->report, "share", cell_number(converging / all));
+    report_value(&study->report, "volume_rad3_s2", cell_number(converging * cell));
 }
 
 static int run_study(struct study *study)
@@ -299,10 +294,6 @@ static int run_study(struct study *study)
     }
     const int per_job = options->volume ? 1 : options->points;
     study->skip = study->report.rows_resumed % per_job;
-    if (!options->volume) {
-        report_value(&study->report, "plane_a", cell_text(axis_names[options->first]));
-        report_value(&study->report, "plane_b", cell_text(axis_names[options->second]));
-    }
     const struct pool_jobs jobs = {study->report.rows_resumed / per_job,
                                    options->points,
                                    options->common.threads,
@@ -312,6 +303,9 @@ static int run_study(struct study *study)
     const int complete = pool_run(&jobs);
     if (options->volume && complete) {
         print_volume(study);
+    } else if (!options->volume) {
+        report_value(&study->report, "plane_a", cell_text(axis_names[options->first]));
+        report_value(&study->report, "plane_b", cell_text(axis_names[options->second]));
     }
     return report_close(&study->report) && complete ? EXIT_FOUND : EXIT_USAGE;
 }

@@ -96,6 +96,11 @@ static void print(const struct options *options, const struct problem *problem,
     report_value(report, "branch", cell_text(options->branch == BRANCH_LONG ? "long" : "short"));
     report_list(report, "x", orbit->x, 3);
     report_pairs(report, "eigenvalues", pairs, 3);
+    if (values[2].im == 0.0) {
+        double direction[3];
+        linear_eigenvector3((const double(*)[3])orbit->by_x, values[2].re, direction);
+        report_list(report, "smallest_eigenvector", direction, 3);
+    }
     report_value(report, "inter_leg_rad", cell_number(orbit->first.inter_leg_rad));
     report_value(report, "step_length_m", cell_number(orbit->first.step_length_m));
     report_list(report, "times_s", times, 3);

@@ -88,9 +88,6 @@ static void by_parameters(const struct problem *problem, const struct stride_der
 static void close_loop(const struct problem *problem, const double x[3], double by_x[3][3],
                        double by[3][PARAMETER_COUNT])
 {
-    if (problem->kp == 0.0) {
-        return;
-    }
     for (int i = 0; i < 3; i++) {
         const double by_r0 = by[i][PARAMETER_R0];
         by_x[i][0] -= problem->kp * by_r0;

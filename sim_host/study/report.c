@@ -1,6 +1,7 @@
 #include "sim_host/study/report.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -51,7 +52,18 @@ static void header_text(const struct common *common, const char *command, const 
              p->gravity_m_s2, settings);
 }
 
-/* Counts complete rows of the file and cuts off an unfinished one. 0: not a file of this run. */
+static void add_to_totals(const char *line, double totals[REPORT_TOTALS])
+{
+    const char *at = line;
+    for (int i = 0; i < REPORT_TOTALS && *at != '\0'; i++) {
+        char *end;
+        totals[i] += strtod(at, &end);
+        at = *end == ',' ? end + 1 : "";
+    }
+}
+
+/* Counts complete rows of the file and cuts off an unfinished one, and the comments behind the last.
+ * 0: not a file of this run. */
 static int find_resume_point(struct report *report, const char *header)
 {
     char line[4096];
@@ -66,7 +78,13 @@ static int find_resume_point(struct report *report, const char *header)
             (strncmp(line, header, strlen(header)) != 0 || line[strlen(header)] != '\n')) {
             return 0;
         }
-        rows += number >= 2;
+        if (number >= 2 && line[0] == '#') {
+            break;
+        }
+        if (number >= 2) {
+            add_to_totals(line, report->resumed_totals);
+            rows++;
+        }
         number++;
         keep = ftell(report->file);
     }

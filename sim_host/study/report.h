@@ -29,13 +29,16 @@ struct cell {
     const char *text;
 };
 
+#define REPORT_TOTALS 8
+
 struct report {
     const struct common *common;
     FILE *file;
     const char *const *columns; /* NULL-terminated */
     int column_count;
     int rows_open, rows_written, fields_written;
-    int rows_resumed; /* complete rows found in the file to be resumed */
+    int rows_resumed;                     /* complete rows found in the file to be resumed */
+    double resumed_totals[REPORT_TOTALS]; /* of their first columns */
     struct timespec started;
     int progress_shown;
 };
