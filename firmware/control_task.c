@@ -2,8 +2,8 @@
 
 #include <assert.h>
 
-#include "hal/contract.h"
 #include "hal/bytes.h"
+#include "hal/contract.h"
 #include "hal/frame_table.h"
 
 static_assert((int)SIDE_LEFT == (int)LEG_LEFT && (int)SIDE_RIGHT == (int)LEG_RIGHT,
@@ -56,23 +56,21 @@ enum can_result control_task_start_cycle(struct control_task *task)
 
 static void collect_input(struct control_task *task, struct controller_input *input)
 {
-    *input = (struct controller_input){.tick = task->tick,
-                                       .desired_speed_rad_s =
-                                           task->node.objects.desired_speed_rad_s,
-                                       .nodes_operational =
-                                           network_all_operational(&task->network),
-                                       .emergency_stop = task->emergency_stop,
-                                       .walk_requested = task->node.objects.walk_requested != 0,
-                                       .reset_requested =
-                                           task->node.objects.reset_requested != 0};
+    *input =
+        (struct controller_input){.tick = task->tick,
+                                  .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,
+                                  .nodes_operational = network_all_operational(&task->network),
+                                  .emergency_stop = task->emergency_stop,
+                                  .walk_requested = task->node.objects.walk_requested != 0,
+                                  .reset_requested = task->node.objects.reset_requested != 0};
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const struct leg_sensor_reading *reading = &task->sensors.reading[leg];
         struct sea_drive_reading drive;
         sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
         input->leg[leg] = (struct leg_measurement){reading->leg_angle_rad,
                                                    reading->ankle_extension_m, reading->age_ticks};
-        input->sea[leg] = (struct sea_measurement){
-            drive.precompression_m, (enum drive_state)drive.state, drive.age_ticks};
+        input->sea[leg] = (struct sea_measurement){drive.precompression_m,
+                                                   (enum drive_state)drive.state, drive.age_ticks};
         if (reading->age_ticks != 0 || drive.age_ticks != 0) {
             count(&task->counters.late_answers);
         }
@@ -84,9 +82,9 @@ static void send_commands(struct control_task *task)
     struct sea_drive_wish wish[LEG_COUNT];
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const struct sea_request *command = &task->output.sea[leg];
-        wish[leg] = (struct sea_drive_wish){command->precompression_m, command->enable,
-                                            command->latch_armed,
-                                            task->node.objects.reset_requested != 0};
+        wish[leg] =
+            (struct sea_drive_wish){command->precompression_m, command->enable,
+                                    command->latch_armed, task->node.objects.reset_requested != 0};
     }
     if (sea_drives_command(&task->config.drives, wish, &task->config.bus) != CAN_OK) {
         count(&task->counters.send_failures);

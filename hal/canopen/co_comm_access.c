@@ -86,8 +86,8 @@ static uint32_t writing_consumer(const struct co_device *device, uint8_t sub, ui
     }
     for (unsigned i = 0; i < CO_HEARTBEATS_MAX; i++) {
         const uint32_t other = device->comm.consumer[i];
-        if (i + 1 != sub && node != 0 && (wanted & 0xFFFFU) != 0 &&
-            (other >> 16 & 0xFFU) == node && (other & 0xFFFFU) != 0) {
+        if (i + 1 != sub && node != 0 && (wanted & 0xFFFFU) != 0 && (other >> 16 & 0xFFU) == node &&
+            (other & 0xFFFFU) != 0) {
             return CO_ABORT_ACCESS; /* CiA 301: one entry per node, 0x06040043 or this */
         }
     }

@@ -6,31 +6,31 @@
 #define RW (CO_READ | CO_WRITE)
 #define FIXED (CO_READ | CO_CONST)
 
-#define MAP_ENTRY(field, index, n)                                                      \
+#define MAP_ENTRY(field, index, n) \
     CO_ANY(OWNER, field.map[(n)-1], index, n, CO_UNSIGNED32, RW, "Mapping entry " #n)
 
-#define MAPPING(field, index, name)                                                     \
+#define MAPPING(field, index, name)                                                         \
     CO_OBJECT(OWNER, field.map_count, index, 0, CO_UNSIGNED8, RW, 0, CO_PDO_MAP_MAX, name), \
         MAP_ENTRY(field, index, 1), MAP_ENTRY(field, index, 2), MAP_ENTRY(field, index, 3), \
         MAP_ENTRY(field, index, 4), MAP_ENTRY(field, index, 5), MAP_ENTRY(field, index, 6), \
         MAP_ENTRY(field, index, 7), MAP_ENTRY(field, index, 8)
 
-#define RPDO(n, index)                                                                  \
+#define RPDO(n, index)                                                                       \
     CO_ANY(OWNER, rpdo_subs, index, 0, CO_UNSIGNED8, FIXED, "RPDO communication parameter"), \
-        CO_ANY(OWNER, rpdo[n].cob_id, index, 1, CO_UNSIGNED32, RW, "COB-ID used by RPDO"),  \
-        CO_ANY(OWNER, rpdo[n].type, index, 2, CO_UNSIGNED8, RW, "Transmission type"),       \
+        CO_ANY(OWNER, rpdo[n].cob_id, index, 1, CO_UNSIGNED32, RW, "COB-ID used by RPDO"),   \
+        CO_ANY(OWNER, rpdo[n].type, index, 2, CO_UNSIGNED8, RW, "Transmission type"),        \
         CO_ANY(OWNER, rpdo[n].event_ms, index, 5, CO_UNSIGNED16, RW, "Event timer")
 
-#define TPDO(n, index)                                                                  \
+#define TPDO(n, index)                                                                       \
     CO_ANY(OWNER, tpdo_subs, index, 0, CO_UNSIGNED8, FIXED, "TPDO communication parameter"), \
-        CO_ANY(OWNER, tpdo[n].cob_id, index, 1, CO_UNSIGNED32, RW, "COB-ID used by TPDO"),  \
-        CO_ANY(OWNER, tpdo[n].type, index, 2, CO_UNSIGNED8, RW, "Transmission type"),       \
-        CO_ANY(OWNER, tpdo[n].inhibit_100us, index, 3, CO_UNSIGNED16, RW, "Inhibit time"),  \
+        CO_ANY(OWNER, tpdo[n].cob_id, index, 1, CO_UNSIGNED32, RW, "COB-ID used by TPDO"),   \
+        CO_ANY(OWNER, tpdo[n].type, index, 2, CO_UNSIGNED8, RW, "Transmission type"),        \
+        CO_ANY(OWNER, tpdo[n].inhibit_100us, index, 3, CO_UNSIGNED16, RW, "Inhibit time"),   \
         CO_ANY(OWNER, tpdo[n].event_ms, index, 5, CO_UNSIGNED16, RW, "Event timer")
 
-#define HISTORY(n)                                                                      \
+#define HISTORY(n) \
     CO_ANY(OWNER, history[(n)-1], 0x1003, n, CO_UNSIGNED32, RO, "Standard error field " #n)
-#define CONSUMER(n)                                                                     \
+#define CONSUMER(n) \
     CO_ANY(OWNER, consumer[(n)-1], 0x1016, n, CO_UNSIGNED32, RW, "Consumer heartbeat time " #n)
 
 const struct co_entry co_comm_objects[] = {

@@ -5,15 +5,15 @@
 #define HAL_CANOPEN_CO_DEFS_H
 
 enum co_cob { /* function codes; + node */
-    CO_COB_NMT = 0x000,
-    CO_COB_SYNC = 0x080,
-    CO_COB_EMCY = 0x080,
-    CO_COB_TPDO1 = 0x180,
-    CO_COB_RPDO1 = 0x200,
-    CO_COB_PDO_STEP = 0x100,
-    CO_COB_SDO_ANSWER = 0x580,
-    CO_COB_SDO_REQUEST = 0x600,
-    CO_COB_HEARTBEAT = 0x700
+              CO_COB_NMT = 0x000,
+              CO_COB_SYNC = 0x080,
+              CO_COB_EMCY = 0x080,
+              CO_COB_TPDO1 = 0x180,
+              CO_COB_RPDO1 = 0x200,
+              CO_COB_PDO_STEP = 0x100,
+              CO_COB_SDO_ANSWER = 0x580,
+              CO_COB_SDO_REQUEST = 0x600,
+              CO_COB_HEARTBEAT = 0x700
 };
 
 enum co_nmt_command {
@@ -67,13 +67,13 @@ enum co_emcy_code {
 };
 
 enum co_error_register { /* object 0x1001 */
-    CO_ERROR_GENERIC = 0x01,
-    CO_ERROR_CURRENT = 0x02,
-    CO_ERROR_VOLTAGE = 0x04,
-    CO_ERROR_TEMPERATURE = 0x08,
-    CO_ERROR_COMMUNICATION = 0x10,
-    CO_ERROR_PROFILE = 0x20,
-    CO_ERROR_MANUFACTURER = 0x80
+                         CO_ERROR_GENERIC = 0x01,
+                         CO_ERROR_CURRENT = 0x02,
+                         CO_ERROR_VOLTAGE = 0x04,
+                         CO_ERROR_TEMPERATURE = 0x08,
+                         CO_ERROR_COMMUNICATION = 0x10,
+                         CO_ERROR_PROFILE = 0x20,
+                         CO_ERROR_MANUFACTURER = 0x80
 };
 
 enum { CO_COB_INVALID_BIT = 31, CO_NODE_MAX = 127 };

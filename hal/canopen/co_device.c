@@ -7,8 +7,7 @@
 
 enum { BEHAVIOUR_PRE_OPERATIONAL = 0, BEHAVIOUR_STOPPED = 2 };
 
-bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data,
-                       unsigned length)
+bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data, unsigned length)
 {
     struct can_msg message = {.id = id, .length = (uint8_t)length};
     memcpy(message.data, data, length);
@@ -134,8 +133,8 @@ static void obey_nmt(struct co_device *device, const struct can_msg *message, ui
     case CO_NMT_RESET_NODE:
     case CO_NMT_RESET_COMMUNICATION:
         if (device->config.ops->reset != NULL) {
-            device->config.ops->reset(device->config.context,
-                                      message->data[0] == CO_NMT_RESET_NODE, now_ns);
+            device->config.ops->reset(device->config.context, message->data[0] == CO_NMT_RESET_NODE,
+                                      now_ns);
         }
         (void)start_communication(device, now_ns); /* was valid at init */
         break;
@@ -187,8 +186,7 @@ static void look_at_bus(struct co_device *device, uint64_t now_ns)
 
 /* ---- receiving ---------------------------------------------------------- */
 
-static void take_heartbeat(struct co_device *device, const struct can_msg *message,
-                           uint64_t now_ns)
+static void take_heartbeat(struct co_device *device, const struct can_msg *message, uint64_t now_ns)
 {
     const uint32_t node = message->id - CO_COB_HEARTBEAT;
     for (unsigned i = 0; i < CO_HEARTBEATS_MAX; i++) {

@@ -40,7 +40,7 @@ struct co_comm {
     char software_version[16];
     uint32_t emcy_cob_id;
     uint16_t emcy_inhibit_100us;
-    uint8_t heartbeat_consumers; /* highest sub-index: CO_HEARTBEATS_MAX */
+    uint8_t heartbeat_consumers;          /* highest sub-index: CO_HEARTBEATS_MAX */
     uint32_t consumer[CO_HEARTBEATS_MAX]; /* node << 16 | ms */
     uint16_t heartbeat_ms;
     uint8_t identity_count;
@@ -75,7 +75,7 @@ struct co_device_ops {
 };
 
 struct co_device_config {
-    uint8_t node_id; /* 1..127 */
+    uint8_t node_id;                         /* 1..127 */
     const struct co_dictionary *application; /* the profile's objects, 0x2000 and above */
     const struct co_device_ops *ops;
     void *context;
@@ -132,8 +132,7 @@ int co_device_init(struct co_device *device, const struct co_device_config *conf
 
 /* Handles one received frame; true when it was for this device. O(1), plus the
  * work of an SDO request or a PDO. */
-bool co_device_receive(struct co_device *device, const struct can_msg *message,
-                       uint64_t now_ns);
+bool co_device_receive(struct co_device *device, const struct can_msg *message, uint64_t now_ns);
 
 /* Sends what is due by time: boot-up, heartbeat, emergencies, event PDOs; watches
  * time-outs. Call at every tick and after

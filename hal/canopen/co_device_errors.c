@@ -47,7 +47,8 @@ static void remember(struct co_device *device, uint16_t code, const uint8_t *ven
 {
     struct co_comm *comm = &device->comm;
     memmove(comm->history + 1, comm->history, sizeof comm->history - sizeof comm->history[0]);
-    comm->history[0] = (uint32_t)code | (vendor == NULL ? 0 : (uint32_t)bytes_get_u16(vendor) << 16);
+    comm->history[0] =
+        (uint32_t)code | (vendor == NULL ? 0 : (uint32_t)bytes_get_u16(vendor) << 16);
     if (comm->history_count < CO_HISTORY_MAX) {
         comm->history_count++;
     }
@@ -102,7 +103,7 @@ uint64_t co_device_process_emcy(struct co_device *device, uint64_t now_ns)
         return inhibit_end_ns;
     }
     if (!co_device_send(device, device->comm.emcy_cob_id & CAN_ID_STANDARD_MAX,
-                    device->emcy_queue[0], 8)) {
+                        device->emcy_queue[0], 8)) {
         return now_ns;
     }
     device->emcy_sent_ns = now_ns;
@@ -111,4 +112,3 @@ uint64_t co_device_process_emcy(struct co_device *device, uint64_t now_ns)
             (size_t)device->emcy_count * sizeof device->emcy_queue[0]);
     return device->emcy_count == 0 ? UINT64_MAX : now_ns;
 }
-

@@ -20,11 +20,10 @@ static inline uint64_t co_device_sooner(uint64_t a, uint64_t b)
 }
 
 /* Sends a frame of up to 8 bytes; a refusal is counted. */
-bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data,
-                    unsigned length);
+bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data, unsigned length);
 
-void co_device_take_rpdo(struct co_device *device, unsigned number,
-                         const struct can_msg *message, uint64_t now_ns);
+void co_device_take_rpdo(struct co_device *device, unsigned number, const struct can_msg *message,
+                         uint64_t now_ns);
 void co_device_take_sync(struct co_device *device, uint64_t now_ns);
 
 /* Each does what is due and returns when it wants to be called next. */

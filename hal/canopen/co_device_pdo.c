@@ -24,7 +24,7 @@ static void apply_rpdo(struct co_device *device, unsigned number, const uint8_t 
 }
 
 void co_device_take_rpdo(struct co_device *device, unsigned number, const struct can_msg *message,
-                      uint64_t now_ns)
+                         uint64_t now_ns)
 {
     struct co_pdo *pdo = &device->comm.rpdo[number];
     if (device->state != CO_STATE_OPERATIONAL) {
@@ -170,4 +170,3 @@ uint64_t co_device_process_tpdos(struct co_device *device, uint64_t now_ns)
     }
     return due_ns;
 }
-

@@ -47,8 +47,7 @@ static unsigned lower_bound(const struct co_dictionary *dictionary, uint16_t ind
 }
 
 const struct co_entry *co_od_find(const struct co_dictionary *dictionaries, unsigned count,
-                                  uint16_t index, uint8_t sub, void **base,
-                                  uint32_t *abort_code)
+                                  uint16_t index, uint8_t sub, void **base, uint32_t *abort_code)
 {
     *abort_code = CO_ABORT_NO_OBJECT;
     for (unsigned i = 0; i < count; i++) {

@@ -13,7 +13,7 @@
 
 /* Data types by their CiA 301 index, which is also the index of dummy mapping. */
 enum co_type {
-    CO_BOOLEAN = 0x01,        /* uint8_t, 0 or 1 */
+    CO_BOOLEAN = 0x01, /* uint8_t, 0 or 1 */
     CO_INTEGER8 = 0x02,
     CO_INTEGER16 = 0x03,
     CO_INTEGER32 = 0x04,
@@ -40,9 +40,9 @@ enum { CO_VALUE_MAX = 64 }; /* longest object, bytes */
 struct co_entry {
     uint16_t index;
     uint8_t sub;
-    uint8_t type;   /* enum co_type */
-    uint8_t access; /* enum co_access */
-    uint8_t size;   /* bytes on the bus; of a string: of its array, <= CO_VALUE_MAX */
+    uint8_t type;    /* enum co_type */
+    uint8_t access;  /* enum co_access */
+    uint8_t size;    /* bytes on the bus; of a string: of its array, <= CO_VALUE_MAX */
     uint16_t offset; /* of the value in the owner's struct */
     /* Limits of a written integer (unsigned types: of the same bits as uint32_t);
      * low > high: no limits. For REAL32: thousandths, so -1500 is -1.5. */
@@ -65,8 +65,7 @@ unsigned co_type_size(enum co_type type);
  * *base, or NULL with *abort_code CO_ABORT_NO_OBJECT or CO_ABORT_NO_SUB.
  * Cost: two binary searches a dictionary. */
 const struct co_entry *co_od_find(const struct co_dictionary *dictionaries, unsigned count,
-                                  uint16_t index, uint8_t sub, void **base,
-                                  uint32_t *abort_code);
+                                  uint16_t index, uint8_t sub, void **base, uint32_t *abort_code);
 
 /* The entry's value as bus bytes into out (CO_VALUE_MAX bytes). Returns how many.
  * Knows nothing of access rights. */
@@ -84,18 +83,22 @@ uint32_t co_od_check(const struct co_entry *entry, const uint8_t *bytes, unsigne
 int64_t co_od_number(const struct co_entry *entry, const uint8_t *bytes);
 
 /* For writing tables. */
-#define CO_SIZE_OF(type)                                                              \
-    ((type) == CO_BOOLEAN || (type) == CO_INTEGER8 || (type) == CO_UNSIGNED8     ? 1 \
-     : (type) == CO_INTEGER16 || (type) == CO_UNSIGNED16                         ? 2 \
-     : (type) == CO_INTEGER24 || (type) == CO_UNSIGNED24                         ? 3 \
-                                                                                 : 4)
-#define CO_OBJECT(owner, field, index, sub, type, access, low, high, name)           \
-    {(index), (sub), (type), (access), CO_SIZE_OF(type),                             \
-     (uint16_t)offsetof(owner, field), (low), (high), (name)}
-#define CO_ANY(owner, field, index, sub, type, access, name)                         \
+#define CO_SIZE_OF(type)                                                         \
+    ((type) == CO_BOOLEAN || (type) == CO_INTEGER8 || (type) == CO_UNSIGNED8 ? 1 \
+     : (type) == CO_INTEGER16 || (type) == CO_UNSIGNED16                     ? 2 \
+     : (type) == CO_INTEGER24 || (type) == CO_UNSIGNED24                     ? 3 \
+                                                                             : 4)
+#define CO_OBJECT(owner, field, index, sub, type, access, low, high, name)                    \
+    {                                                                                         \
+        (index), (sub), (type), (access), CO_SIZE_OF(type), (uint16_t)offsetof(owner, field), \
+            (low), (high), (name)                                                             \
+    }
+#define CO_ANY(owner, field, index, sub, type, access, name) \
     CO_OBJECT(owner, field, index, sub, type, access, 1, 0, name)
-#define CO_STRING(owner, field, index, sub, access, name)                            \
-    {(index), (sub), CO_VISIBLE_STRING, (access),                                    \
-     (uint8_t)sizeof(((owner *)0)->field), (uint16_t)offsetof(owner, field), 1, 0, (name)}
+#define CO_STRING(owner, field, index, sub, access, name)                                  \
+    {                                                                                      \
+        (index), (sub), CO_VISIBLE_STRING, (access), (uint8_t)sizeof(((owner *)0)->field), \
+            (uint16_t)offsetof(owner, field), 1, 0, (name)                                 \
+    }
 
 #endif

@@ -46,8 +46,8 @@ uint32_t co_pdo_resolve(struct co_pdo *pdo, unsigned count,
         return CO_ABORT_PDO_LENGTH;
     }
     for (unsigned i = 0; i < count; i++) {
-        const uint32_t refused = co_pdo_check_entry(pdo->map[i], dictionaries,
-                                                    dictionary_count, direction, &slots[i]);
+        const uint32_t refused =
+            co_pdo_check_entry(pdo->map[i], dictionaries, dictionary_count, direction, &slots[i]);
         if (refused != CO_ABORT_NONE) {
             return refused;
         }

@@ -16,8 +16,8 @@
 enum { CO_PDO_COUNT = 4, CO_PDO_MAP_MAX = 8 };
 
 enum co_transmission {
-    CO_SYNC_ACYCLIC = 0,    /* at the next SYNC after a change */
-    CO_SYNC_MAX = 240,      /* 1..240: every nth SYNC */
+    CO_SYNC_ACYCLIC = 0, /* at the next SYNC after a change */
+    CO_SYNC_MAX = 240,   /* 1..240: every nth SYNC */
     CO_EVENT_MANUFACTURER = 254,
     CO_EVENT_PROFILE = 255
 };
@@ -41,9 +41,9 @@ struct co_pdo {
     uint32_t map[CO_PDO_MAP_MAX]; /* index << 16 | sub << 8 | bits */
     /* state */
     struct co_pdo_slot slot[CO_PDO_MAP_MAX];
-    uint8_t length;  /* bytes mapped */
-    bool waiting;    /* RPDO: data for the next SYNC; TPDO: to be sent */
-    bool seen;       /* RPDO: received since operational */
+    uint8_t length; /* bytes mapped */
+    bool waiting;   /* RPDO: data for the next SYNC; TPDO: to be sent */
+    bool seen;      /* RPDO: received since operational */
     bool timed_out;
     uint8_t sync_count;
     uint8_t data[CAN_FRAME_DATA_MAX];

@@ -55,8 +55,7 @@ static void start(struct co_sdo_client *client, uint16_t index, uint8_t sub, uin
     client->request[3] = sub;
 }
 
-void co_sdo_client_read(struct co_sdo_client *client, uint16_t index, uint8_t sub,
-                        uint64_t now_ns)
+void co_sdo_client_read(struct co_sdo_client *client, uint16_t index, uint8_t sub, uint64_t now_ns)
 {
     start(client, index, sub, now_ns);
     client->length = 0;
@@ -107,9 +106,9 @@ static void request_next_download(struct co_sdo_client *client)
     const unsigned left = (unsigned)(client->length - client->position);
     const unsigned count = left < SEGMENT_BYTES ? left : SEGMENT_BYTES;
     memset(client->request, 0, sizeof client->request);
-    client->request[0] = (uint8_t)(REQUEST_DOWNLOAD_SEGMENT | client->toggle |
-                                   (SEGMENT_BYTES - count) << 1 |
-                                   (count == left ? LAST_SEGMENT : 0));
+    client->request[0] =
+        (uint8_t)(REQUEST_DOWNLOAD_SEGMENT | client->toggle | (SEGMENT_BYTES - count) << 1 |
+                  (count == left ? LAST_SEGMENT : 0));
     memcpy(client->request + 1, client->buffer + client->position, count);
     client->position = (uint8_t)(client->position + count);
     client->unsent = true;
@@ -223,8 +222,7 @@ enum co_sdo_result co_sdo_client_poll(struct co_sdo_client *client, const struct
         fail(client, CO_ABORT_TIMEOUT, true);
     }
     if (client->unsent) {
-        struct can_msg message = {.id = (uint32_t)CO_COB_SDO_REQUEST + client->node,
-                                  .length = 8};
+        struct can_msg message = {.id = (uint32_t)CO_COB_SDO_REQUEST + client->node, .length = 8};
         memcpy(message.data, client->request, sizeof client->request);
         if (can_bus_send(bus, &message) == CAN_OK) {
             client->unsent = false;

@@ -20,10 +20,10 @@ enum co_sdo_result {
 };
 
 struct co_sdo_client {
-    uint8_t node;    /* the server's node */
+    uint8_t node; /* the server's node */
     uint8_t state;
     uint8_t toggle;
-    uint8_t length;   /* of the value in buffer */
+    uint8_t length; /* of the value in buffer */
     uint8_t position;
     uint8_t sub;
     uint16_t index;
@@ -40,8 +40,7 @@ void co_sdo_client_init(struct co_sdo_client *client, uint8_t node, uint64_t tim
 
 /* Starts reading index:sub; a transfer under way is forgotten (the server notices
  * by the new request). The first frame leaves with the next _poll. */
-void co_sdo_client_read(struct co_sdo_client *client, uint16_t index, uint8_t sub,
-                        uint64_t now_ns);
+void co_sdo_client_read(struct co_sdo_client *client, uint16_t index, uint8_t sub, uint64_t now_ns);
 
 /* Starts writing length bytes (1..CO_VALUE_MAX, copied, bus order). */
 void co_sdo_client_write(struct co_sdo_client *client, uint16_t index, uint8_t sub,

@@ -81,8 +81,8 @@ static uint32_t find(const struct co_sdo_server *server, unsigned wanted,
                      const struct co_entry **entry, void **base)
 {
     uint32_t refused;
-    *entry = co_od_find(server->dictionaries, server->dictionary_count, server->index,
-                        server->sub, base, &refused);
+    *entry = co_od_find(server->dictionaries, server->dictionary_count, server->index, server->sub,
+                        base, &refused);
     if (*entry == NULL) {
         return refused;
     }
@@ -103,8 +103,7 @@ static uint32_t write_object(struct co_sdo_server *server, const uint8_t *bytes,
     return co_access_write(server->hooks, server->context, entry, base, bytes, length);
 }
 
-static bool initiate_download(struct co_sdo_server *server, const uint8_t *request,
-                              uint8_t *answer)
+static bool initiate_download(struct co_sdo_server *server, const uint8_t *request, uint8_t *answer)
 {
     const struct co_entry *entry;
     void *base;
@@ -137,8 +136,7 @@ static bool initiate_download(struct co_sdo_server *server, const uint8_t *reque
     return true;
 }
 
-static bool download_segment(struct co_sdo_server *server, const uint8_t *request,
-                             uint8_t *answer)
+static bool download_segment(struct co_sdo_server *server, const uint8_t *request, uint8_t *answer)
 {
     const unsigned toggle = request[0] & TOGGLE;
     if (server->phase != CO_SDO_DOWNLOAD) {
@@ -156,10 +154,9 @@ static bool download_segment(struct co_sdo_server *server, const uint8_t *reques
     server->position = (uint8_t)(server->position + count);
     if (last) {
         if (server->length != 0 && server->position != server->length) {
-            return send_abort(server,
-                              server->position > server->length ? CO_ABORT_TOO_LONG
-                                                                : CO_ABORT_TOO_SHORT,
-                              answer);
+            return send_abort(
+                server, server->position > server->length ? CO_ABORT_TOO_LONG : CO_ABORT_TOO_SHORT,
+                answer);
         }
         const uint32_t refused = write_object(server, server->buffer, server->position);
         if (refused != CO_ABORT_NONE) {
@@ -221,8 +218,8 @@ static bool upload_segment(struct co_sdo_server *server, const uint8_t *request,
     return true;
 }
 
-bool co_sdo_server_handle(struct co_sdo_server *server, const uint8_t *request,
-                          uint64_t now_ns, uint8_t *answer)
+bool co_sdo_server_handle(struct co_sdo_server *server, const uint8_t *request, uint64_t now_ns,
+                          uint8_t *answer)
 {
     const unsigned command = request[0] >> 5;
     memset(answer, 0, 8);

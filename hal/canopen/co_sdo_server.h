@@ -48,8 +48,8 @@ void co_sdo_server_init(struct co_sdo_server *server, const struct co_dictionary
 /* Handles one request of 8 bytes. Returns true when answer[8] is to be sent (an
  * abort included). A transfer that stood still for CO_SDO_SERVER_TIMEOUT_MS is
  * forgotten. Cost: O(log entries). */
-bool co_sdo_server_handle(struct co_sdo_server *server, const uint8_t *request,
-                          uint64_t now_ns, uint8_t *answer);
+bool co_sdo_server_handle(struct co_sdo_server *server, const uint8_t *request, uint64_t now_ns,
+                          uint8_t *answer);
 
 /* Forgets a transfer under way (NMT stopped or reset). */
 void co_sdo_server_reset(struct co_sdo_server *server);

@@ -17,8 +17,8 @@
 enum { SYNC_ID = 0x080 };
 
 static const int64_t NS_PER_S = 1000000000;
-static const uint64_t RETRY_DOWN_NS = 5000000;    /* how often a lost interface is tried */
-static const uint64_t RETRY_FULL_NS = 200000;     /* when the kernel's queue was full */
+static const uint64_t RETRY_DOWN_NS = 5000000; /* how often a lost interface is tried */
+static const uint64_t RETRY_FULL_NS = 200000;  /* when the kernel's queue was full */
 
 static void count(uint32_t *counter)
 {

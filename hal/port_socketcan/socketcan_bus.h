@@ -61,7 +61,7 @@ struct socketcan_bus {
     struct socketcan_counters counters;
     unsigned tx_count;
     struct can_msg tx[SOCKETCAN_TX_QUEUE]; /* sorted by identifier, last is next */
-    unsigned rx_next, rx_count; /* of the batch fetched from the kernel */
+    unsigned rx_next, rx_count;            /* of the batch fetched from the kernel */
     struct socketcan_received rx[SOCKETCAN_RX_BATCH];
 };
 

@@ -181,7 +181,8 @@ static bool take_identifier(struct cursor *cursor, struct can_msg *message)
     } else {
         message->flags = CAN_FRAME_EXTENDED;
     }
-    const uint32_t max = digits == 3 ? (uint32_t)CAN_ID_STANDARD_MAX : (uint32_t)CAN_ID_EXTENDED_MAX;
+    const uint32_t max =
+        digits == 3 ? (uint32_t)CAN_ID_STANDARD_MAX : (uint32_t)CAN_ID_EXTENDED_MAX;
     if (message->id > max || (id & UINT32_C(0xC0000000)) != 0) {
         cursor->at = start;
         return fail(cursor, "identifier out of range");
@@ -227,8 +228,7 @@ bool candump_parse(const char *line, size_t length, struct candump_record *recor
     }
     struct cursor cursor = {.text = line, .length = length, .error = error};
     memset(record, 0, sizeof *record);
-    if (!take_time(&cursor, &record->time_us) ||
-        !take_interface(&cursor, record->interface_name) ||
+    if (!take_time(&cursor, &record->time_us) || !take_interface(&cursor, record->interface_name) ||
         !take_identifier(&cursor, &record->message) || !take_data(&cursor, &record->message)) {
         return false;
     }
@@ -239,8 +239,7 @@ bool candump_parse(const char *line, size_t length, struct candump_record *recor
 }
 
 enum candump_read_result candump_read(FILE *file, unsigned long *line_number,
-                                      struct candump_record *record,
-                                      struct candump_error *error)
+                                      struct candump_record *record, struct candump_error *error)
 {
     char line[LINE_READ_MAX];
     size_t length = 0;

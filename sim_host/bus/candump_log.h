@@ -53,7 +53,6 @@ enum candump_read_result { CANDUMP_RECORD = 1, CANDUMP_END = 0, CANDUMP_BAD = -1
 /* Reads the next record of an open file; *line_number starts at 0 and counts
  * the lines. CANDUMP_BAD fills *error (also for a read error). */
 enum candump_read_result candump_read(FILE *file, unsigned long *line_number,
-                                      struct candump_record *record,
-                                      struct candump_error *error);
+                                      struct candump_record *record, struct candump_error *error);
 
 #endif

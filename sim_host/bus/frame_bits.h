@@ -14,9 +14,9 @@
 #include "hal/can_frame.h"
 
 enum {
-    FRAME_BITS_TAIL = 10,        /* CRC delimiter, ACK slot and delimiter, EOF */
+    FRAME_BITS_TAIL = 10, /* CRC delimiter, ACK slot and delimiter, EOF */
     FRAME_BITS_INTERMISSION = 3,
-    FRAME_BITS_RUN_STATES = 10   /* last bit 0 or 1, run of 1..5 */
+    FRAME_BITS_RUN_STATES = 10 /* last bit 0 or 1, run of 1..5 */
 };
 
 struct frame_bits {

@@ -52,10 +52,8 @@ void sim_bus_report(struct sim_bus *bus, enum sim_bus_event_kind kind,
     if (bus->tap == NULL) {
         return;
     }
-    struct sim_bus_event event = {.kind = kind,
-                                  .time_ns = bus->now_ns,
-                                  .port = port->index,
-                                  .fault = bus->fault.kind};
+    struct sim_bus_event event = {
+        .kind = kind, .time_ns = bus->now_ns, .port = port->index, .fault = bus->fault.kind};
     if (message != NULL) {
         event.message = *message;
     }
@@ -220,8 +218,8 @@ static void begin_frame(struct sim_bus *bus)
     const unsigned stuffed = frame_bits_stuffed(&bus->bits, &bus->wire.message);
     unsigned bits = stuffed + FRAME_BITS_TAIL;
     if (bus->outcome != SIM_BUS_ENDS_WELL) {
-        bits = bits_until_error(bus, stuffed) + SIM_BUS_ERROR_FLAG_BITS +
-               SIM_BUS_ERROR_DELIMITER_BITS;
+        bits =
+            bits_until_error(bus, stuffed) + SIM_BUS_ERROR_FLAG_BITS + SIM_BUS_ERROR_DELIMITER_BITS;
     }
     if (bus->recovering != 0) {
         const uint64_t idle_bits = (bus->now_ns - bus->idle_since_ns) / bus->bit_ns;
@@ -295,11 +293,10 @@ static uint32_t end_frame_badly(struct sim_bus *bus)
     for (unsigned i = 0; i < bus->port_count; i++) {
         struct sim_bus_port *port = &bus->ports[i];
         if ((bus->contenders >> i & 1U) != 0) {
-            wake |= sim_bus_transmit_failed(bus, port,
-                                            bus->outcome == SIM_BUS_ENDS_UNHEARD);
+            wake |= sim_bus_transmit_failed(bus, port, bus->outcome == SIM_BUS_ENDS_UNHEARD);
             if (port->status.error_state != CAN_BUS_OFF && !bus->wire.is_babble) {
-                (void)sim_bus_queue_insert(
-                    port, i == bus->sender ? &bus->wire : &bus->rivals[i], true);
+                (void)sim_bus_queue_insert(port, i == bus->sender ? &bus->wire : &bus->rivals[i],
+                                           true);
             }
         } else if (sim_bus_is_on(port)) {
             wake |= sim_bus_receive_failed(bus, port);
@@ -323,13 +320,11 @@ static void end_frame(struct sim_bus *bus)
     bus->now_ns = bus->phase_end_ns;
     bus->phase = SIM_BUS_INTERMISSION;
     bus->phase_end_ns += (uint64_t)FRAME_BITS_INTERMISSION * bus->bit_ns;
-    uint32_t wake =
-        bus->outcome == SIM_BUS_ENDS_WELL ? end_frame_well(bus) : end_frame_badly(bus);
+    uint32_t wake = bus->outcome == SIM_BUS_ENDS_WELL ? end_frame_well(bus) : end_frame_badly(bus);
     for (uint32_t left = bus->contenders; left != 0; left &= left - 1) {
         struct sim_bus_port *port = &bus->ports[__builtin_ctz(left)];
         if (port->status.error_state == CAN_ERROR_PASSIVE) {
-            port->may_start_ns =
-                bus->phase_end_ns + (uint64_t)SIM_BUS_SUSPEND_BITS * bus->bit_ns;
+            port->may_start_ns = bus->phase_end_ns + (uint64_t)SIM_BUS_SUSPEND_BITS * bus->bit_ns;
         }
     }
     if (bus->recovering != 0) {
@@ -361,9 +356,8 @@ static uint64_t next_own_event(const struct sim_bus *bus, uint64_t until_ns)
     }
     for (uint32_t left = bus->recovering; left != 0; left &= left - 1) {
         const struct sim_bus_port *port = &bus->ports[__builtin_ctz(left)];
-        const uint64_t due_ns =
-            bus->idle_since_ns +
-            (uint64_t)port->recovery_left * SIM_BUS_RECESSIVE_BITS * bus->bit_ns;
+        const uint64_t due_ns = bus->idle_since_ns + (uint64_t)port->recovery_left *
+                                                         SIM_BUS_RECESSIVE_BITS * bus->bit_ns;
         next_ns = due_ns < next_ns ? due_ns : next_ns;
     }
     return next_ns;

@@ -39,27 +39,27 @@ enum sim_bus_event_kind {
 /* What a fault hook may do to a frame that won arbitration. */
 enum sim_bus_fault_kind {
     SIM_BUS_FAULT_NONE = 0,
-    SIM_BUS_FAULT_DROP = 1,      /* on the bus, but `receivers` do not hear it */
-    SIM_BUS_FAULT_DESTROY = 2,   /* a bit error at `bit`: error frame, sent again */
-    SIM_BUS_FAULT_ALTER = 3,     /* delivered with data XOR `flip`, CRC made to fit */
-    SIM_BUS_FAULT_DELAY = 4,     /* taken off the bus, queued again `delay_ns` later */
-    SIM_BUS_FAULT_DUPLICATE = 5  /* delivered, and sent a second time */
+    SIM_BUS_FAULT_DROP = 1,     /* on the bus, but `receivers` do not hear it */
+    SIM_BUS_FAULT_DESTROY = 2,  /* a bit error at `bit`: error frame, sent again */
+    SIM_BUS_FAULT_ALTER = 3,    /* delivered with data XOR `flip`, CRC made to fit */
+    SIM_BUS_FAULT_DELAY = 4,    /* taken off the bus, queued again `delay_ns` later */
+    SIM_BUS_FAULT_DUPLICATE = 5 /* delivered, and sent a second time */
 };
 
 struct sim_bus_fault {
     enum sim_bus_fault_kind kind;
-    uint32_t receivers; /* DROP: bit p = port p; 0 means all */
-    uint32_t delay_ns;  /* DELAY */
-    uint16_t bit;       /* DESTROY: stuffed bit after SOF, clipped to the frame */
+    uint32_t receivers;               /* DROP: bit p = port p; 0 means all */
+    uint32_t delay_ns;                /* DELAY */
+    uint16_t bit;                     /* DESTROY: stuffed bit after SOF, clipped to the frame */
     uint8_t flip[CAN_FRAME_DATA_MAX]; /* ALTER */
 };
 
 struct sim_bus_event {
     enum sim_bus_event_kind kind;
     uint64_t time_ns;
-    uint8_t port;                /* sender, or the node that changed state */
+    uint8_t port;                  /* sender, or the node that changed state */
     enum sim_bus_fault_kind fault; /* what the hook did to this frame */
-    struct can_msg message;      /* as delivered */
+    struct can_msg message;        /* as delivered */
 };
 
 /* Called on every event, before the receivers are woken. May not send. */
@@ -75,8 +75,8 @@ enum sim_bus_phase { SIM_BUS_IDLE = 0, SIM_BUS_TRANSMIT = 1, SIM_BUS_INTERMISSIO
 /* How the frame on the wire will end. */
 enum sim_bus_outcome {
     SIM_BUS_ENDS_WELL = 0,
-    SIM_BUS_ENDS_DESTROYED = 1,  /* a bit error, or two senders of one identifier */
-    SIM_BUS_ENDS_UNHEARD = 2     /* nobody acknowledged */
+    SIM_BUS_ENDS_DESTROYED = 1, /* a bit error, or two senders of one identifier */
+    SIM_BUS_ENDS_UNHEARD = 2    /* nobody acknowledged */
 };
 
 struct sim_bus_stats {
@@ -87,7 +87,7 @@ struct sim_bus_stats {
 };
 
 struct sim_bus_tx_entry {
-    uint32_t key; /* arbitration field, smaller wins */
+    uint32_t key;   /* arbitration field, smaller wins */
     bool hook_done; /* a fault hook had its say already */
     bool is_babble;
     uint64_t queued_ns;
@@ -116,8 +116,8 @@ struct sim_bus_port {
     bool recovering;
     bool babbling;
     uint8_t index;
-    uint32_t recovery_left;   /* sequences of 11 recessive bits still to see */
-    uint64_t may_start_ns;    /* suspended transmission of an error-passive node */
+    uint32_t recovery_left; /* sequences of 11 recessive bits still to see */
+    uint64_t may_start_ns;  /* suspended transmission of an error-passive node */
     uint64_t babble_until_ns;
     struct can_msg babble;
     int tec;

@@ -6,7 +6,7 @@
 
 enum {
     SIM_BUS_SYNC_ID = 0x080,
-    SIM_BUS_ERROR_FLAG_BITS = 12,     /* flag of 6, and the echo flags of the others */
+    SIM_BUS_ERROR_FLAG_BITS = 12, /* flag of 6, and the echo flags of the others */
     SIM_BUS_ERROR_DELIMITER_BITS = 8,
     SIM_BUS_SUSPEND_BITS = 8,
     SIM_BUS_RECOVERY_SEQUENCES = 128,
@@ -23,8 +23,7 @@ bool sim_bus_queue_insert(struct sim_bus_port *port, const struct sim_bus_tx_ent
                           bool again);
 
 /* Appends to the receive queue; counts an overflow when it is full. */
-void sim_bus_deliver(struct sim_bus_port *port, const struct can_msg *message,
-                     uint64_t time_ns);
+void sim_bus_deliver(struct sim_bus_port *port, const struct can_msg *message, uint64_t time_ns);
 
 /* True when the port takes part in the traffic. */
 static inline bool sim_bus_is_on(const struct sim_bus_port *port)

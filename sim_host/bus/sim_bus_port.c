@@ -23,8 +23,8 @@ bool sim_bus_queue_insert(struct sim_bus_port *port, const struct sim_bus_tx_ent
         return false;
     }
     unsigned at = port->tx_count;
-    while (at > 0 && (again ? port->tx[at - 1].key < entry->key
-                            : port->tx[at - 1].key <= entry->key)) {
+    while (at > 0 &&
+           (again ? port->tx[at - 1].key < entry->key : port->tx[at - 1].key <= entry->key)) {
         port->tx[at] = port->tx[at - 1];
         at--;
     }
@@ -34,15 +34,13 @@ bool sim_bus_queue_insert(struct sim_bus_port *port, const struct sim_bus_tx_ent
     return true;
 }
 
-void sim_bus_deliver(struct sim_bus_port *port, const struct can_msg *message,
-                     uint64_t time_ns)
+void sim_bus_deliver(struct sim_bus_port *port, const struct can_msg *message, uint64_t time_ns)
 {
     if (port->rx_count == SIM_BUS_RX_QUEUE) {
         port->status.rx_overflow++;
         return;
     }
-    struct sim_bus_rx_entry *entry =
-        &port->rx[(port->rx_head + port->rx_count) % SIM_BUS_RX_QUEUE];
+    struct sim_bus_rx_entry *entry = &port->rx[(port->rx_head + port->rx_count) % SIM_BUS_RX_QUEUE];
     entry->time_ns = time_ns;
     entry->message = *message;
     port->rx_count++;
@@ -66,12 +64,10 @@ static enum can_result port_send(void *context, const struct can_msg *message)
     if (port->status.error_state == CAN_BUS_OFF) {
         return CAN_DOWN;
     }
-    struct sim_bus_tx_entry entry = {.key = sim_bus_key(message),
-                                     .queued_ns = port->bus->now_ns,
-                                     .message = *message};
-    entry.message.flags &= (uint8_t)~(unsigned)CAN_FRAME_OWN;
-    const unsigned carried =
-        (message->flags & CAN_FRAME_REMOTE) != 0 ? 0 : message->length;
+    struct sim_bus_tx_entry entry = {
+        .key = sim_bus_key(message), .queued_ns = port->bus->now_ns, .message = *message};
+    entry.message.flags &= (uint8_t) ~(unsigned)CAN_FRAME_OWN;
+    const unsigned carried = (message->flags & CAN_FRAME_REMOTE) != 0 ? 0 : message->length;
     for (unsigned i = carried; i < CAN_FRAME_DATA_MAX; i++) {
         entry.message.data[i] = 0;
     }

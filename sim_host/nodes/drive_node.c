@@ -97,7 +97,8 @@ static void default_objects(struct drive_node *node)
     objects->encoder_revolutions = 1;
     objects->gear_motor = 1;
     objects->gear_shaft = 1;
-    objects->feed = (uint32_t)node_round_i32(ENCODER_INCREMENTS * 1e9 / (double)config->counts_per_m);
+    objects->feed =
+        (uint32_t)node_round_i32(ENCODER_INCREMENTS * 1e9 / (double)config->counts_per_m);
     objects->feed_revolutions = 1;
     objects->interpolation_value = 1;
     objects->interpolation_exponent = -3;
@@ -214,9 +215,8 @@ static bool is_config_valid(const struct drive_node_config *config)
     const double span = config->stroke_m * (double)config->counts_per_m;
     return config->counts_per_m > 0 && config->stroke_m > 0.0 && span < 2147483647.0 &&
            config->max_speed_m_per_s >= 0.0 && config->following_error_m > 0.0 &&
-           config->rated_force_N > 0.0 &&
-           config->unload_rate_m_per_s > 0.0 && config->temperature_limit_degC >= 0.0 &&
-           config->dc_link_minimum_V >= 0.0 &&
+           config->rated_force_N > 0.0 && config->unload_rate_m_per_s > 0.0 &&
+           config->temperature_limit_degC >= 0.0 && config->dc_link_minimum_V >= 0.0 &&
            (config->side == SIDE_LEFT || config->side == SIDE_RIGHT);
 }
 
@@ -259,8 +259,7 @@ void drive_node_measure(struct drive_node *node, const struct drive_axis_feedbac
         node_round_i32(node->demand_counts - (double)objects->position_actual);
 }
 
-bool drive_node_receive(struct drive_node *node, const struct can_msg *message,
-                        uint64_t now_ns)
+bool drive_node_receive(struct drive_node *node, const struct can_msg *message, uint64_t now_ns)
 {
     node->sync_seen = false;
     node->now_ns = now_ns;
@@ -283,8 +282,7 @@ bool drive_node_poll(struct drive_node *node, uint64_t now_ns)
 }
 
 /* Moves the demand towards `target` by at most `rate` counts/s (0: at once). */
-static void move_demand(struct drive_node *node, double target, uint32_t rate,
-                        uint32_t period_ns)
+static void move_demand(struct drive_node *node, double target, uint32_t rate, uint32_t period_ns)
 {
     if (rate != 0) {
         const double reach = (double)rate * (double)period_ns / NS_PER_S;

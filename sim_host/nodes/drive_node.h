@@ -40,14 +40,14 @@
 #include "model/side.h"
 
 struct drive_node_config {
-    enum side side;               /* which half of RPDO 0x201 */
-    uint8_t node_id;              /* 1..127 */
-    uint32_t counts_per_m;        /* motor counts per metre of spring, > 0 */
-    double stroke_m;              /* position limits 0x607D: 0..stroke, > 0 */
-    double max_speed_m_per_s;     /* 0x6080: fastest demand; 0: the demand may jump */
-    double rated_force_N;         /* 1000 per mille of 0x6077, > 0 */
-    double following_error_m;     /* 0x6065, > 0; for longer than 100 ms it is a fault */
-    double unload_rate_m_per_s;   /* bounded rate of the safe reactions, > 0 */
+    enum side side;                /* which half of RPDO 0x201 */
+    uint8_t node_id;               /* 1..127 */
+    uint32_t counts_per_m;         /* motor counts per metre of spring, > 0 */
+    double stroke_m;               /* position limits 0x607D: 0..stroke, > 0 */
+    double max_speed_m_per_s;      /* 0x6080: fastest demand; 0: the demand may jump */
+    double rated_force_N;          /* 1000 per mille of 0x6077, > 0 */
+    double following_error_m;      /* 0x6065, > 0; for longer than 100 ms it is a fault */
+    double unload_rate_m_per_s;    /* bounded rate of the safe reactions, > 0 */
     double temperature_limit_degC; /* above: fault 0x4310; 0: none */
     double dc_link_minimum_V;      /* below while enabled: fault 0x3220; 0: none */
 };
@@ -55,17 +55,17 @@ struct drive_node_config {
 struct drive_axis_feedback {
     double position_m; /* motor, metres of spring; 0 = unloaded */
     double velocity_m_per_s;
-    double force_N;    /* of the motor */
+    double force_N; /* of the motor */
     double temperature_degC;
     double dc_link_V;
-    bool latch_holds;  /* the latch carries the spring's output */
+    bool latch_holds; /* the latch carries the spring's output */
 };
 
 struct drive_axis_command {
-    bool powered;      /* position loop closed; false: no torque */
-    bool brake;        /* holding brake wanted, 0x60FE bit 0 */
+    bool powered; /* position loop closed; false: no torque */
+    bool brake;   /* holding brake wanted, 0x60FE bit 0 */
     bool latch_armed;
-    double target_m;   /* position demand at the end of the period */
+    double target_m; /* position demand at the end of the period */
 };
 
 struct drive_node;
@@ -84,8 +84,7 @@ void drive_node_measure(struct drive_node *node, const struct drive_axis_feedbac
 bool drive_node_poll(struct drive_node *node, uint64_t now_ns);
 
 /* The same for one frame which the owner received on a shared interface. */
-bool drive_node_receive(struct drive_node *node, const struct can_msg *message,
-                        uint64_t now_ns);
+bool drive_node_receive(struct drive_node *node, const struct can_msg *message, uint64_t now_ns);
 
 /* Advances the drive's own trajectory and supervision by period_ns (0.1..10 ms) and
  * says what the axis shall do during it. The period starts at the node's newest time

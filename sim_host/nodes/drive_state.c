@@ -146,8 +146,7 @@ static bool is_at_zero(const struct drive_node *node)
 static void enable_operation(struct drive_node *node)
 {
     struct drive_objects *objects = &node->objects;
-    if (distance(objects->target_position, objects->position_actual) >
-        objects->following_window) {
+    if (distance(objects->target_position, objects->position_actual) > objects->following_window) {
         fault(node, ERROR_FOLLOWING);
         return;
     }
@@ -251,8 +250,7 @@ static void watch_following(struct drive_node *node, uint64_t now_ns)
 {
     const struct drive_objects *objects = &node->objects;
     if (node->state != DRIVE_OPERATION_ENABLED || node->unloading ||
-        distance(objects->position_demand, objects->position_actual) <=
-            objects->following_window) {
+        distance(objects->position_demand, objects->position_actual) <= objects->following_window) {
         node->following_since_ns = 0;
         return;
     }
@@ -295,10 +293,10 @@ void drive_state_supervise(struct drive_node *node, uint64_t now_ns)
 void drive_state_update_statusword(struct drive_node *node)
 {
     static const uint16_t bits[] = {
-        [DRIVE_NOT_READY] = 0x00,         [DRIVE_SWITCH_ON_DISABLED] = 0x40,
+        [DRIVE_NOT_READY] = 0x00,          [DRIVE_SWITCH_ON_DISABLED] = 0x40,
         [DRIVE_READY_TO_SWITCH_ON] = 0x21, [DRIVE_SWITCHED_ON] = 0x23,
-        [DRIVE_OPERATION_ENABLED] = 0x27, [DRIVE_QUICK_STOP_ACTIVE] = 0x07,
-        [DRIVE_FAULT_REACTION] = 0x0F,    [DRIVE_IN_FAULT] = 0x08};
+        [DRIVE_OPERATION_ENABLED] = 0x27,  [DRIVE_QUICK_STOP_ACTIVE] = 0x07,
+        [DRIVE_FAULT_REACTION] = 0x0F,     [DRIVE_IN_FAULT] = 0x08};
     const struct drive_objects *objects = &node->objects;
     unsigned status = (unsigned)bits[node->state] | STATUS_VOLTAGE;
     if (co_device_is_operational(&node->device)) {

@@ -90,8 +90,8 @@ static void written(void *context, const struct co_entry *entry)
     struct leg_sensor_node *node = context;
     struct leg_sensor_objects *objects = &node->objects;
     if (entry->index == 0x6010 && entry->sub == 2) {
-        node->ankle_offset = clamp((int64_t)objects->ankle_preset - node->raw_ankle, INT32_MIN / 2,
-                                   INT32_MAX / 2);
+        node->ankle_offset =
+            clamp((int64_t)objects->ankle_preset - node->raw_ankle, INT32_MIN / 2, INT32_MAX / 2);
     } else if (entry->index == 0x6003 || entry->index == 0x6010) {
         objects->offset =
             clamp(objects->preset - directed_angle(node), INT32_MIN / 2, INT32_MAX / 2);
@@ -125,17 +125,16 @@ static void on_reset(void *context, bool whole_node, uint64_t now_ns)
 static const struct co_device_ops device_ops = {
     .access = {.written = written}, .sync = on_sync, .reset = on_reset};
 
-int leg_sensor_node_init(struct leg_sensor_node *node,
-                         const struct leg_sensor_node_config *config, struct can_bus bus,
-                         uint64_t now_ns)
+int leg_sensor_node_init(struct leg_sensor_node *node, const struct leg_sensor_node_config *config,
+                         struct can_bus bus, uint64_t now_ns)
 {
     if (config->side != SIDE_LEFT && config->side != SIDE_RIGHT) {
         return -1;
     }
     memset(node, 0, sizeof *node);
     node->config = *config;
-    node->dictionary = (struct co_dictionary){leg_sensor_object_table, leg_sensor_object_count,
-                                              &node->objects};
+    node->dictionary =
+        (struct co_dictionary){leg_sensor_object_table, leg_sensor_object_count, &node->objects};
     default_objects(node);
     const struct co_device_config device = {.node_id = config->node_id,
                                             .application = &node->dictionary,

@@ -29,9 +29,8 @@ struct leg_sensor_node;
 /* Prepares the node and sends its boot-up message. Returns 0, or -1 when a config
  * value is out of range. The struct must not move afterwards; `bus` is kept by value,
  * its context must outlive the node. */
-int leg_sensor_node_init(struct leg_sensor_node *node,
-                         const struct leg_sensor_node_config *config, struct can_bus bus,
-                         uint64_t now_ns);
+int leg_sensor_node_init(struct leg_sensor_node *node, const struct leg_sensor_node_config *config,
+                         struct can_bus bus, uint64_t now_ns);
 
 /* What the sensor measures from now on: leg angle in rad (signed, within one turn)
  * and ankle extension in m, or rad with a lever. A value that is not finite raises

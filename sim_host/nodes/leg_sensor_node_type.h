@@ -20,17 +20,17 @@ struct leg_sensor_objects {
     int32_t ankle_wide;            /* 0x6020:02 */
     int16_t speed;                 /* 0x6030:01, counts a tick / 256 */
     uint8_t speed_count;
-    uint16_t cyclic_timer_ms;      /* 0x6200: event timer of TPDO1 */
-    uint16_t operating_status;     /* 0x6500 */
-    uint32_t resolution;           /* 0x6501 */
-    uint16_t turns;                /* 0x6502 */
-    uint16_t alarms;               /* 0x6503 */
-    uint16_t supported_alarms;     /* 0x6504 */
-    uint16_t warnings;             /* 0x6505 */
-    uint16_t supported_warnings;   /* 0x6506 */
-    uint32_t profile_version;      /* 0x6507 */
-    uint32_t operating_time;       /* 0x6508, 0.1 h; all ones: not counted */
-    int32_t offset;                /* 0x6509 */
+    uint16_t cyclic_timer_ms;    /* 0x6200: event timer of TPDO1 */
+    uint16_t operating_status;   /* 0x6500 */
+    uint32_t resolution;         /* 0x6501 */
+    uint16_t turns;              /* 0x6502 */
+    uint16_t alarms;             /* 0x6503 */
+    uint16_t supported_alarms;   /* 0x6504 */
+    uint16_t warnings;           /* 0x6505 */
+    uint16_t supported_warnings; /* 0x6506 */
+    uint32_t profile_version;    /* 0x6507 */
+    uint32_t operating_time;     /* 0x6508, 0.1 h; all ones: not counted */
+    int32_t offset;              /* 0x6509 */
 };
 
 struct leg_sensor_node {

@@ -36,8 +36,7 @@ const struct co_entry leg_sensor_object_table[] = {
     CO_ANY(OWNER, supported_alarms, 0x6504, 0, CO_UNSIGNED16, FIXED, "Supported alarms"),
     CO_ANY(OWNER, warnings, 0x6505, 0, CO_UNSIGNED16, RO | TX, "Warnings"),
     CO_ANY(OWNER, supported_warnings, 0x6506, 0, CO_UNSIGNED16, FIXED, "Supported warnings"),
-    CO_ANY(OWNER, profile_version, 0x6507, 0, CO_UNSIGNED32, FIXED,
-           "Profile and software version"),
+    CO_ANY(OWNER, profile_version, 0x6507, 0, CO_UNSIGNED32, FIXED, "Profile and software version"),
     CO_ANY(OWNER, operating_time, 0x6508, 0, CO_UNSIGNED32, FIXED, "Operating time"),
     CO_ANY(OWNER, offset, 0x6509, 0, CO_INTEGER32, RO, "Offset value"),
 };

@@ -107,11 +107,15 @@ static void parse_options(struct options *options, int argc, char **argv)
 {
     static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
     static const struct argp parser = {
-        option_list, take_option, 0,
+        option_list,
+        take_option,
+        0,
         "The simulated walker with its two SEA drives and two leg sensors as CANopen nodes "
         "1 to 4 on a CAN interface.\v"
         "Exit status: 0 ended without a fall, 1 fell, 2 wrong usage or no such interface.",
-        children, 0, 0};
+        children,
+        0,
+        0};
     *options = (struct options){.sensors = SENSORS_17BIT, .seed = 1, .silence_ms = 500};
     walk_options_init(&options->walk);
     option_identity("afo-walker");
@@ -131,7 +135,7 @@ struct session {
     uint64_t start_ns;     /* CLOCK_MONOTONIC */
     uint64_t last_sync_ns; /* CLOCK_MONOTONIC; 0: none yet */
     uint64_t next_clock_ns;
-    uint64_t time_ns;      /* the nodes' time */
+    uint64_t time_ns; /* the nodes' time */
     uint64_t sync_ticks, clock_ticks, silences;
     bool by_clock;
     unsigned falls, held;
@@ -269,8 +273,7 @@ static void serve(struct session *session)
     while (!interrupted &&
            (session->options.steps == 0 || session->apexes < session->options.steps)) {
         struct can_msg message;
-        const uint64_t deadline_ns =
-            session->by_clock ? session->next_clock_ns : now_ns + IDLE_NS;
+        const uint64_t deadline_ns = session->by_clock ? session->next_clock_ns : now_ns + IDLE_NS;
         /* While frames flow the clock is not asked: system calls are what costs here. */
         const bool frames = socketcan_bus_wait(&session->bus, deadline_ns) == 1;
         while (frames && can_bus_receive(&bus, &message, &now_ns) == CAN_OK) {

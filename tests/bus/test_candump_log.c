@@ -88,8 +88,8 @@ START_TEST(anything_else_is_refused_with_its_column)
         struct candump_record record;
         struct candump_error error = {0};
         ck_assert_msg(!parse(bad[i].line, &record, &error), "accepted: %s", bad[i].line);
-        ck_assert_msg(error.column == bad[i].column, "%s: column %u (%s), expected %u",
-                      bad[i].line, error.column, error.reason, bad[i].column);
+        ck_assert_msg(error.column == bad[i].column, "%s: column %u (%s), expected %u", bad[i].line,
+                      error.column, error.reason, bad[i].column);
     }
 }
 END_TEST

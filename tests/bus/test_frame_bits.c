@@ -107,15 +107,14 @@ START_TEST(no_frame_is_longer_than_the_bound_and_patterns_come_near_it)
     unsigned seed = 1;
     unsigned longest[9] = {0};
     for (int i = 0; i < 200000; i++) {
-        struct can_msg message = {.id = next_random(&seed) & 0x7FFU,
-                                  .length = (uint8_t)(i % 9)};
+        struct can_msg message = {.id = next_random(&seed) & 0x7FFU, .length = (uint8_t)(i % 9)};
         const unsigned r = next_random(&seed);
         for (unsigned b = 0; b < message.length; b++) {
             /* 0x78 and 0x87 turn on every fourth bit: a stuff bit each. */
             message.data[b] = (r & 1U) != 0 ? 0x78 : (r & 2U) != 0 ? 0x87 : 0x0F;
         }
-        const unsigned bits = frame_bits_stuffed(&tables, &message) + FRAME_BITS_TAIL +
-                              FRAME_BITS_INTERMISSION;
+        const unsigned bits =
+            frame_bits_stuffed(&tables, &message) + FRAME_BITS_TAIL + FRAME_BITS_INTERMISSION;
         ck_assert_uint_le(bits, bound[message.length]);
         longest[message.length] = bits > longest[message.length] ? bits : longest[message.length];
     }

@@ -164,8 +164,8 @@ struct script {
     struct sim_bus_fault fault;
 };
 
-static struct sim_bus_fault play(void *context, const struct can_msg *message,
-                                 unsigned sender, uint64_t time_ns)
+static struct sim_bus_fault play(void *context, const struct can_msg *message, unsigned sender,
+                                 uint64_t time_ns)
 {
     struct script *script = context;
     (void)sender;
@@ -300,15 +300,13 @@ START_TEST(dropping_altering_delaying_and_duplicating_do_what_they_say)
     ck_assert_int_eq(can_bus_receive(&port[1], &message, NULL), CAN_EMPTY);
     ck_assert_int_eq(can_bus_receive(&port[2], &message, NULL), CAN_OK);
 
-    script = (struct script){
-        .to = 1, .fault = {.kind = SIM_BUS_FAULT_ALTER, .flip = {0, 0x80}}};
+    script = (struct script){.to = 1, .fault = {.kind = SIM_BUS_FAULT_ALTER, .flip = {0, 0x80}}};
     send(0, 0x181, 2);
     sim_bus_run_until(&bus, 2000000);
     ck_assert_int_eq(can_bus_receive(&port[1], &message, NULL), CAN_OK);
     ck_assert_uint_eq(message.data[1], 0x82 ^ 0x80);
 
-    script = (struct script){
-        .to = 1, .fault = {.kind = SIM_BUS_FAULT_DELAY, .delay_ns = 300000}};
+    script = (struct script){.to = 1, .fault = {.kind = SIM_BUS_FAULT_DELAY, .delay_ns = 300000}};
     send(0, 0x181, 2);
     send(0, 0x182, 2);
     sim_bus_run_until(&bus, 3000000);
@@ -370,8 +368,8 @@ START_TEST(answers_to_the_sync_compete_right_behind_it)
     static struct sim_bus_response response;
     for (int i = 0; i < 2; i++) {
         const int index = sim_bus_attach(&bus, "responder", respond, &nodes[i]);
-        nodes[i] = (struct responder){.bus = sim_bus_port(&bus, index),
-                                      .id = i == 0 ? 0x284U : 0x283U};
+        nodes[i] =
+            (struct responder){.bus = sim_bus_port(&bus, index), .id = i == 0 ? 0x284U : 0x283U};
     }
     sim_bus_measure_response(&bus, &response);
     send(0, 0x080, 0);

@@ -38,8 +38,8 @@ static void collect(struct bench *bench)
 {
     struct can_msg message;
     while (can_bus_receive(&bench->master, &message, NULL) == CAN_OK) {
-        if (message.flags != 0 || co_sdo_client_receive(&bench->sdo, &message,
-                                                        sim_bus_now_ns(&bench->bus))) {
+        if (message.flags != 0 ||
+            co_sdo_client_receive(&bench->sdo, &message, sim_bus_now_ns(&bench->bus))) {
             continue;
         }
         ck_assert_uint_lt(bench->seen_count, BENCH_SEEN_MAX);
