@@ -7,6 +7,18 @@ const struct control_param_descriptor control_param_descriptors[CONTROL_PARAM_CO
     CONTROL_PARAM_TABLE(DESCRIPTOR)};
 #undef DESCRIPTOR
 
+static int check_law(const struct control_params *params)
+{
+    if (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
+        params->law == (real)LAW_PREDICTIVE) {
+        return gait_branch_check(&params->branch) ? CONTROL_PARAMS_OK : CONTROL_PARAMS_BRANCH;
+    }
+    return params->law == (real)LAW_PROPORTIONAL || params->law == (real)LAW_OPEN_LOOP ||
+                   params->law == (real)LAW_WEARER
+               ? CONTROL_PARAMS_OK
+               : CONTROL_PARAMS_LAW;
+}
+
 int control_params_validate(const struct control_params *params)
 {
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
@@ -29,5 +41,5 @@ int control_params_validate(const struct control_params *params)
                                                params->open_loop_r0_m > params->r0_max_m)) {
         return CONTROL_PARAMS_OPEN_LOOP;
     }
-    return CONTROL_PARAMS_OK;
+    return check_law(params);
 }

@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "controller/laws/gait_branch.h"
 #include "controller/speed_table.h"
 #include "model/real.h"
 
@@ -22,6 +23,9 @@
 enum law_mode {
     LAW_PROPORTIONAL = 0, /* paper eq. (16) */
     LAW_OPEN_LOOP = 1,    /* constant r0, approached by a ramp from the start gait */
+    LAW_DLQR = 2,         /* whole apex state, least quadratic cost of the linearised map */
+    LAW_DEADBEAT = 3,     /* whole apex state, linearised map's eigenvalues all zero */
+    LAW_PREDICTIVE = 4,   /* search with the return map on board: laws/predictive_law.h */
     LAW_WEARER = 8        /* a person: prescribed r0, v* = their own running mean (step_law.h) */
 };
 
@@ -38,7 +42,7 @@ enum body_kind {
     X(leg_length_m, "m", 0.1, 1.5, "l, hip to heel")                                                \
     X(spring_stiffness_n_m, "N/m", 1.0, 100000.0, "k of the ankle spring")                          \
     X(gravity_m_s2, "m/s^2", 1.0, 20.0, "g")                                                        \
-    X(law, "-", 0.0, 8.0, "0 = proportional, eq. (16); 1 = open loop; 8 = wearer")                  \
+    X(law, "-", 0.0, 8.0, "0 proportional, 1 open loop, 2 dlqr, 3 deadbeat, 4 predictive, 8 wearer")    \
     X(kp_m_s_rad, "m/(rad/s)", 0.0, 1.0, "gain of eq. (16) on the forward apex speed")              \
     X(start_r0_m, "m", 0.0001, 0.6, "precompression that walking starts from; a wearer's r0*")      \
     X(speed_ramp_rad_s, "rad/s per step", 0.00001, 1.0, "largest change of the speed command")      \
@@ -62,7 +66,8 @@ enum body_kind {
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
 struct control_params {
     CONTROL_PARAM_TABLE(CONTROL_PARAM_FIELD)
-    struct speed_table table; /* finv of eq. (16) for this walker */
+    struct speed_table table;  /* finv of eq. (16) for this walker */
+    struct gait_branch branch; /* what the laws beyond eq. (16) need; count 0 without */
 };
 #undef CONTROL_PARAM_FIELD
 
@@ -87,7 +92,9 @@ enum {
     CONTROL_PARAMS_BAD_TABLE = CONTROL_PARAM_COUNT,       /* speed table unusable */
     CONTROL_PARAMS_R0_ORDER = CONTROL_PARAM_COUNT + 1,    /* not r0_min <= start_r0 <= r0_max */
     CONTROL_PARAMS_R0_STROKE = CONTROL_PARAM_COUNT + 2,   /* r0_max beyond 0.4 leg lengths */
-    CONTROL_PARAMS_OPEN_LOOP = CONTROL_PARAM_COUNT + 3    /* open_loop_r0 outside r0_min..r0_max */
+    CONTROL_PARAMS_OPEN_LOOP = CONTROL_PARAM_COUNT + 3,   /* open_loop_r0 outside r0_min..r0_max */
+    CONTROL_PARAMS_LAW = CONTROL_PARAM_COUNT + 4,         /* no such law */
+    CONTROL_PARAMS_BRANCH = CONTROL_PARAM_COUNT + 5       /* the law needs a gait branch; none, or unusable */
 };
 
 /* Checks every field against its range and the fields against each other.

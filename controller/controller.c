@@ -137,6 +137,7 @@ static void enter_state(struct controller *controller, const struct controller_i
         step_law_init(&controller->law, params);
         gait_observer_init(&controller->observer, params);
         controller->apex_seen = false;
+        controller->step_pending = false;
         controller->observing = true;
         for (int side = 0; side < SIDE_COUNT; side++) {
             sea_reference_init(&controller->sea[side], input->sea[side].precompression_m);
@@ -162,18 +163,33 @@ static void follow_gait(struct controller *controller, const struct controller_i
     const struct gait_event *lift_off = &gait->event[GAIT_LIFT_OFF];
 
     if (apex->happened) {
-        const real r0_m = step_law_update(&controller->law, controller->params, apex->speed_rad_s,
-                                          input->desired_speed_rad_s);
+        step_law_finish(&controller->law); /* an apex without a push-off between: cannot be helped */
+        (void)step_law_update(&controller->law, controller->params, &gait->apex,
+                              input->desired_speed_rad_s);
         controller->apex_seen = true;
         controller->last_apex_tick = input->tick;
-        controller->last_step = (struct step_record){controller->law.steps,
-                                                     apex->tick,
-                                                     apex->side,
-                                                     apex->speed_rad_s,
-                                                     controller->law.command_rad_s,
-                                                     r0_m};
+        controller->pending_step =
+            (struct step_record){.number = controller->law.steps,
+                                 .tick = apex->tick,
+                                 .side = apex->side,
+                                 .measured_speed_rad_s = apex->speed_rad_s,
+                                 .commanded_speed_rad_s = controller->law.command_rad_s};
+        controller->step_pending = true;
+    } else if (!controller->law.is_final) {
+        if (strike->happened) {
+            step_law_finish(&controller->law);
+        } else if (step_law_work(&controller->law, controller->params)) {
+            /* Not final yet: on the way there already, but not armed. */
+            sea_reference_load(&controller->sea[controller->pending_step.side],
+                               controller->law.r0_m);
+        }
+    }
+    if (controller->step_pending && controller->law.is_final) {
+        controller->step_pending = false;
+        controller->last_step = controller->pending_step;
+        controller->last_step.r0_m = controller->law.r0_m;
         output->new_step = true;
-        sea_reference_trim(&controller->sea[apex->side], r0_m);
+        sea_reference_trim(&controller->sea[controller->last_step.side], controller->law.r0_m);
     }
     if (strike->happened) {
         sea_reference_load(&controller->sea[strike->side], controller->law.r0_m);

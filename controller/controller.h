@@ -24,10 +24,12 @@ struct controller {
     struct sea_reference sea[SIDE_COUNT];
     struct supervisor supervisor;
     struct step_record last_step;
+    struct step_record pending_step; /* of the apex whose push-off the law still works on */
     real held_angle_rad[SIDE_COUNT]; /* bridges single lost samples */
     real held_rate_rad[SIDE_COUNT];  /* change per tick at the last fresh sample */
     uint32_t last_apex_tick;
     bool apex_seen;
+    bool step_pending;
     bool observing; /* the observer has been started */
 };
 

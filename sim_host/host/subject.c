@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "sim_host/host/ini.h"
+#include "sim_host/host/law_name.h"
 #include "sim_host/study/gait_curve.h"
+#include "sim_host/study/laws_table.h"
 
 /* Paper's walker, which all gains are scaled from. */
 #define PAPER_LENGTH_M 1.0
@@ -91,7 +93,12 @@ static int take_control_key(struct subject *subject, const char *key, const char
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         const struct control_param_descriptor *d = &control_param_descriptors[i];
         if (strcmp(key, d->name) == 0) {
+            enum law_mode law;
             subject->control_overridden[i] = true;
+            if (strcmp(key, "law") == 0 && law_from_name(value, &law) == 0) {
+                subject->control_override[i] = (double)law;
+                return 0;
+            }
             return parse_number(key, value, (double)d->minimum, (double)d->maximum, d->meaning,
                                 &subject->control_override[i], message, size);
         }
@@ -205,6 +212,38 @@ static int make_speed_table(const struct subject *subject, double length_scale,
     return 0;
 }
 
+/* What the laws beyond eq. (16) need; a walker for which there is none has eq. (16) only. */
+static void make_branch(const struct subject *subject, double length_scale,
+                        struct gait_branch *branch)
+{
+    const struct gait_walker walker = subject_gait_walker(subject);
+    const struct laws_weights weights = laws_weights_default();
+    struct laws_table table;
+    *branch = (struct gait_branch){.count = 0};
+    if (laws_table_make(&walker, length_scale, &weights, &table) != LAWS_TABLE_OK) {
+        return;
+    }
+    branch->count = (uint32_t)table.count;
+    branch->speed_min_rad_s = (real)table.speed_min_rad_s;
+    branch->speed_step_rad_s = (real)table.speed_step_rad_s;
+    branch->r0_weight = (real)table.r0_weight;
+    branch->travel_weight = (real)table.travel_weight;
+    for (int i = 0; i < table.count; i++) {
+        const struct laws_point *from = &table.point[i];
+        struct gait_branch_point *to = &branch->point[i];
+        to->r0_m = (real)from->r0_m;
+        to->swing_angle_rad = (real)from->swing_angle_rad;
+        to->swing_rate_rad_s = (real)from->swing_rate_rad_s;
+        for (int k = 0; k < GAIT_BRANCH_COSTS; k++) {
+            to->cost[k] = (real)from->cost[k];
+        }
+        for (int k = 0; k < 3; k++) {
+            to->lqr_gain[k] = (real)from->lqr_gain[k];
+            to->deadbeat_gain[k] = (real)from->deadbeat_gain[k];
+        }
+    }
+}
+
 static double smaller(double a, double b)
 {
     return a < b ? a : b;
@@ -256,6 +295,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
     if (make_speed_table(subject, length_scale, &params->table, message) != 0) {
         return -1;
     }
+    make_branch(subject, length_scale, &params->branch);
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         if (subject->control_overridden[i]) {
             *(real *)((char *)params + control_param_descriptors[i].offset) =
@@ -281,6 +321,12 @@ int subject_control_params(const struct subject *subject, struct control_params 
                  "open-loop r0 %g m lies outside what this subject allows, %g to %g m",
                  (double)params->open_loop_r0_m, (double)params->r0_min_m,
                  (double)params->r0_max_m);
+    } else if (verdict == CONTROL_PARAMS_LAW) {
+        snprintf(message, SUBJECT_MESSAGE_MAX, "controller parameter law = %g is no law",
+                 (double)params->law);
+    } else if (verdict == CONTROL_PARAMS_BRANCH) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "this law needs the walker's branch of gaits, which could not be computed");
     } else {
         snprintf(message, SUBJECT_MESSAGE_MAX, "controller parameters do not fit together (code %d)",
                  verdict);

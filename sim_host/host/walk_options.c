@@ -7,13 +7,15 @@
 #include <string.h>
 
 #include "firmware/version.h"
+#include "sim_host/host/law_name.h"
 
-enum { KEY_SPEED = 0x400, KEY_OPEN_LOOP, KEY_R0, KEY_START_R0, KEY_KP, KEY_SUBJECT };
+enum { KEY_SPEED = 0x400, KEY_OPEN_LOOP, KEY_R0, KEY_START_R0, KEY_KP, KEY_LAW, KEY_SUBJECT };
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "Who walks, and how:", 1},
     {"speed", KEY_SPEED, "RAD_S", 0, "forward apex speed to walk at (default: that of the start gait)", 0},
     {"kp", KEY_KP, "GAIN", 0, "gain of the law in m per rad/s (default: 0.042 scaled to the subject)", 0},
+    {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat or predictive", 0},
     {"open-loop", KEY_OPEN_LOOP, 0, 0, "no law: constant precompression --r0, reached by a slow ramp", 0},
     {"r0", KEY_R0, "M", 0, "precompression of --open-loop, metres", 0},
     {"start-r0", KEY_START_R0, "M", 0, "start from the steady gait of this precompression, metres", 0},
@@ -60,6 +62,9 @@ static void check_together(struct argp_state *state, const struct walk_options *
     if (options->open_loop && options->speed_rad_s > 0.0) {
         argp_error(state, "--speed and --open-loop exclude each other");
     }
+    if (options->open_loop && options->law_given) {
+        argp_error(state, "--law and --open-loop exclude each other");
+    }
     if (options->open_loop && options->kp >= 0.0) {
         argp_error(state, "--kp and --open-loop exclude each other");
     }
@@ -83,6 +88,13 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_KP:
         options->kp = option_number(state, "--kp", text, 0.0, 1.0);
+        break;
+    case KEY_LAW:
+        options->law_given = true;
+        if (law_from_name(text, &options->law) != 0 || options->law == LAW_OPEN_LOOP) {
+            argp_error(state, "--law: \"%s\" is unknown, allowed is %s", text,
+                       "proportional, dlqr, deadbeat, predictive or wearer");
+        }
         break;
     case KEY_SUBJECT:
         options->subject_path = text;
@@ -139,6 +151,9 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
     }
     if (options->start_r0_m > 0.0) {
         override(subject, "start_r0_m", options->start_r0_m);
+    }
+    if (options->law_given) {
+        override(subject, "law", (double)options->law);
     }
     if (options->open_loop) {
         override(subject, "law", (double)LAW_OPEN_LOOP);

@@ -16,6 +16,8 @@ struct walk_options {
     double r0_m;              /* 0 = not given */
     double start_r0_m;        /* 0 = not given */
     double kp;                /* < 0 = not given */
+    bool law_given;
+    enum law_mode law;
     const char *subject_path; /* NULL = the paper's walker */
 };
 

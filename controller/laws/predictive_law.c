@@ -1,0 +1,209 @@
+#include "controller/laws/predictive_law.h"
+
+/* Integration steps and limits in units of sqrt(l/g): 25 ms and 20 ms on a leg of 1 m (an error of 1e-6
+ * in the next apex), phases of at most 36, 30 and 16 steps. The slowest gait of the table takes 0.6 s
+ * from apex to heel strike on that leg. */
+#define SINGLE_STEP_UNITS REAL(0.078)
+#define PUSH_STEP_UNITS REAL(0.0626)
+#define STRIKE_LIMIT_STEPS REAL(36.0)
+#define SWING_LIMIT_STEPS REAL(30.0)
+#define PUSH_LIMIT_STEPS REAL(16.0)
+/* A stride that ends slower than this, in 1/sqrt(l/g), or with the new stance leg closer to the vertical
+ * at lift-off than this, is too close to falling to be chosen. */
+#define SLOWEST_UNITS REAL(0.02)
+#define LIFT_OFF_MARGIN_RAD REAL(0.005)
+/* Learning of the bias, and what counts as a wrong prediction: 1/sqrt(l/g), beyond the bias. */
+#define BIAS_GAIN REAL(0.25)
+#define SURPRISE_UNITS REAL(0.03)
+#define SURPRISES_MAX 30
+
+int predictive_law_init(struct predictive_law *law, const struct walker_params *params)
+{
+    *law = (struct predictive_law){.stage = PREDICTIVE_IDLE};
+    if (walker_init(&law->walker, params) != WALKER_OK) {
+        return -1;
+    }
+    const real unit_s = law->walker.time_unit_s;
+    law->single = stride_settings_fixed(&law->walker, SINGLE_STEP_UNITS * unit_s);
+    law->push = stride_settings_fixed(&law->walker, PUSH_STEP_UNITS * unit_s);
+    law->push.phase_limit_s = PUSH_LIMIT_STEPS * law->push.double_step_s;
+    return 0;
+}
+
+bool predictive_law_trusts_itself(const struct predictive_law *law)
+{
+    return law->surprises < PREDICTIVE_DISTRUST;
+}
+
+/* The measured apex against what was foretold for it. */
+static void learn(struct predictive_law *law, const struct apex *measured)
+{
+    if (!law->has_prediction) {
+        law->surprises = law->surprises > 0 ? (uint8_t)(law->surprises - 1) : law->surprises;
+        return;
+    }
+    const real difference[3] = {
+        measured->stance_rate_rad_s - law->predicted.stance_rate_rad_s,
+        measured->swing_angle_rad - law->predicted.swing_angle_rad,
+        measured->swing_rate_rad_s - law->predicted.swing_rate_rad_s,
+    };
+    const real surprise = real_abs(difference[0] - law->bias[0]) * law->walker.time_unit_s;
+    if (surprise > SURPRISE_UNITS) {
+        law->surprises = law->surprises > SURPRISES_MAX - 3 ? (uint8_t)SURPRISES_MAX
+                                                            : (uint8_t)(law->surprises + 3);
+    } else if (law->surprises > 0) {
+        law->surprises--;
+    }
+    for (int i = 0; i < 3; i++) {
+        law->bias[i] += BIAS_GAIN * (difference[i] - law->bias[i]);
+    }
+}
+
+void predictive_law_begin(struct predictive_law *law, const struct gait_branch *branch,
+                          const struct predictive_request *request)
+{
+    learn(law, &request->apex);
+    law->has_prediction = false;
+    law->request = *request;
+    law->r0_m = request->r0_first_m;
+    law->best_cost = REAL(-1.0);
+    law->answered = false;
+    law->index = 0;
+    law->target_speed_rad_s = gait_branch_at(branch, request->target_speed_rad_s, &law->target);
+    law->stage = PREDICTIVE_STRIKE;
+    law->steps++;
+}
+
+void predictive_law_finish(struct predictive_law *law)
+{
+    if (law->stage != PREDICTIVE_IDLE) {
+        law->stage = PREDICTIVE_IDLE;
+        law->has_prediction = law->best_cost >= REAL(0.0);
+        law->fallbacks += law->answered ? 0u : 1u;
+    }
+}
+
+/* The rest of the stride for one r0. Returns 0 when it ends in a fault or too close to one. */
+static int foretell(const struct predictive_law *law, real r0_m, struct apex *next)
+{
+    struct stride_result stride = law->strike;
+    struct stride_settings swing = law->single;
+    swing.phase_limit_s = SWING_LIMIT_STEPS * swing.single_step_s;
+    if (stride_push_off(&law->walker, &law->push, r0_m, &stride) != STRIDE_OK ||
+        stride.lift_off[STANCE_ANGLE] < LIFT_OFF_MARGIN_RAD ||
+        stride_from_lift_off(&law->walker, &swing, &stride) != STRIDE_OK) {
+        return 0;
+    }
+    *next = stride.next;
+    return -next->stance_rate_rad_s * law->walker.time_unit_s >= SLOWEST_UNITS;
+}
+
+/* Tries one candidate; true when it is the best so far. */
+static bool try_candidate(struct predictive_law *law, const struct gait_branch *branch, real r0_m)
+{
+    struct apex next;
+    if (!foretell(law, r0_m, &next)) {
+        return false;
+    }
+    const struct apex expected = {next.stance_rate_rad_s + law->bias[0],
+                                  next.swing_angle_rad + law->bias[1],
+                                  next.swing_rate_rad_s + law->bias[2]};
+    const real cost =
+        gait_branch_distance(branch, &law->target, law->target_speed_rad_s, &expected, r0_m);
+    if (!(law->best_cost < REAL(0.0) || cost < law->best_cost)) {
+        return false;
+    }
+    law->best_cost = cost;
+    law->r0_m = r0_m;
+    law->predicted = next;
+    return true;
+}
+
+/* Candidates over the range, spaced by the square: the faster the gait the more r0 it bears. */
+static real spread_candidate(const struct predictive_law *law, int index)
+{
+    const real share = (real)index / (real)(PREDICTIVE_COARSE - 1);
+    return law->request.r0_low_m + (law->request.r0_high_m - law->request.r0_low_m) * share * share;
+}
+
+static real spread_gap(const struct predictive_law *law, real r0_m)
+{
+    const real range = law->request.r0_high_m - law->request.r0_low_m;
+    const real n = (real)(PREDICTIVE_COARSE - 1);
+    const real share = range > REAL(0.0) ? real_sqrt((r0_m - law->request.r0_low_m) / range) : n;
+    return range * (REAL(2.0) * share + REAL(1.0) / n) / n;
+}
+
+static void to_strike(struct predictive_law *law)
+{
+    struct stride_settings settings = law->single;
+    settings.phase_limit_s = STRIKE_LIMIT_STEPS * settings.single_step_s;
+    law->strike = (struct stride_result){.fault = STRIDE_OK};
+    if (stride_to_strike(&law->walker, &settings, &law->request.apex, &law->strike) == STRIDE_OK) {
+        law->stage = PREDICTIVE_FIRST;
+    } else {
+        predictive_law_finish(law);
+    }
+}
+
+/* The whole range, one candidate a call; true when it is done. */
+static bool spread(struct predictive_law *law, const struct gait_branch *branch)
+{
+    if (try_candidate(law, branch, spread_candidate(law, law->index))) {
+        law->answered = true;
+    }
+    law->index++;
+    if (law->index < PREDICTIVE_COARSE) {
+        return false;
+    }
+    if (law->best_cost < REAL(0.0)) {
+        predictive_law_finish(law); /* no push-off survives the next stride */
+        return true;
+    }
+    law->answered = true;
+    law->index = 0;
+    law->grid_m = REAL(0.5) * spread_gap(law, law->r0_m);
+    law->stage = PREDICTIVE_REFINE;
+    return true;
+}
+
+/* Beside the best on both sides, then at half the width. */
+static bool refine(struct predictive_law *law, const struct gait_branch *branch)
+{
+    const bool above = (law->index & 1) == 0;
+    const real r0_m = law->r0_m + (above ? law->grid_m : -law->grid_m);
+    const bool inside = r0_m >= law->request.r0_low_m && r0_m <= law->request.r0_high_m;
+    const bool better = inside && try_candidate(law, branch, r0_m);
+    /* A better one ends this width: its other neighbour is known or will be met at half the width. */
+    law->index = (int16_t)(law->index + (above && better ? 2 : 1));
+    if ((law->index & 1) == 0) {
+        law->grid_m *= REAL(0.5);
+    }
+    if (law->index >= 2 * PREDICTIVE_HALVINGS) {
+        predictive_law_finish(law);
+        return true;
+    }
+    return better;
+}
+
+bool predictive_law_work(struct predictive_law *law, const struct gait_branch *branch)
+{
+    switch (law->stage) {
+    case PREDICTIVE_STRIKE:
+        to_strike(law);
+        return law->stage == PREDICTIVE_IDLE;
+    case PREDICTIVE_FIRST:
+        (void)try_candidate(law, branch, law->request.r0_first_m);
+        law->stage = PREDICTIVE_SPREAD;
+        if (!predictive_law_trusts_itself(law)) {
+            predictive_law_finish(law);
+        }
+        return law->stage == PREDICTIVE_IDLE;
+    case PREDICTIVE_SPREAD:
+        return spread(law, branch);
+    case PREDICTIVE_REFINE:
+        return refine(law, branch);
+    default:
+        return false;
+    }
+}
