@@ -1,0 +1,344 @@
+#include "sim_host/batch/batch.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/stride.h"
+#include "sim_host/batch/block.h"
+#include "sim_host/batch/pool.h"
+
+/* A walker in its own units, and the way back. */
+struct prepared {
+    double mass_ratio, stiffness, length_m, time_s;
+};
+
+/* Which items are in the block, and where the run stands. */
+struct run {
+    const struct batch_job *job;
+    const struct prepared *walkers;
+    struct block_precision precision;
+    struct block block;
+    size_t item[BATCH_BLOCK];
+    size_t next, end; /* first item not yet taken; one past the last of this run's */
+};
+
+/* Order and tolerance per accuracy: the cheapest of those measured (scripts/bench-method). */
+struct method {
+    double accuracy;
+    int order;
+    double log2_tolerance;
+};
+static const struct method methods[] = {
+    {1e-4, 12, -21.0}, {1e-6, 14, -30.0}, {1e-9, 18, -41.0}, {1e-11, 20, -49.0}, {1e-12, 22, -53.0},
+};
+#define METHOD_COUNT (sizeof methods / sizeof methods[0])
+
+static struct {
+    int lanes, order;
+    double log2_tolerance;
+} chosen;
+
+static block_stride_fn *stride_of_lanes(int lanes)
+{
+#ifdef __x86_64__
+    if (lanes == 8 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
+        return batch_stride_lanes8;
+    }
+    if (lanes == 4 && __builtin_cpu_supports("avx2")) {
+        return batch_stride_lanes4;
+    }
+#endif
+    return lanes == 2 ? batch_stride_lanes2 : NULL;
+}
+
+static int lanes_in_use(void)
+{
+    int lanes = chosen.lanes != 0 ? chosen.lanes : 8;
+    while (stride_of_lanes(lanes) == NULL) {
+        lanes /= 2;
+    }
+    return lanes;
+}
+
+enum batch_error batch_use_lanes(int lanes)
+{
+    if (lanes != 0 && stride_of_lanes(lanes) == NULL) {
+        return BATCH_NO_SUCH_VECTORS;
+    }
+    chosen.lanes = lanes;
+    return BATCH_OK;
+}
+
+const char *batch_lanes_name(void)
+{
+    switch (lanes_in_use()) {
+    case 8:
+        return "8 lanes (AVX-512)";
+    case 4:
+        return "4 lanes (AVX2)";
+    default:
+        return "2 lanes";
+    }
+}
+
+void batch_use_method(int order, double log2_tolerance)
+{
+    chosen.order = order;
+    chosen.log2_tolerance = log2_tolerance;
+}
+
+const char *batch_error_name(enum batch_error error)
+{
+    switch (error) {
+    case BATCH_OK:
+        return "no error";
+    case BATCH_BAD_ACCURACY:
+        return "accuracy must be 1e-12 to 1e-4";
+    case BATCH_BAD_WALKER:
+        return "a walker's parameter is outside its limits (model/walker.h)";
+    case BATCH_BAD_INDEX:
+        return "an item names a walker that was not given";
+    case BATCH_OUT_OF_MEMORY:
+        return "out of memory: run fewer walkers at a time";
+    case BATCH_NO_SUCH_VECTORS:
+        return "this processor has no vectors of that width";
+    }
+    return "unknown error";
+}
+
+static int precision_of(const struct batch_settings *settings, struct block_precision *precision)
+{
+    const double accuracy = settings->accuracy == 0.0 ? BATCH_ACCURACY_DEFAULT : settings->accuracy;
+    if (!(accuracy >= BATCH_ACCURACY_LOW && accuracy <= BATCH_ACCURACY_HIGH)) {
+        return 0;
+    }
+    size_t i = 0;
+    while (i + 1 < METHOD_COUNT && methods[i].accuracy > accuracy) {
+        i++;
+    }
+    precision->order = chosen.order != 0 ? chosen.order : methods[i].order;
+    precision->log2_tolerance =
+        chosen.order != 0 ? chosen.log2_tolerance : methods[i].log2_tolerance;
+    precision->want_times = settings->want_times;
+    return 1;
+}
+
+static int prepare(const struct batch_walker *from, struct prepared *to)
+{
+    const struct walker_params params = {from->hip_mass_kg, from->leg_mass_kg, from->leg_length_m,
+                                         from->ankle_stiffness_N_m, from->gravity_m_s2};
+    struct walker walker;
+    if (walker_init(&walker, &params) != WALKER_OK) {
+        return 0;
+    }
+    to->mass_ratio = params.leg_mass_kg / params.hip_mass_kg;
+    to->stiffness = params.ankle_stiffness_N_m * params.leg_length_m /
+                    (params.hip_mass_kg * params.gravity_m_s2);
+    to->length_m = params.leg_length_m;
+    to->time_s = walker.time_unit_s;
+    return 1;
+}
+
+/* The push-off of the next stride, m. */
+static double push_of(const struct batch_item *item)
+{
+    if (item->gain_m_s == 0.0) {
+        return item->push_m;
+    }
+    const double push = item->push_m + item->gain_m_s * (-item->apex[0] - item->aim_rad_s);
+    return push < 0.0 ? 0.0 : push;
+}
+
+/* Writes an item's next stride into a slot: its start, or the fault it has already. */
+static void load(struct run *run, int slot)
+{
+    struct block *b = &run->block;
+    const struct batch_item *item = &run->job->items[run->item[slot]];
+    const struct prepared *w = &run->walkers[item->walker];
+    const double push = push_of(item);
+    b->mass_ratio[slot] = w->mass_ratio;
+    b->stiffness[slot] = w->stiffness;
+    b->push[slot] = push / w->length_m;
+    b->state[COLUMN_TS][slot] = 0.0;
+    b->state[COLUMN_WS][slot] = item->apex[0] * w->time_s;
+    b->state[COLUMN_TN][slot] = item->apex[1];
+    b->state[COLUMN_WN][slot] = item->apex[2] * w->time_s;
+    b->time[0][slot] = b->time[1][slot] = b->time[2][slot] = 0.0;
+    b->step[slot] = b->ankle_rate[slot] = 0.0;
+    b->clamped[slot] = 0;
+
+    int fault = STRIDE_OK;
+    if (real_abs(item->apex[1]) > REAL_PI) {
+        fault = STRIDE_INTER_LEG_ANGLE;
+    }
+    if (item->apex[0] >= 0.0) {
+        fault = STRIDE_WALKING_BACKWARDS;
+    }
+    if (!real_is_finite(item->apex[0]) || !real_is_finite(item->apex[1]) ||
+        !real_is_finite(item->apex[2]) || !real_is_finite(push) || push < 0.0) {
+        fault = STRIDE_BAD_INPUT;
+    }
+    b->fault[slot] = fault;
+    if (run->precision.want_slopes) {
+        for (int d = 0; d < BATCH_DIRECTIONS; d++) {
+            for (int c = 0; c < COLUMN_COUNT; c++) {
+                b->slope[d][c][slot] = 0.0;
+            }
+        }
+        b->slope[0][COLUMN_WS][slot] = b->slope[1][COLUMN_TN][slot] = b->slope[2][COLUMN_WN][slot] =
+            1.0;
+    }
+}
+
+/* Back to SI units: a rate is 1/time_s, an angle 1, r0 length_m. */
+static void store_slopes(const struct run *run, int slot, struct batch_slopes *slopes)
+{
+    static const int column[3] = {COLUMN_WS, COLUMN_TN, COLUMN_WN};
+    const struct batch_item *item = &run->job->items[run->item[slot]];
+    const struct prepared *w = &run->walkers[item->walker];
+    const double unit[3] = {1.0 / w->time_s, 1.0, 1.0 / w->time_s};
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            slopes->by_apex[i][j] = run->block.slope[j][column[i]][slot] * unit[i] / unit[j];
+        }
+        slopes->by_push[i] = run->block.slope[3][column[i]][slot] * unit[i] / w->length_m;
+    }
+}
+
+static void store(const struct run *run, int slot, struct batch_item *item)
+{
+    const struct block *b = &run->block;
+    const struct prepared *w = &run->walkers[item->walker];
+    item->fault = (int32_t)b->fault[slot];
+    if (item->fault == STRIDE_OK) {
+        item->apex[0] = b->state[COLUMN_WS][slot] / w->time_s;
+        item->apex[1] = b->state[COLUMN_TN][slot];
+        item->apex[2] = b->state[COLUMN_WN][slot] / w->time_s;
+        item->strides++;
+    }
+    for (int i = 0; i < 3; i++) {
+        item->times_s[i] = b->time[i][slot] * w->time_s;
+    }
+    item->step_length_m = b->step[slot] * w->length_m;
+    item->ankle_rate_m_s = b->ankle_rate[slot] * w->length_m / w->time_s;
+    item->clamped = (int32_t)b->clamped[slot];
+}
+
+/* Takes over a slot's stride; 0 when its item is done. */
+static int finish_stride(struct run *run, int slot)
+{
+    const struct batch_job *job = run->job;
+    const size_t index = run->item[slot];
+    struct batch_item *item = &job->items[index];
+    struct batch_slopes *slopes = job->slopes == NULL ? NULL : &job->slopes[index];
+    store(run, slot, item);
+    if (slopes != NULL && item->fault == STRIDE_OK) {
+        store_slopes(run, slot, slopes);
+    }
+    if (job->stride_done != NULL && job->stride_done(job->context, index, item, slopes) != 0) {
+        return 0;
+    }
+    return item->fault == STRIDE_OK && item->strides < job->strides;
+}
+
+/* Fills the block's slots from `slot` on with items that wait; the block's count follows. */
+static void enlist(struct run *run, int slot)
+{
+    const struct batch_job *job = run->job;
+    for (; slot < BATCH_BLOCK && run->next < run->end; run->next++) {
+        const struct batch_item *item = &job->items[run->next];
+        if (item->fault == STRIDE_OK && item->strides < job->strides) {
+            run->item[slot++] = run->next;
+        }
+    }
+    run->block.count = slot;
+}
+
+static void run_items(struct run *run)
+{
+    block_stride_fn *const stride_block = stride_of_lanes(lanes_in_use());
+    enlist(run, 0);
+    while (run->block.count > 0) {
+        for (int slot = 0; slot < run->block.count; slot++) {
+            load(run, slot);
+        }
+        stride_block(&run->block, &run->precision);
+        int kept = 0;
+        for (int slot = 0; slot < run->block.count; slot++) {
+            if (finish_stride(run, slot)) {
+                run->item[kept++] = run->item[slot];
+            }
+        }
+        enlist(run, kept);
+    }
+}
+
+/* Items i * PIECE_ITEMS up to the next piece's first. */
+#define PIECE_ITEMS 2048
+
+struct shared {
+    const struct batch_job *job;
+    const struct prepared *walkers;
+    struct block_precision precision;
+};
+
+static int run_piece(void *context, size_t piece)
+{
+    const struct shared *shared = context;
+    struct run *run = aligned_alloc(64, (sizeof *run + 63) / 64 * 64);
+    if (run == NULL) {
+        return BATCH_OUT_OF_MEMORY;
+    }
+    memset(run, 0, sizeof *run);
+    run->job = shared->job;
+    run->walkers = shared->walkers;
+    run->precision = shared->precision;
+    run->next = piece * PIECE_ITEMS;
+    run->end =
+        run->next + PIECE_ITEMS < run->job->count ? run->next + PIECE_ITEMS : run->job->count;
+    run_items(run);
+    free(run);
+    return BATCH_OK;
+}
+
+static enum batch_error check_job(const struct batch_settings *settings,
+                                  const struct batch_job *job, struct block_precision *precision)
+{
+    if (!precision_of(settings, precision)) {
+        return BATCH_BAD_ACCURACY;
+    }
+    precision->want_slopes = job->slopes != NULL;
+    for (size_t i = 0; i < job->count; i++) {
+        if (job->items[i].walker >= job->walker_count) {
+            return BATCH_BAD_INDEX;
+        }
+    }
+    return BATCH_OK;
+}
+
+enum batch_error batch_run_threads(const struct batch_settings *settings,
+                                   const struct batch_job *job, int threads)
+{
+    struct shared shared = {.job = job};
+    enum batch_error error = check_job(settings, job, &shared.precision);
+    if (error != BATCH_OK || job->count == 0) {
+        return error;
+    }
+    struct prepared *walkers = malloc(job->walker_count * sizeof *walkers);
+    error = walkers == NULL ? BATCH_OUT_OF_MEMORY : BATCH_OK;
+    for (uint32_t i = 0; error == BATCH_OK && i < job->walker_count; i++) {
+        error = prepare(&job->walkers[i], &walkers[i]) ? BATCH_OK : BATCH_BAD_WALKER;
+    }
+    if (error == BATCH_OK) {
+        shared.walkers = walkers;
+        const size_t pieces = (job->count + PIECE_ITEMS - 1) / PIECE_ITEMS;
+        error = (enum batch_error)pool_run(threads, pieces, run_piece, &shared);
+    }
+    free(walkers);
+    return error;
+}
+
+enum batch_error batch_run(const struct batch_settings *settings, const struct batch_job *job)
+{
+    return batch_run_threads(settings, job, 1);
+}

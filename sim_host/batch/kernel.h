@@ -1,0 +1,257 @@
+/* One stride of a block of walkers with vectors of BATCH_LANES: flight, push-off, flight.
+ *
+ * Included by kernel_*.c, once per instruction set; BATCH_STRIDE is the function it defines.
+ */
+#ifndef SIM_HOST_BATCH_KERNEL_H
+#define SIM_HOST_BATCH_KERNEL_H
+
+#include <string.h>
+
+#include "sim_host/batch/flight.h"
+#include "sim_host/batch/push_off.h"
+#include "sim_host/batch/push_time.h"
+
+/* The walkers in the lanes of a vector, and where in the block they belong. */
+struct crew {
+    double state[COLUMN_COUNT][BATCH_LANES];
+    double slope[BATCH_DIRECTIONS][COLUMN_COUNT][BATCH_LANES];
+    double mass_ratio[BATCH_LANES];
+    double time[BATCH_LANES];
+    int slot[BATCH_LANES]; /* -1: nobody; the lane computes on with what is left in it */
+    int steps[BATCH_LANES];
+    int waiting; /* next slot of the block to look at */
+    int flying;  /* lanes with somebody in them */
+};
+
+/* Puts the block's next walker that has no fault into a lane. */
+static void crew_enlist(struct crew *crew, const struct block *block, int lane, int directions)
+{
+    crew->slot[lane] = -1;
+    while (crew->waiting < block->count && block->fault[crew->waiting] != STRIDE_OK) {
+        crew->waiting++;
+    }
+    if (crew->waiting == block->count) {
+        return;
+    }
+    const int slot = crew->waiting++;
+    crew->slot[lane] = slot;
+    crew->flying++;
+    crew->steps[lane] = 0;
+    crew->time[lane] = 0.0;
+    crew->mass_ratio[lane] = block->mass_ratio[slot];
+    for (int c = 0; c < COLUMN_COUNT; c++) {
+        crew->state[c][lane] = block->state[c][slot];
+        for (int d = 0; d < directions; d++) {
+            crew->slope[d][c][lane] = block->slope[d][c][slot];
+        }
+    }
+}
+
+static void crew_discharge(struct crew *crew, struct block *block, int lane, int64_t fault,
+                           double *time, int directions)
+{
+    const int slot = crew->slot[lane];
+    crew->flying--;
+    time[slot] = crew->time[lane];
+    block->fault[slot] = fault;
+    for (int c = 0; c < COLUMN_COUNT; c++) {
+        block->state[c][slot] = crew->state[c][lane];
+        for (int d = 0; d < directions; d++) {
+            block->slope[d][c][slot] = crew->slope[d][c][lane];
+        }
+    }
+}
+
+LANE_INLINE struct flight_state crew_variation(const struct crew *crew, int direction)
+{
+    const struct flight_state dx = {
+        vd_load(crew->slope[direction][COLUMN_TS]), vd_load(crew->slope[direction][COLUMN_TN]),
+        vd_load(crew->slope[direction][COLUMN_WS]), vd_load(crew->slope[direction][COLUMN_WN])};
+    return dx;
+}
+
+/* Carries the variations through a step, and where it ended at the event, onto the event: a change of the
+ * start changes the time of the event, too (saltation). */
+LANE_INLINE void crew_move_slopes(struct crew *crew, const struct taylor *t,
+                                  const struct flight_walker *walker, enum flight_goal goal,
+                                  const struct flight_end *end, int directions)
+{
+    struct flight_state rates = {end->x.ws, end->x.wn, vd_all(0.0), vd_all(0.0)};
+    for (int k = t->order - 1; k >= 1; k--) {
+        rates.ws = rates.ws * end->length + (double)k * t->ws[k];
+        rates.wn = rates.wn * end->length + (double)k * t->wn[k];
+    }
+    const vd per_rate = 1.0 / event_of(goal, rates.ts, rates.tn);
+    for (int d = 0; d < directions; d++) {
+        struct flight_state dx = crew_variation(crew, d);
+        variation_move(t, walker, end->length, &dx);
+        const vd later = -event_of(goal, dx.ts, dx.tn) * per_rate;
+        const vd shift = vd_pick(end->arrived, later, vd_all(0.0));
+        vd_store(crew->slope[d][COLUMN_TS], dx.ts + shift * rates.ts);
+        vd_store(crew->slope[d][COLUMN_TN], dx.tn + shift * rates.tn);
+        vd_store(crew->slope[d][COLUMN_WS], dx.ws + shift * rates.ws);
+        vd_store(crew->slope[d][COLUMN_WN], dx.wn + shift * rates.wn);
+    }
+}
+
+LANE_INLINE struct flight_end crew_step(struct crew *crew, const struct block_precision *precision,
+                                        enum flight_goal goal, int directions)
+{
+    struct taylor t;
+    const struct flight_walker walker = flight_walker_of(vd_load(crew->mass_ratio));
+    const struct flight_state x = {vd_load(crew->state[COLUMN_TS]), vd_load(crew->state[COLUMN_TN]),
+                                   vd_load(crew->state[COLUMN_WS]),
+                                   vd_load(crew->state[COLUMN_WN])};
+    taylor_expand(&t, &walker, &x, precision->order);
+    const struct flight_end end = flight_land(&t, goal, taylor_step(&t, precision->log2_tolerance));
+    if (directions > 0) {
+        crew_move_slopes(crew, &t, &walker, goal, &end, directions);
+    }
+    vd_store(crew->state[COLUMN_TS], end.x.ts);
+    vd_store(crew->state[COLUMN_TN], end.x.tn);
+    vd_store(crew->state[COLUMN_WS], end.x.ws);
+    vd_store(crew->state[COLUMN_WN], end.x.wn);
+    vd_store(crew->time, vd_load(crew->time) + end.length);
+    return end;
+}
+
+/* Flies all walkers of the block that have no fault to the goal. */
+LANE_INLINE void fly(struct block *block, const struct block_precision *precision,
+                     enum flight_goal goal, double *time, int directions)
+{
+    const int64_t overdue = goal == GOAL_STRIKE ? STRIDE_NO_HEEL_STRIKE : STRIDE_NO_APEX;
+    struct crew crew;
+    memset(&crew, 0, sizeof crew);
+    for (int lane = 0; lane < BATCH_LANES; lane++) {
+        crew_enlist(&crew, block, lane, directions);
+    }
+    while (crew.flying > 0) {
+        const struct flight_end end = crew_step(&crew, precision, goal, directions);
+        for (int lane = 0; lane < BATCH_LANES; lane++) {
+            if (crew.slot[lane] < 0) {
+                continue;
+            }
+            int64_t fault = end.fault[lane];
+            crew.steps[lane]++;
+            if (fault == STRIDE_OK && !end.arrived[lane]) {
+                if (crew.time[lane] < BATCH_PHASE_LIMIT && crew.steps[lane] < BATCH_MAX_STEPS) {
+                    continue;
+                }
+                fault = overdue;
+            }
+            crew_discharge(&crew, block, lane, fault, time, directions);
+            crew_enlist(&crew, block, lane, directions);
+        }
+    }
+}
+
+/* Up to BATCH_LANES slots of the block, gathered: those without a fault from *from on. */
+static int gather(const struct block *block, int *from, int slots[BATCH_LANES])
+{
+    int count = 0;
+    for (; *from < block->count && count < BATCH_LANES; ++*from) {
+        if (block->fault[*from] == STRIDE_OK) {
+            slots[count++] = *from;
+        }
+    }
+    for (int lane = count; lane < BATCH_LANES; lane++) {
+        slots[lane] = count > 0 ? slots[0] : 0; /* the same again; not stored */
+    }
+    return count;
+}
+
+LANE_INLINE vd gathered(const double *column, const int *slots)
+{
+    vd x = vd_all(0.0);
+    for (int lane = 0; lane < BATCH_LANES; lane++) {
+        x[lane] = column[slots[lane]];
+    }
+    return x;
+}
+
+LANE_INLINE void scatter(double *column, const int *slots, int count, vd x)
+{
+    for (int lane = 0; lane < count; lane++) {
+        column[slots[lane]] = x[lane];
+    }
+}
+
+LANE_INLINE struct dual gathered_dual(const struct block *block, int column, const int *slots,
+                                      int directions)
+{
+    struct dual x;
+    x.v = gathered(block->state[column], slots);
+    for (int d = 0; d < directions; d++) {
+        x.d[d] = gathered(block->slope[d][column], slots);
+    }
+    return x;
+}
+
+LANE_INLINE void scatter_dual(struct block *block, int column, const int *slots, int count,
+                              struct dual x, int directions)
+{
+    scatter(block->state[column], slots, count, x.v);
+    for (int d = 0; d < directions; d++) {
+        scatter(block->slope[d][column], slots, count, x.d[d]);
+    }
+}
+
+/* Collision, clamp and double support of all walkers of the block that have no fault. */
+LANE_INLINE void push_all(struct block *block, const struct block_precision *precision,
+                          int directions)
+{
+    int from = 0, slots[BATCH_LANES] = {0};
+    for (int count = gather(block, &from, slots); count > 0; count = gather(block, &from, slots)) {
+        struct dual x[COLUMN_COUNT];
+        for (int c = 0; c < COLUMN_COUNT; c++) {
+            x[c] = gathered_dual(block, c, slots, directions);
+        }
+        struct dual rest = dual_all(gathered(block->push, slots), directions);
+        if (directions > 0) {
+            rest.d[directions - 1] = vd_all(1.0); /* the last direction is r0 */
+        }
+        const struct push_result out =
+            push_off(gathered(block->mass_ratio, slots), gathered(block->stiffness, slots), rest, x,
+                     vi_all(-1), directions);
+        struct flight_state after = {out.ts.v, out.tn.v, out.ws.v, out.wn.v};
+        const vi fault = vi_pick(out.fault == vi_all(STRIDE_OK), flight_fault(&after), out.fault);
+        scatter_dual(block, COLUMN_TS, slots, count, out.ts, directions);
+        scatter_dual(block, COLUMN_TN, slots, count, out.tn, directions);
+        scatter_dual(block, COLUMN_WS, slots, count, out.ws, directions);
+        scatter_dual(block, COLUMN_WN, slots, count, out.wn, directions);
+        scatter(block->step, slots, count, out.push.step);
+        scatter(block->ankle_rate, slots, count, out.ankle_rate);
+        if (precision->want_times) {
+            scatter(block->time[1], slots, count, push_time(&out.push, fault == vi_all(STRIDE_OK)));
+        }
+        for (int lane = 0; lane < count; lane++) {
+            block->clamped[slots[lane]] = out.clamped[lane] & 1;
+            block->fault[slots[lane]] = fault[lane];
+        }
+    }
+}
+
+static void stride_plain(struct block *block, const struct block_precision *precision)
+{
+    fly(block, precision, GOAL_STRIKE, block->time[0], 0);
+    push_all(block, precision, 0);
+    fly(block, precision, GOAL_APEX, block->time[2], 0);
+}
+
+static void stride_with_slopes(struct block *block, const struct block_precision *precision)
+{
+    fly(block, precision, GOAL_STRIKE, block->time[0], BATCH_DIRECTIONS - 1);
+    push_all(block, precision, BATCH_DIRECTIONS);
+    fly(block, precision, GOAL_APEX, block->time[2], BATCH_DIRECTIONS);
+}
+
+void BATCH_STRIDE(struct block *block, const struct block_precision *precision)
+{
+    if (precision->want_slopes) {
+        stride_with_slopes(block, precision);
+    } else {
+        stride_plain(block, precision);
+    }
+}
+
+#endif

@@ -1,0 +1,20 @@
+/* The engine's code for vectors of four: AVX2. Empty on other processors. */
+#include <stdint.h>
+#ifdef __x86_64__
+#include <immintrin.h>
+
+#if defined __clang__
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#endif
+#define BATCH_LANES 4
+#define BATCH_STRIDE batch_stride_lanes4
+#include "sim_host/batch/kernel.h"
+#if defined __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
