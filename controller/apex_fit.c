@@ -57,7 +57,7 @@ struct apex_fit apex_fit_solve(const real *angle_rad, uint32_t size, uint32_t ce
     const real slope = c.c1 + u * (REAL(2.0) * c.c2 + u * REAL(3.0) * c.c3);
     const real window_s = (real)window * CONTROL_PERIOD_S;
     const real before_s = -u * window_s;
-    return (struct apex_fit){before_s > REAL(0.0) ? before_s : REAL(0.0), -slope / window_s};
+    return (struct apex_fit){before_s, -slope / window_s};
 }
 
 struct angle_fit apex_fit_other_leg(const real *angle_rad, uint32_t size, uint32_t centre_tick,

@@ -18,7 +18,7 @@
 #define apex_fit_other_leg REAL_SYMBOL(apex_fit_other_leg)
 
 struct apex_fit {
-    real before_tick_s; /* the crossing lies this long before the centre sample, >= 0 */
+    real before_tick_s; /* the crossing lies this long before the centre sample; noise can make it < 0 */
     real speed_rad_s;   /* minus the slope at the crossing; <= 0 when no falling crossing was found */
 };
 

@@ -1,7 +1,5 @@
 #include "controller/gait_observer.h"
 
-#include "controller/apex_fit.h"
-
 /* Yardstick of leg_events before the first apex and long after the last one, and its
  * limits, all in sqrt(g/l): a slow first step. */
 #define FIRST_SPEED_SHARE REAL(0.3)
@@ -14,6 +12,13 @@
 /* A person's leg must have been this far ahead for its fall through the vertical to
  * be a step's apex. */
 #define PERSON_AHEAD_RAD REAL(0.06)
+
+/* Back at the fit's crossing, the model's own lies within this. */
+#define LANDING_MAX_S REAL(0.02)
+
+/* Lost, the model starts anew from the samples when all of their window lies in the
+ * single support. */
+#define MODEL_RESTART_TICKS (2u * LEG_RATE_HALF_WINDOW + 8u)
 
 /* A stride differing more than this from the mean starts a new mean. */
 #define STRIDE_CHANGE_SHARE REAL(0.3)
@@ -39,6 +44,8 @@ void gait_observer_init(struct gait_observer *observer, const struct control_par
 {
     *observer = (struct gait_observer){0};
     observer->window_ticks = ticks_from_seconds(params->apex_window_s);
+    model_observer_init(&observer->model, params);
+    apex_judge_init(&observer->judge);
     for (int side = 0; side < SIDE_COUNT; side++) {
         observer->state.stride_share[side] = REAL(-1.0);
     }
@@ -79,24 +86,81 @@ static void follow_speed(struct gait_observer *observer, uint32_t tick, real spe
 
 /* ---- apex -------------------------------------------------------------------- */
 
+/* Stages of an apex's work, one a tick; between the fits and the report lie the steps
+ * back in time, long ones: at 1/30 of the walker's time unit each, they cost nothing
+ * in accuracy (1e-7 of the state). */
+enum { STAGE_STANCE_FIT = 0, STAGE_SWING_FIT = 1, STAGE_BACK = 2, BACK_STEPS = 4 };
+enum { STAGE_LAND = STAGE_BACK + BACK_STEPS };
+
+static void begin_work(struct gait_observer *observer, enum side side, uint32_t tick)
+{
+    struct apex_work *work = &observer->work;
+    const struct model_observer *model = &observer->model;
+    *work = (struct apex_work){
+        .busy = true, .side = side, .centre_tick = observer->apex_tick[side]};
+    work->modelled = model->phase == MODEL_SINGLE && model->stance == side;
+    for (int i = 0; i < SINGLE_SUPPORT_STATES; i++) {
+        work->state[i] = model->state[i];
+    }
+    work->back_step_s = -seconds_since(tick, work->centre_tick) / (real)BACK_STEPS;
+}
+
+/* The last, short step to where the stance leg is upright; false if it leads nowhere. */
+static bool land(const struct gait_observer *observer, struct apex_work *work)
+{
+    const real to_apex_s = -work->state[STANCE_ANGLE] / work->state[STANCE_RATE];
+    if (!(work->state[STANCE_RATE] < REAL(0.0)) || !(real_abs(to_apex_s) < LANDING_MAX_S)) {
+        return false;
+    }
+    work->model_before_s = -to_apex_s;
+    model_observer_step(&observer->model, to_apex_s, work->state);
+    return true;
+}
+
 static void report_apex(struct gait_observer *observer, const struct control_params *params,
-                        enum side side, uint32_t tick)
+                        uint32_t tick)
 {
     struct gait_state *state = &observer->state;
-    const uint32_t centre = observer->apex_tick[side];
-    const struct apex_fit fit =
-        apex_fit_solve(observer->angle_rad[side], GAIT_HISTORY, centre, observer->window_ticks);
-    if (!(fit.speed_rad_s > REAL(0.0))) {
+    const struct apex_work *work = &observer->work;
+    const struct apex_estimate fit = {-work->fit.speed_rad_s, work->swing_fit.angle_rad,
+                                      work->swing_fit.rate_rad_s, REAL(0.0)};
+    const struct apex_estimate model = {work->state[STANCE_RATE], work->state[SWING_ANGLE],
+                                        work->state[SWING_RATE], REAL(1.0)};
+    state->apex = apex_judge_decide(&observer->judge, work->side, &fit,
+                                    work->modelled ? &model : NULL,
+                                    real_sqrt(observer->model.noise_rad2), observer->window_ticks);
+    const real before_s = work->fit.before_tick_s +
+                          state->apex.confidence * (work->model_before_s - work->fit.before_tick_s);
+    report(state, params, GAIT_APEX, work->side, tick,
+           seconds_since(tick, work->centre_tick) + before_s);
+    state->event[GAIT_APEX].speed_rad_s = -state->apex.stance_rate_rad_s;
+    follow_speed(observer, work->centre_tick, -state->apex.stance_rate_rad_s);
+}
+
+static void work_on_apex(struct gait_observer *observer, const struct control_params *params,
+                         uint32_t tick)
+{
+    struct apex_work *work = &observer->work;
+    if (!work->busy) {
         return;
     }
-    const struct angle_fit swing =
-        apex_fit_other_leg(observer->angle_rad[side_other(side)], GAIT_HISTORY, centre,
-                           observer->window_ticks, fit.before_tick_s);
-    report(state, params, GAIT_APEX, side, tick, seconds_since(tick, centre) + fit.before_tick_s);
-    state->event[GAIT_APEX].speed_rad_s = fit.speed_rad_s;
-    state->apex =
-        (struct apex_estimate){-fit.speed_rad_s, swing.angle_rad, swing.rate_rad_s, REAL(0.0)};
-    follow_speed(observer, centre, fit.speed_rad_s);
+    if (work->stage == STAGE_STANCE_FIT) {
+        work->fit = apex_fit_solve(observer->angle_rad[work->side], GAIT_HISTORY,
+                                   work->centre_tick, observer->window_ticks);
+        work->busy = work->fit.speed_rad_s > REAL(0.0);
+    } else if (work->stage == STAGE_SWING_FIT) {
+        work->swing_fit = apex_fit_other_leg(observer->angle_rad[side_other(work->side)],
+                                             GAIT_HISTORY, work->centre_tick,
+                                             observer->window_ticks, work->fit.before_tick_s);
+        work->stage = work->modelled ? work->stage : STAGE_LAND - 1;
+    } else if (work->stage < STAGE_LAND) {
+        model_observer_step(&observer->model, work->back_step_s, work->state);
+    } else {
+        work->modelled = work->modelled && land(observer, work);
+        work->busy = false;
+        report_apex(observer, params, tick);
+    }
+    work->stage++;
 }
 
 /* A falling zero crossing of one leg's angle is the apex of that leg's stance:
@@ -126,7 +190,7 @@ static void watch_apex(struct gait_observer *observer, const struct control_para
         observer->apex_pending[side] = false;
         /* A person's legs that fall back together are a bow or a sway, no step. */
         if (!is_person(params) || observer->leg[side_other(side)].contact == LEG_SWING) {
-            report_apex(observer, params, side, tick);
+            begin_work(observer, side, tick);
         }
     }
 }
@@ -188,11 +252,33 @@ static void guess_stance(struct gait_observer *observer, const struct control_pa
     }
 }
 
+/* A lost model starts from the samples' own angles and slopes. */
+static void restart_model(struct gait_observer *observer, uint32_t tick)
+{
+    const struct gait_state *gait = &observer->state;
+    if (observer->model.phase != MODEL_LOST || gait->phase != PHASE_SINGLE_SUPPORT ||
+        tick - gait->phase_since_tick != MODEL_RESTART_TICKS) {
+        return;
+    }
+    const uint32_t centre = tick - LEG_RATE_HALF_WINDOW;
+    const real *stance = observer->angle_rad[gait->stance];
+    const real *swing = observer->angle_rad[side_other(gait->stance)];
+    const real state[SINGLE_SUPPORT_STATES] = {
+        [STANCE_ANGLE] = stance[centre % GAIT_HISTORY],
+        [SWING_ANGLE] = swing[centre % GAIT_HISTORY],
+        [STANCE_RATE] = leg_events_rate(stance, GAIT_HISTORY, centre),
+        [SWING_RATE] = leg_events_rate(swing, GAIT_HISTORY, centre)};
+    model_observer_begin(&observer->model, gait->stance, tick, state,
+                         (real)LEG_RATE_HALF_WINDOW * CONTROL_PERIOD_S);
+}
+
 static void watch_compass(struct gait_observer *observer, const struct control_params *params,
                           const struct controller_input *input)
 {
     const struct gait_state *state = &observer->state;
     struct compass_event event;
+    model_observer_advance(&observer->model, input);
+    restart_model(observer, input->tick);
     if (state->phase == PHASE_UNKNOWN) {
         guess_stance(observer, params, input);
     }
@@ -200,6 +286,8 @@ static void watch_compass(struct gait_observer *observer, const struct control_p
     case PHASE_SINGLE_SUPPORT:
         event = compass_events_strike(&observer->compass, params, input, state->stance);
         if (event.happened) {
+            model_observer_strike(&observer->model, input->tick, event.age_s,
+                                  input->sea[state->stance].precompression_m);
             strike(observer, params, side_other(state->stance), input->tick, event.age_s);
         }
         break;
@@ -207,6 +295,8 @@ static void watch_compass(struct gait_observer *observer, const struct control_p
         event = compass_events_lift_off(&observer->compass, params, input, state->stance,
                                         state->phase_since_tick);
         if (event.happened) {
+            model_observer_lift_off(&observer->model, input->tick,
+                                    input->sea[state->stance].precompression_m);
             lift_off(observer, params, state->stance, input->tick, event.age_s);
         }
         break;
@@ -267,6 +357,7 @@ void gait_observer_update(struct gait_observer *observer, const struct control_p
     } else {
         watch_compass(observer, params, input);
     }
+    work_on_apex(observer, params, tick);
     watch_apex(observer, params, SIDE_LEFT, tick);
     watch_apex(observer, params, SIDE_RIGHT, tick);
     for (int side = 0; side < SIDE_COUNT; side++) {

@@ -71,6 +71,7 @@ static error_t take(int key, char *text, struct argp_state *state)
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->walk;
+        state->child_inputs[1] = &options->sensor;
         break;
     case KEY_STEPS:
         options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 10000000);
@@ -135,7 +136,7 @@ static error_t take(int key, char *text, struct argp_state *state)
 
 void sim_options_parse(struct sim_options *options, int argc, char **argv)
 {
-    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
+    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {0}};
     static const struct argp parser = {
         option_list, take, 0,
         "Walks the simulated walker in closed loop over an in-process CAN bus.\v"
@@ -147,6 +148,7 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
                                     .seed = 1,
                                     .fault_step = 10};
     walk_options_init(&options->walk);
+    sensor_options_init(&options->sensor);
     option_identity("afo-sim");
     wearer_format_default(&options->wearer_format);
     if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {

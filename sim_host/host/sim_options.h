@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "sim_host/host/loop.h"
+#include "sim_host/host/sensor_options.h"
 #include "sim_host/host/walk_options.h"
 
 struct sim_options {
@@ -19,6 +20,7 @@ struct sim_options {
     const char *log_path;
     const char *wearer_path;
     struct wearer_format wearer_format;
+    struct sensor_options sensor;
     enum loop_fault fault;
     uint32_t fault_step;
     bool real_time; /* one tick a millisecond instead of as fast as it goes */

@@ -78,6 +78,7 @@ static int prepare(struct session *session)
         complain(message);
         return -1;
     }
+    sensor_options_apply(&options->sensor, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
     if (options->wearer_path != NULL) {

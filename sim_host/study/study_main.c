@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "sim_host/observe/gains.h"
 #include "sim_host/study/command.h"
 
 static const struct {
@@ -16,6 +17,7 @@ static const struct {
     {"basin", command_basin, "where from the walker finds its gait"},
     {"gain", command_gain, "eigenvalues under the step law, and the best gain"},
     {"map", command_map, "iterate the return map from a state"},
+    {"observer-gains", command_observer_gains, "the model observer's gains, as C"},
 };
 
 static void print_help(FILE *file)
@@ -24,7 +26,7 @@ static void print_help(FILE *file)
             "Usage: afo-study COMMAND [OPTION...]\n\n"
             "Studies of the ankle-actuated compass gait: the return map from apex to apex.\n\n");
     for (unsigned i = 0; i < sizeof commands / sizeof commands[0]; i++) {
-        fprintf(file, "  %-12s %s\n", commands[i].name, commands[i].summary);
+        fprintf(file, "  %-14s %s\n", commands[i].name, commands[i].summary);
     }
     fprintf(file, "\nafo-study COMMAND --help tells of a command's options.\n"
                   "Exit status: 0 found, 1 not found or fallen, 2 usage.\n");
