@@ -63,11 +63,11 @@ struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
     /* The swing angle is read at the crossing, whose own error counts by the swing's rate. */
     const real angle_error = VALUE_ERROR * noise_rad / root;
     const real relative = real_abs(fit->swing_rate_rad_s / fit->stance_rate_rad_s);
-    const real error[APEX_VALUES] = {slope_error, angle_error * (REAL(1.0) + relative), slope_error};
+    const real error[APEX_VALUES] = {slope_error, angle_error * (REAL(1.0) + relative),
+                                     slope_error};
     const uint32_t steps = judge->learned[side];
     const real gain =
-        REAL(1.0) /
-        (real)(BIAS_PRIOR_STEPS + (steps < BIAS_MEAN_STEPS ? steps : BIAS_MEAN_STEPS));
+        REAL(1.0) / (real)(BIAS_PRIOR_STEPS + (steps < BIAS_MEAN_STEPS ? steps : BIAS_MEAN_STEPS));
     real of_fit[APEX_VALUES], of_model[APEX_VALUES], mixed[APEX_VALUES];
     real agreed = REAL(1.0);
     values_of(fit, of_fit);

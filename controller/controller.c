@@ -205,15 +205,12 @@ static void follow_gait(struct controller *controller, const struct controller_i
     }
 }
 
-/* A compass walker's latch may be armed from the apex on: its ankle cannot extend
- * before the other foot has landed. A person's can, by standing on the toes or by
- * rolling over the foot, so for them the other foot's heel strike must have been
- * seen: no push before that foot can carry them. */
+/* No push before the other foot can carry the wearer: a person's ankle can extend in
+ * midstance, too, and an armed latch would take that for the push-off. */
 static bool may_release(const struct controller *controller, enum side side)
 {
     const struct gait_state *gait = &controller->observer.state;
-    return controller->params->body != (real)BODY_PERSON ||
-           (gait->phase == PHASE_DOUBLE_SUPPORT && gait->stance == side);
+    return gait->strike_near && gait->stance == side;
 }
 
 void controller_update(struct controller *controller, const struct controller_input *input,

@@ -96,8 +96,8 @@ static void begin_work(struct gait_observer *observer, enum side side, uint32_t 
 {
     struct apex_work *work = &observer->work;
     const struct model_observer *model = &observer->model;
-    *work = (struct apex_work){
-        .busy = true, .side = side, .centre_tick = observer->apex_tick[side]};
+    *work =
+        (struct apex_work){.busy = true, .side = side, .centre_tick = observer->apex_tick[side]};
     work->modelled = model->phase == MODEL_SINGLE && model->stance == side;
     for (int i = 0; i < SINGLE_SUPPORT_STATES; i++) {
         work->state[i] = model->state[i];
@@ -126,9 +126,9 @@ static void report_apex(struct gait_observer *observer, const struct control_par
                                       work->swing_fit.rate_rad_s, REAL(0.0)};
     const struct apex_estimate model = {work->state[STANCE_RATE], work->state[SWING_ANGLE],
                                         work->state[SWING_RATE], REAL(1.0)};
-    state->apex = apex_judge_decide(&observer->judge, work->side, &fit,
-                                    work->modelled ? &model : NULL,
-                                    real_sqrt(observer->model.noise_rad2), observer->window_ticks);
+    state->apex =
+        apex_judge_decide(&observer->judge, work->side, &fit, work->modelled ? &model : NULL,
+                          real_sqrt(observer->model.noise_rad2), observer->window_ticks);
     const real before_s = work->fit.before_tick_s +
                           state->apex.confidence * (work->model_before_s - work->fit.before_tick_s);
     report(state, params, GAIT_APEX, work->side, tick,
@@ -145,13 +145,13 @@ static void work_on_apex(struct gait_observer *observer, const struct control_pa
         return;
     }
     if (work->stage == STAGE_STANCE_FIT) {
-        work->fit = apex_fit_solve(observer->angle_rad[work->side], GAIT_HISTORY,
-                                   work->centre_tick, observer->window_ticks);
+        work->fit = apex_fit_solve(observer->angle_rad[work->side], GAIT_HISTORY, work->centre_tick,
+                                   observer->window_ticks);
         work->busy = work->fit.speed_rad_s > REAL(0.0);
     } else if (work->stage == STAGE_SWING_FIT) {
-        work->swing_fit = apex_fit_other_leg(observer->angle_rad[side_other(work->side)],
-                                             GAIT_HISTORY, work->centre_tick,
-                                             observer->window_ticks, work->fit.before_tick_s);
+        work->swing_fit =
+            apex_fit_other_leg(observer->angle_rad[side_other(work->side)], GAIT_HISTORY,
+                               work->centre_tick, observer->window_ticks, work->fit.before_tick_s);
         work->stage = work->modelled ? work->stage : STAGE_LAND - 1;
     } else if (work->stage < STAGE_LAND) {
         model_observer_step(&observer->model, work->back_step_s, work->state);
@@ -339,6 +339,21 @@ static void watch_person(struct gait_observer *observer, const struct control_pa
     }
 }
 
+/* A compass walker's ankle cannot extend before the other foot lands, so from its
+ * apex on nothing can go wrong; a person's can, and their swing must be at its end. */
+static bool strike_near(const struct gait_observer *observer, const struct control_params *params)
+{
+    const struct gait_state *state = &observer->state;
+    if (state->phase == PHASE_DOUBLE_SUPPORT) {
+        return true;
+    }
+    if (is_person(params)) {
+        const struct leg_events *swing = &observer->leg[side_other(state->stance)];
+        return swing->landing || swing->waiting.kind == LEG_EVENT_STRIKE;
+    }
+    return state->phase == PHASE_SINGLE_SUPPORT && state->stance_past_apex;
+}
+
 void gait_observer_update(struct gait_observer *observer, const struct control_params *params,
                           const struct controller_input *input)
 {
@@ -360,6 +375,7 @@ void gait_observer_update(struct gait_observer *observer, const struct control_p
     work_on_apex(observer, params, tick);
     watch_apex(observer, params, SIDE_LEFT, tick);
     watch_apex(observer, params, SIDE_RIGHT, tick);
+    observer->state.strike_near = strike_near(observer, params);
     for (int side = 0; side < SIDE_COUNT; side++) {
         observer->state.stride_share[side] = stride_share(&observer->clock[side], tick);
     }

@@ -37,7 +37,7 @@ struct apex_work {
     uint32_t centre_tick; /* first sample at or below zero */
     struct apex_fit fit;
     struct angle_fit swing_fit;
-    bool modelled; /* the model observer was in this stance's single support */
+    bool modelled;                     /* the model observer was in this stance's single support */
     real state[SINGLE_SUPPORT_STATES]; /* its state on the way back to the apex */
     real back_step_s;
     real model_before_s; /* its apex lies this long before the centre tick */

@@ -52,6 +52,7 @@ static void enter(struct leg_events *leg, enum leg_contact contact, uint32_t tic
     leg->contact = contact;
     leg->since_tick = tick;
     leg->swung = false;
+    leg->landing = false;
 }
 
 static real seconds_since(uint32_t tick, uint32_t then)
@@ -124,6 +125,8 @@ static struct leg_event in_swing(struct leg_events *leg, const struct leg_view *
     if (rate > SWING_SHARE * view->yardstick_rad_s) {
         leg->swung = true;
     }
+    leg->landing =
+        leg->swung && view->ahead_rad > APART_RAD && rate < SWING_SHARE * view->yardstick_rad_s;
     if (falls_through(leg, rate, first)) {
         mark_first(leg, rate, first, tick);
     }

@@ -47,6 +47,7 @@ struct leg_events {
     real first_before_ticks; /* that crossing lies this long before first_tick */
     struct leg_event waiting; /* placed ahead of now; reported when its time has come */
     bool swung;               /* the swing was fast enough to be a step */
+    bool landing;             /* and is being slowed, with the foot ahead: about to land */
     uint32_t since_tick;      /* of the contact state */
     uint32_t moved_tick;      /* when the leg last moved */
 };

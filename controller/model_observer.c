@@ -206,10 +206,10 @@ void model_observer_strike(struct model_observer *observer, uint32_t tick, real 
     observer->toe_distance_m = REAL(2.0) * observer->walker.params.leg_length_m *
                                real_abs(real_sin(REAL(0.5) * difference));
     observer->ankle[ANKLE] = REAL(0.0);
-    observer->ankle[ANKLE_RATE] = collision_clamp_m_s(
-        collision_ankle_rate_m_s(&observer->walker, difference, strike[STANCE_RATE],
-                                 strike[SWING_RATE]),
-        NULL);
+    observer->ankle[ANKLE_RATE] =
+        collision_clamp_m_s(collision_ankle_rate_m_s(&observer->walker, difference,
+                                                     strike[STANCE_RATE], strike[SWING_RATE]),
+                            NULL);
     const struct double_support phase = {&observer->walker, observer->toe_distance_m, rest_m};
     if (!double_support_is_possible(&phase, REAL(0.0))) {
         model_observer_lose(observer);

@@ -36,15 +36,15 @@ struct model_observer {
     struct walker walker;
     bool usable; /* the parameters make a walker */
     enum model_phase phase;
-    enum side stance; /* the supporting leg; in double support the trailing one */
-    real state[SINGLE_SUPPORT_STATES];    /* in single support, at the newest sample */
-    real ankle[DOUBLE_SUPPORT_STATES];    /* in double support */
+    enum side stance;                  /* the supporting leg; in double support the trailing one */
+    real state[SINGLE_SUPPORT_STATES]; /* in single support, at the newest sample */
+    real ankle[DOUBLE_SUPPORT_STATES]; /* in double support */
     real toe_distance_m;
     real history[MODEL_HISTORY][SINGLE_SUPPORT_STATES]; /* by tick */
-    uint32_t since_tick; /* of the single support */
-    uint32_t knot;       /* of observer_gains, rising with the time since lift-off */
-    uint32_t off_ticks;  /* in a row with a gross disagreement */
-    real noise_rad2;     /* mean square of the sensors' angle noise, estimated */
+    uint32_t since_tick;                                /* of the single support */
+    uint32_t knot;      /* of observer_gains, rising with the time since lift-off */
+    uint32_t off_ticks; /* in a row with a gross disagreement */
+    real noise_rad2;    /* mean square of the sensors' angle noise, estimated */
     real error_before_rad[SIDE_COUNT];
 };
 

@@ -20,8 +20,8 @@
 enum { OBSERVER_GAIN_KNOTS = 16 };
 
 struct observer_gain {
-    real since;       /* time since lift-off over sqrt(l/g), ascending */
-    real stance[2];   /* angle gain, rate gain */
+    real since;     /* time since lift-off over sqrt(l/g), ascending */
+    real stance[2]; /* angle gain, rate gain */
     real swing[2];
 };
 

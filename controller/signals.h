@@ -93,6 +93,7 @@ struct gait_state {
     enum side stance;
     uint32_t phase_since_tick;
     bool stance_past_apex; /* single support, and theta_s already negative */
+    bool strike_near;      /* the other foot may land at any moment, or has landed */
     struct gait_event event[GAIT_EVENT_KINDS];
     struct apex_estimate apex; /* of the newest GAIT_APEX event; zeros before the first */
     /* Gait phase of each leg: share of its stride gone by since its heel strike, 0..1

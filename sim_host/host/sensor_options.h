@@ -9,9 +9,9 @@
 /* Of both legs; negative = as the preset has it. */
 struct sensor_options {
     double latency_ms;
-    double noise_counts;  /* white, RMS, of the leg angle */
-    double drop_share;    /* samples that are not sent */
-    double coloured_mrad; /* slow noise of the leg angle, RMS, below 5 Hz */
+    double noise_counts;            /* white, RMS, of the leg angle */
+    double drop_share;              /* samples that are not sent */
+    double coloured_mrad;           /* slow noise of the leg angle, RMS, below 5 Hz */
     double offset_mrad[SIDE_COUNT]; /* mounting error, 0 = none */
 };
 

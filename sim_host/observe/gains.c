@@ -81,7 +81,8 @@ int command_observer_gains(int argc, char **argv)
         return help ? 0 : 2;
     }
     const struct gain_assumptions a = gain_assumptions_default();
-    double since[OBSERVER_GAIN_KNOTS], stance[OBSERVER_GAIN_KNOTS][2], swing[OBSERVER_GAIN_KNOTS][2];
+    double since[OBSERVER_GAIN_KNOTS], stance[OBSERVER_GAIN_KNOTS][2],
+        swing[OBSERVER_GAIN_KNOTS][2];
     since[0] = 0.0;
     for (int i = 1; i < OBSERVER_GAIN_KNOTS; i++) {
         since[i] = 0.01 * pow(2.0, 0.5 * (i - 1));

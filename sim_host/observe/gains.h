@@ -7,11 +7,11 @@
 /* What the gains weigh against each other; for the paper's walker (g/l = 9.80665 / s^2),
  * whose results hold for others in their own time unit. */
 struct gain_assumptions {
-    double noise_rad;          /* of one angle sample, RMS, white */
-    double sample_s;           /* one sample each */
-    double start_angle_rad;    /* RMS error of the state that lift-off leaves */
+    double noise_rad;       /* of one angle sample, RMS, white */
+    double sample_s;        /* one sample each */
+    double start_angle_rad; /* RMS error of the state that lift-off leaves */
     double start_rate_rad_s;
-    double stance_density;     /* of the model's acceleration error, rad^2/s^3 */
+    double stance_density; /* of the model's acceleration error, rad^2/s^3 */
     double swing_density;
 };
 
