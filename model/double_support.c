@@ -27,6 +27,14 @@ int double_support_is_possible(const struct double_support *phase, real ankle_m)
     return l1 > REAL(0.0) && d > REAL(0.0) && l1 < l + d && l < l1 + d && d < l + l1;
 }
 
+void double_support_incline(struct double_support *phase, real incline_rad)
+{
+    const real half = real_sin(REAL(0.5) * incline_rad);
+    phase->incline_rad = incline_rad;
+    phase->incline_sin = real_sin(incline_rad);
+    phase->incline_versine = REAL(2.0) * half * half;
+}
+
 struct chain double_support_chain(const struct double_support *phase, real ankle_m)
 {
     const struct walker *w = phase->walker;
@@ -44,9 +52,13 @@ struct chain double_support_chain(const struct double_support *phase, real ankle
     const real s = REAL(1.0) - e;
     const real s_slope = e / t.trailing_m;
     const real mass_at_hip = M + REAL(0.25) * m + m * s * s;
-    /* Height of the hip and its derivative: the leading leg's lean over sin_d. */
-    const real height = t.trailing_m * l * t.sin_d / d;
-    const real height_slope = (d - t.hip_x_m) / (l * t.sin_d);
+    /* Height of the hip and its derivative: the leading leg's lean over sin_d; on an incline the hip's way
+     * along the line of the toes is a height, too. */
+    const real level = t.trailing_m * l * t.sin_d / d;
+    const real level_slope = (d - t.hip_x_m) / (l * t.sin_d);
+    const real height = level - level * phase->incline_versine + t.hip_x_m * phase->incline_sin;
+    const real height_slope =
+        level_slope - level_slope * phase->incline_versine + t.trailing_m / d * phase->incline_sin;
     const real weight_at_hip = M + REAL(0.5) * m + m * s;
 
     struct chain chain;
@@ -63,8 +75,8 @@ struct chain_angles double_support_angles(const struct double_support *phase, re
     const real l = phase->walker->params.leg_length_m, d = phase->toe_distance_m;
     const struct triangle t = triangle_of(phase, ankle_m);
     struct chain_angles a;
-    a.trailing_rad = real_acos(t.hip_x_m / t.trailing_m) - REAL_HALF_PI;
-    a.leading_rad = REAL_HALF_PI - real_acos((d - t.hip_x_m) / l);
+    a.trailing_rad = real_acos(t.hip_x_m / t.trailing_m) - REAL_HALF_PI + phase->incline_rad;
+    a.leading_rad = REAL_HALF_PI - real_acos((d - t.hip_x_m) / l) + phase->incline_rad;
     /* The hip's velocity, r' / sin D at right angles to the leading leg, has the tangential part
      * r' cos D / sin D on the trailing leg; it swings the leading leg forward over its toe. */
     a.trailing_slope = -t.cos_d / (t.sin_d * t.trailing_m);

@@ -18,6 +18,9 @@ struct double_support {
     const struct walker *walker; /* kept by the caller */
     real toe_distance_m;         /* d > 0 */
     real spring_rest_m;          /* r0: the motor's position, metres of spring */
+    /* Incline of the line from toe to toe, rad, > 0 uphill; with its sine and 1 - cosine, which
+     * double_support_incline() sets. All zero on level ground. */
+    real incline_rad, incline_sin, incline_versine;
 };
 
 /* Everything that follows from r. */
@@ -33,11 +36,15 @@ struct chain_angles {
     real trailing_slope, leading_slope; /* dts/dr, dtn/dr in rad/m */
 };
 
+#define double_support_incline REAL_SYMBOL(double_support_incline)
 #define double_support_is_possible REAL_SYMBOL(double_support_is_possible)
 #define double_support_chain REAL_SYMBOL(double_support_chain)
 #define double_support_angles REAL_SYMBOL(double_support_angles)
 #define double_support_rates REAL_SYMBOL(double_support_rates)
 #define double_support_energy_J REAL_SYMBOL(double_support_energy_J)
+
+/* Turns the ground: sets the three incline fields. */
+void double_support_incline(struct double_support *phase, real incline_rad);
 
 /* 1 when the two legs reach between the toes with the ankle at r: the triangle exists and is not flat. */
 int double_support_is_possible(const struct double_support *phase, real ankle_m);

@@ -6,9 +6,9 @@
 
 #define MAX_STEPS_PER_PHASE 100000
 #define MAX_HALVINGS 12
+#define MAX_GROUND_LANDINGS 8
 
-static const struct ode_event legs_symmetric = {{REAL(1.0), REAL(1.0), REAL(0.0), REAL(0.0)},
-                                                REAL(0.0)};
+static const struct ground level_ground = {REAL(0.0), REAL(0.0)};
 static const struct ode_event legs_closest = {{REAL(0.0), REAL(0.0), REAL(1.0), REAL(1.0)},
                                               REAL(0.0)};
 static const struct ode_event stance_vertical = {{REAL(1.0), REAL(0.0), REAL(0.0), REAL(0.0)},
@@ -47,14 +47,51 @@ static int settings_are_good(const struct stride_settings *settings)
            settings->phase_limit_s > REAL(0.0) && real_is_finite(settings->phase_limit_s);
 }
 
-/* One step in single support on the way to heel strike, cut at the strike if it falls within.
- * The toe touches the ground where g = ts + tn falls through zero; g rising is the mid-stance scuff, ignored.
- * Returns 1 at the strike; *step_s is then the time to it, and `next` the state there. */
-static int strike_within(const struct ode *ode, enum ode_method method, const real *state,
-                         real *next, real *step_s)
+/* The event "the toe is at the ground's height" for the legs' present opening: ts + tn = 2 incline. The toe
+ * is above the ground where its value is positive. */
+static struct ode_event toe_on_ground(const struct ground *ground, const real *state)
 {
-    const real before = ode_event_value(&legs_symmetric, state);
-    const real after = ode_event_value(&legs_symmetric, next);
+    const real opening = real_abs(state[STANCE_ANGLE] - state[SWING_ANGLE]);
+    const struct ode_event event = {{REAL(1.0), REAL(1.0), REAL(0.0), REAL(0.0)},
+                                    REAL(-2.0) * ground_incline_rad(ground, opening)};
+    return event;
+}
+
+static real height_sign(const struct ground *ground, const real *state)
+{
+    const struct ode_event event = toe_on_ground(ground, state);
+    return ode_event_value(&event, state);
+}
+
+/* Lands where the toe meets the ground between `state` (above) and `end` (not above). A rise of the ground
+ * makes the event depend on the opening of the legs at the strike: landed again until that rests. */
+static real land_on_ground(const struct ode *ode, enum ode_method method,
+                           const struct ground *ground, const real *state, real length,
+                           const real *end, real *landed)
+{
+    struct ode_event event = toe_on_ground(ground, end);
+    real step = ode_land(ode, method, &event, state, length, end, landed).step_s;
+    for (int i = 0; i < MAX_GROUND_LANDINGS && ground->height_rise != REAL(0.0); i++) {
+        const real offset = event.offset;
+        event = toe_on_ground(ground, landed);
+        if (real_abs(event.offset - offset) <= REAL(4.0) * REAL_EPSILON ||
+            !(ode_event_value(&event, end) <= REAL(0.0) &&
+              ode_event_value(&event, state) > REAL(0.0))) {
+            break;
+        }
+        step = ode_land(ode, method, &event, state, length, end, landed).step_s;
+    }
+    return step;
+}
+
+/* One step in single support on the way to heel strike, cut at the strike if it falls within.
+ * The toe touches the ground where its height over it falls through zero; rising is the mid-stance scuff,
+ * ignored. Returns 1 at the strike; *step_s is then the time to it, and `next` the state there. */
+static int strike_within(const struct ode *ode, enum ode_method method, const struct ground *ground,
+                         const real *state, real *next, real *step_s)
+{
+    const real before = height_sign(ground, state);
+    const real after = height_sign(ground, next);
     real end[SINGLE_SUPPORT_STATES];
     if (after > REAL(0.0) || !real_is_finite(after)) {
         return 0;
@@ -72,27 +109,28 @@ static int strike_within(const struct ode *ode, enum ode_method method, const re
         }
         const struct ode_landing peak =
             ode_land(ode, method, &legs_closest, state, length, next, top);
-        if (!(ode_event_value(&legs_symmetric, top) > REAL(0.0))) {
+        if (!(height_sign(ground, top) > REAL(0.0))) {
             return 0;
         }
-        const struct ode_landing rest =
-            ode_land(ode, method, &legs_symmetric, top, length - peak.step_s, end, next);
-        *step_s = peak.step_s + rest.step_s;
+        *step_s =
+            peak.step_s + land_on_ground(ode, method, ground, top, length - peak.step_s, end, next);
         return 1;
     }
-    *step_s = ode_land(ode, method, &legs_symmetric, state, length, end, next).step_s;
+    *step_s = land_on_ground(ode, method, ground, state, length, end, next);
     return 1;
 }
 
-enum stride_fault stride_to_strike(const struct walker *walker,
-                                   const struct stride_settings *settings, const struct apex *from,
-                                   struct stride_result *result)
+enum stride_fault stride_to_strike_on_ground(const struct walker *walker,
+                                             const struct stride_settings *settings,
+                                             const struct apex *from, const struct ground *ground,
+                                             struct stride_result *result)
 {
     const struct ode ode = {single_support_rates, walker, SINGLE_SUPPORT_STATES};
     real state[SINGLE_SUPPORT_STATES] = {REAL(0.0), from->swing_angle_rad, from->stance_rate_rad_s,
                                          from->swing_rate_rad_s};
     real time = REAL(0.0);
-    if (!settings_are_good(settings) || !all_finite(state, SINGLE_SUPPORT_STATES)) {
+    if (!settings_are_good(settings) || !all_finite(state, SINGLE_SUPPORT_STATES) ||
+        !(real_abs(ground->slope_rad) < REAL_HALF_PI) || !real_is_finite(ground->height_rise)) {
         return STRIDE_BAD_INPUT;
     }
     enum stride_fault fault = check_single_support(state);
@@ -103,7 +141,7 @@ enum stride_fault stride_to_strike(const struct walker *walker,
             return STRIDE_NO_HEEL_STRIKE;
         }
         ode_step(&ode, settings->method, step, state, next);
-        const int struck = strike_within(&ode, settings->method, state, next, &step);
+        const int struck = strike_within(&ode, settings->method, ground, state, next, &step);
         time += step;
         fault = check_single_support(next);
         for (int k = 0; k < SINGLE_SUPPORT_STATES; k++) {
@@ -111,10 +149,19 @@ enum stride_fault stride_to_strike(const struct walker *walker,
         }
         result->apex_to_strike_s = time;
         if (struck && fault == STRIDE_OK && state[STANCE_ANGLE] < REAL(0.0)) {
+            const real opening = real_abs(state[STANCE_ANGLE] - state[SWING_ANGLE]);
+            result->incline_rad = ground_incline_rad(ground, opening);
             return STRIDE_OK;
         }
     }
     return fault;
+}
+
+enum stride_fault stride_to_strike(const struct walker *walker,
+                                   const struct stride_settings *settings, const struct apex *from,
+                                   struct stride_result *result)
+{
+    return stride_to_strike_on_ground(walker, settings, from, &level_ground, result);
 }
 
 static enum stride_fault check_double_support(const real *state)
@@ -179,10 +226,11 @@ enum stride_fault stride_push_off(const struct walker *walker,
     if (result->inter_leg_rad > REAL_PI) {
         return STRIDE_INTER_LEG_ANGLE;
     }
-    const struct double_support phase = {walker,
-                                         REAL(2.0) * walker->params.leg_length_m *
-                                             real_sin(REAL(0.5) * result->inter_leg_rad),
-                                         spring_rest_m};
+    struct double_support phase = {.walker = walker,
+                                   .toe_distance_m = REAL(2.0) * walker->params.leg_length_m *
+                                                     real_sin(REAL(0.5) * result->inter_leg_rad),
+                                   .spring_rest_m = spring_rest_m};
+    double_support_incline(&phase, result->incline_rad);
     result->step_length_m = phase.toe_distance_m;
     if (!(phase.toe_distance_m > spring_rest_m)) {
         return STRIDE_NO_ROOM_TO_EXTEND;
@@ -256,11 +304,13 @@ enum stride_fault stride_from_lift_off(const struct walker *walker,
     return fault;
 }
 
-enum stride_fault stride(const struct walker *walker, const struct stride_settings *settings,
-                         const struct apex *from, real spring_rest_m, struct stride_result *result)
+enum stride_fault stride_on_ground(const struct walker *walker,
+                                   const struct stride_settings *settings, const struct apex *from,
+                                   real spring_rest_m, const struct ground *ground,
+                                   struct stride_result *result)
 {
     *result = (struct stride_result){.fault = STRIDE_OK};
-    result->fault = stride_to_strike(walker, settings, from, result);
+    result->fault = stride_to_strike_on_ground(walker, settings, from, ground, result);
     if (result->fault == STRIDE_OK) {
         result->fault = stride_push_off(walker, settings, spring_rest_m, result);
     }
@@ -268,4 +318,10 @@ enum stride_fault stride(const struct walker *walker, const struct stride_settin
         result->fault = stride_from_lift_off(walker, settings, result);
     }
     return result->fault;
+}
+
+enum stride_fault stride(const struct walker *walker, const struct stride_settings *settings,
+                         const struct apex *from, real spring_rest_m, struct stride_result *result)
+{
+    return stride_on_ground(walker, settings, from, spring_rest_m, &level_ground, result);
 }

@@ -7,6 +7,7 @@
 #ifndef MODEL_STRIDE_H
 #define MODEL_STRIDE_H
 
+#include "model/ground.h"
 #include "model/integrator.h"
 #include "model/single_support.h"
 
@@ -50,6 +51,7 @@ struct stride_result {
     real strike[SINGLE_SUPPORT_STATES]; /* just before the collision */
     real lift_off
         [SINGLE_SUPPORT_STATES]; /* just after, legs renamed: start of the new single support */
+    real incline_rad;            /* of the line from toe to toe at heel strike; 0 on level ground */
     real inter_leg_rad;          /* 2a, at heel strike */
     real step_length_m;          /* d, toe to toe */
     real ankle_rate_m_s;         /* r'+ after collision and clamp */
@@ -59,6 +61,8 @@ struct stride_result {
 #define stride_settings_fixed REAL_SYMBOL(stride_settings_fixed)
 #define stride_settings_accurate REAL_SYMBOL(stride_settings_accurate)
 #define stride REAL_SYMBOL(stride)
+#define stride_on_ground REAL_SYMBOL(stride_on_ground)
+#define stride_to_strike_on_ground REAL_SYMBOL(stride_to_strike_on_ground)
 #define stride_from_lift_off REAL_SYMBOL(stride_from_lift_off)
 #define stride_push_off REAL_SYMBOL(stride_push_off)
 #define stride_to_strike REAL_SYMBOL(stride_to_strike)
@@ -76,11 +80,23 @@ struct stride_settings stride_settings_accurate(const struct walker *walker);
 enum stride_fault stride(const struct walker *walker, const struct stride_settings *settings,
                          const struct apex *from, real spring_rest_m, struct stride_result *result);
 
+/* The same on ground that slopes, or with the next foothold higher or lower. Angles stay measured from
+ * the vertical, the apex stays where the stance leg is vertical. *ground: slope below pi/2 in size, both
+ * finite, else STRIDE_BAD_INPUT. */
+enum stride_fault stride_on_ground(const struct walker *walker,
+                                   const struct stride_settings *settings, const struct apex *from,
+                                   real spring_rest_m, const struct ground *ground,
+                                   struct stride_result *result);
+
 /* The three phases by themselves, each with the faults of its own; each reads what the one before
  * it left in *result (apex -> strike -> lift_off -> next), so a caller may start anywhere. */
 enum stride_fault stride_to_strike(const struct walker *walker,
                                    const struct stride_settings *settings, const struct apex *from,
                                    struct stride_result *result);
+enum stride_fault stride_to_strike_on_ground(const struct walker *walker,
+                                             const struct stride_settings *settings,
+                                             const struct apex *from, const struct ground *ground,
+                                             struct stride_result *result);
 enum stride_fault stride_push_off(const struct walker *walker,
                                   const struct stride_settings *settings, real spring_rest_m,
                                   struct stride_result *result);

@@ -1,13 +1,13 @@
 #include "controller/laws/predictive_law.h"
 
-/* Integration steps and limits in units of sqrt(l/g): 25 ms and 20 ms on a leg of 1 m (an error of 1e-6
- * in the next apex), phases of at most 36, 30 and 16 steps. The slowest gait of the table takes 0.6 s
- * from apex to heel strike on that leg. */
-#define SINGLE_STEP_UNITS REAL(0.078)
-#define PUSH_STEP_UNITS REAL(0.0626)
-#define STRIKE_LIMIT_STEPS REAL(36.0)
-#define SWING_LIMIT_STEPS REAL(30.0)
-#define PUSH_LIMIT_STEPS REAL(16.0)
+/* Integration steps in units of sqrt(l/g): 40 ms and 30 ms on a leg of 1 m, an error of at most 3e-5 in the
+ * next apex of the gaits up to 1 rad/s. Phases of at most 21, 19 and 11 steps; steady gaits take 12, 9
+ * and 6. */
+#define SINGLE_STEP_UNITS REAL(0.125)
+#define PUSH_STEP_UNITS REAL(0.094)
+#define STRIKE_LIMIT_STEPS REAL(20.5)
+#define SWING_LIMIT_STEPS REAL(18.5)
+#define PUSH_LIMIT_STEPS REAL(10.5)
 /* A stride that ends slower than this, in 1/sqrt(l/g), or with the new stance leg closer to the vertical
  * at lift-off than this, is too close to falling to be chosen. */
 #define SLOWEST_UNITS REAL(0.02)

@@ -81,8 +81,8 @@ void predictive_law_begin(struct predictive_law *law, const struct gait_branch *
 
 /* One unit of work; nothing when the answer is final. Returns true when law->r0_m is worth following: once
  * the range has been searched, at each improvement after that, and when it has become final
- * (law->stage == PREDICTIVE_IDLE). Cost bound: 36 RK4 steps of single support or 16 of double and
- * 30 of single support, one landing each, and one gait_branch_distance(). */
+ * (law->stage == PREDICTIVE_IDLE). Cost bound: 21 RK4 steps of single support or 11 of double and
+ * 19 of single support, one landing each, and one gait_branch_distance(). */
 bool predictive_law_work(struct predictive_law *law, const struct gait_branch *branch);
 
 /* Time is up: the answer that stands becomes final; no prediction for it is left. */

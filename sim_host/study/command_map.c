@@ -115,7 +115,8 @@ static void sample_single(struct report *report, const struct problem *problem, 
 static void sample_double(struct report *report, const struct problem *problem, int samples,
                           double r0, const struct stride_result *r, int stride_number, double *time)
 {
-    const struct double_support phase = {&problem->walker, r->step_length_m, r0};
+    const struct double_support phase = {
+        .walker = &problem->walker, .toe_distance_m = r->step_length_m, .spring_rest_m = r0};
     const struct ode ode = {double_support_rates, &phase, DOUBLE_SUPPORT_STATES};
     double y[2] = {0.0, r->ankle_rate_m_s};
     for (int i = 0; i <= samples; i++) {

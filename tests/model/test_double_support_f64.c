@@ -37,7 +37,7 @@ static double mu_by_differences(const struct double_support *p, double r)
 
 static struct double_support phase_of(const struct walker *w, double d, double r0)
 {
-    const struct double_support phase = {w, d, r0};
+    const struct double_support phase = {.walker = w, .toe_distance_m = d, .spring_rest_m = r0};
     return phase;
 }
 

@@ -148,7 +148,8 @@ START_TEST(energy_is_kept_between_the_collisions)
         const double before = single_support_energy_J(&w, apex);
         assert_close(single_support_energy_J(&w, r.strike), before, 0.0, 1e-10);
         /* What the spring holds after impact is all in the walker at lift-off, none lost in between. */
-        const struct double_support phase = {&w, r.step_length_m, r0s[i]};
+        const struct double_support phase = {
+            .walker = &w, .toe_distance_m = r.step_length_m, .spring_rest_m = r0s[i]};
         const double landed[2] = {0.0, r.ankle_rate_m_s};
         const double after = double_support_energy_J(&phase, landed);
         assert_close(single_support_energy_J(&w, r.lift_off), after, 0.0, 1e-10);
@@ -170,7 +171,8 @@ START_TEST(heel_strike_is_where_the_toe_meets_the_ground)
     assert_close(toe.x_m, -r.step_length_m, 1e-14, 0.0);
     assert_close(r.inter_leg_rad, 2.0 * asin(r.step_length_m / 2.0), 1e-14, 0.0);
     /* From the stance leg's new foot the swing toe is at (d, 0), lifted off without a jump. */
-    const struct double_support phase = {&w, r.step_length_m, 0.05};
+    const struct double_support phase = {
+        .walker = &w, .toe_distance_m = r.step_length_m, .spring_rest_m = 0.05};
     const struct point new_hip = single_support_hip(&w, r.lift_off);
     const struct chain_angles a = double_support_angles(&phase, 0.05);
     assert_close(new_hip.x_m, r.step_length_m + 1.05 * sin(a.trailing_rad), 1e-14, 0.0);
