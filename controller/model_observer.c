@@ -49,7 +49,9 @@ void model_observer_step(const struct model_observer *observer, real h_s, real *
 
 static void step_double(const struct model_observer *observer, real rest_m, real h_s, real *ankle)
 {
-    const struct double_support phase = {&observer->walker, observer->toe_distance_m, rest_m};
+    const struct double_support phase = {.walker = &observer->walker,
+                                         .toe_distance_m = observer->toe_distance_m,
+                                         .spring_rest_m = rest_m};
     const struct ode ode = {double_support_rates, &phase, DOUBLE_SUPPORT_STATES};
     ode_step(&ode, ODE_RK4, h_s, ankle, ankle);
 }
@@ -138,7 +140,9 @@ static void advance_double(struct model_observer *observer, const struct control
         observer->ankle[ANKLE] += ANKLE_GAIN_S * CONTROL_PERIOD_S * off;
         observer->ankle[ANKLE_RATE] += ANKLE_RATE_GAIN_S2 * CONTROL_PERIOD_S * off;
     }
-    const struct double_support phase = {&observer->walker, observer->toe_distance_m, REAL(0.0)};
+    const struct double_support phase = {.walker = &observer->walker,
+                                         .toe_distance_m = observer->toe_distance_m,
+                                         .spring_rest_m = REAL(0.0)};
     if (!all_finite(observer->ankle, DOUBLE_SUPPORT_STATES) ||
         !double_support_is_possible(&phase, observer->ankle[ANKLE])) {
         model_observer_lose(observer);
@@ -210,7 +214,9 @@ void model_observer_strike(struct model_observer *observer, uint32_t tick, real 
         collision_clamp_m_s(collision_ankle_rate_m_s(&observer->walker, difference,
                                                      strike[STANCE_RATE], strike[SWING_RATE]),
                             NULL);
-    const struct double_support phase = {&observer->walker, observer->toe_distance_m, rest_m};
+    const struct double_support phase = {.walker = &observer->walker,
+                                         .toe_distance_m = observer->toe_distance_m,
+                                         .spring_rest_m = rest_m};
     if (!double_support_is_possible(&phase, REAL(0.0))) {
         model_observer_lose(observer);
         return;
@@ -237,7 +243,9 @@ static void enter_single(struct model_observer *observer, enum side stance, uint
 
 void model_observer_lift_off(struct model_observer *observer, uint32_t tick, real rest_m)
 {
-    const struct double_support phase = {&observer->walker, observer->toe_distance_m, rest_m};
+    const struct double_support phase = {.walker = &observer->walker,
+                                         .toe_distance_m = observer->toe_distance_m,
+                                         .spring_rest_m = rest_m};
     const bool known = observer->phase == MODEL_DOUBLE && observer->ankle[ANKLE_RATE] > REAL(0.0);
     if (!known || !double_support_is_possible(&phase, rest_m)) {
         model_observer_lose(observer);
