@@ -46,6 +46,25 @@ static inline void bytes_put_u32(uint8_t *to, uint32_t value)
     bytes_put_u16(to + 2, (uint16_t)(value >> 16));
 }
 
+/* IEEE 754 single precision, as it lies in a frame. */
+static inline uint32_t bytes_of_f32(float value)
+{
+    const union {
+        float value;
+        uint32_t bits;
+    } number = {value};
+    return number.bits;
+}
+
+static inline float bytes_get_f32(const uint8_t *from)
+{
+    const union {
+        uint32_t bits;
+        float value;
+    } number = {bytes_get_u32(from)};
+    return number.value;
+}
+
 /* Round to nearest, halves away from zero; outside low..high: the nearer limit;
  * NaN: low. low and high within +-2^24, where float holds every integer, or at
  * the ends of int32_t. */

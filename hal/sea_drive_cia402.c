@@ -58,7 +58,7 @@ void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_c
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         drives->axis[leg].config = config[leg];
         drives->axis[leg].age_ticks = UINT16_MAX;
-        drives->axis[leg].ticks_since_sent = SLOW_PDO_TICKS;
+        sea_latch_sender_init(&drives->axis[leg].sender);
     }
 }
 
@@ -158,24 +158,7 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum leg leg,
 {
     const uint16_t controlword = next_controlword(axis, wish);
     const bool armed = wish->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
-    const uint32_t outputs = armed ? DRIVE_OUTPUT_LATCH_ARMED : 0;
-    if (controlword == axis->sent_controlword && outputs == axis->sent_outputs &&
-        axis->ticks_since_sent < SLOW_PDO_TICKS) {
-        axis->ticks_since_sent++;
-        return CAN_OK;
-    }
-    struct can_msg message = {.id = leg == LEG_LEFT ? FRAME_DRIVE_COMMAND_LEFT
-                                                    : FRAME_DRIVE_COMMAND_RIGHT,
-                              .length = FRAME_BYTES_DRIVE_COMMAND_LEFT};
-    bytes_put_u16(message.data, controlword);
-    bytes_put_u32(message.data + 2, outputs);
-    const enum can_result result = can_bus_send(bus, &message);
-    if (result == CAN_OK) {
-        axis->sent_controlword = controlword;
-        axis->sent_outputs = outputs;
-        axis->ticks_since_sent = 1;
-    }
-    return result;
+    return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
 }
 
 static enum can_result command(void *context, const struct sea_drive_wish *wish,

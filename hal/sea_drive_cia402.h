@@ -12,6 +12,7 @@
 #define HAL_SEA_DRIVE_CIA402_H
 
 #include "hal/sea_drives.h"
+#include "hal/sea_latch.h"
 
 struct cia402_axis_config {
     float counts_per_m; /* motor counts per metre of spring, > 0 */
@@ -24,9 +25,7 @@ struct cia402_axis {
     int32_t position_counts;
     uint16_t statusword;
     uint16_t age_ticks;
-    uint16_t sent_controlword;
-    uint32_t sent_outputs;
-    uint16_t ticks_since_sent; /* of controlword and outputs */
+    struct sea_latch_sender sender; /* of controlword and outputs */
     bool resetting;            /* the fault reset bit was set in the last controlword */
 };
 

@@ -88,7 +88,7 @@ void gait_record_take(struct gait_record *record, const struct loop *loop)
 {
     const struct controller *controller = &loop->rig.task.controller;
     const struct gait_state *gait = &controller->observer.state;
-    const double period_s = loop->plant.config.tick_s;
+    const double period_s = loop->nodes.plant.config.tick_s;
     const double now_s = (double)(loop->tick - 1) * period_s;
     for (int kind = 0; kind < GAIT_EVENT_KINDS; kind++) {
         const struct gait_event *event = &gait->event[kind];

@@ -84,12 +84,6 @@ static bool is_drive_frame(uint32_t id)
            id == FRAME_DRIVE_COMMAND_RIGHT;
 }
 
-static bool is_dropped_sample(const struct loop *loop, uint32_t id)
-{
-    return (id == FRAME_LEG_STATE_LEFT && !loop->sample[SIDE_LEFT].sent) ||
-           (id == FRAME_LEG_STATE_RIGHT && !loop->sample[SIDE_RIGHT].sent);
-}
-
 static struct sim_bus_fault inject(void *context, const struct can_msg *message, unsigned sender,
                                    uint64_t time_ns)
 {
@@ -97,11 +91,10 @@ static struct sim_bus_fault inject(void *context, const struct can_msg *message,
     struct sim_bus_fault fault = {.kind = SIM_BUS_FAULT_NONE};
     (void)sender;
     (void)time_ns;
-    if (is_dropped_sample(loop, message->id)) {
-        fault.kind = SIM_BUS_FAULT_DROP;
-    } else if (!loop->fault_active) {
+    if (!loop->fault_active) {
         return fault;
-    } else if (loop->config.fault == LOOP_FAULT_CUT_DRIVES && is_drive_frame(message->id)) {
+    }
+    if (loop->config.fault == LOOP_FAULT_CUT_DRIVES && is_drive_frame(message->id)) {
         fault.kind = SIM_BUS_FAULT_DROP;
     } else if (loop->config.fault == LOOP_FAULT_NEVER_ARMED &&
                (message->id == FRAME_DRIVE_COMMAND_LEFT ||
@@ -115,14 +108,10 @@ static struct sim_bus_fault inject(void *context, const struct can_msg *message,
 
 /* ---- building -------------------------------------------------------------- */
 
-static void wake_drive(void *context, uint64_t now_ns)
+static void wake_node(void *context, uint64_t now_ns)
 {
-    drive_node_poll((struct drive_node *)context, now_ns);
-}
-
-static void wake_sensor(void *context, uint64_t now_ns)
-{
-    leg_sensor_node_poll((struct leg_sensor_node *)context, now_ns);
+    const struct loop_wake *wake = (const struct loop_wake *)context;
+    (void)walker_nodes_poll(&wake->loop->nodes, wake->node, now_ns);
 }
 
 static void wake_task(void *context, uint64_t now_ns)
@@ -133,39 +122,16 @@ static void wake_task(void *context, uint64_t now_ns)
 
 static int init_nodes(struct loop *loop, char *message)
 {
-    const struct subject *subject = &loop->config.subject;
-    for (int i = 0; i < SIDE_COUNT; i++) {
-        const enum side side = (enum side)i;
-        const struct sea_params *sea = &loop->config.plant.sea[side];
-        const struct drive_node_config drive = {
-            .side = side,
-            .node_id = (uint8_t)(NODE_DRIVE_LEFT + i),
-            .counts_per_m = (uint32_t)sea->counts_per_m,
-            .stroke_m = sea->stroke_max_m,
-            .max_speed_m_per_s = sea->speed_limit_m_s,
-            .rated_force_N = sea->rated_force_N,
-            .following_error_m = 0.1 * subject->leg_length_m,
-            .unload_rate_m_per_s = sea->unload_rate_m_s,
-        };
-        const struct leg_sensor_node_config sensor = {
-            .side = side,
-            .node_id = (uint8_t)(NODE_SENSOR_LEFT + i),
-            .ankle_is_lever = subject->ankle == ANKLE_LEVER,
-        };
-        const int drive_port =
-            sim_bus_attach(&loop->bus, i == 0 ? "drive left" : "drive right", wake_drive,
-                           &loop->drive[i]);
-        const int sensor_port =
-            sim_bus_attach(&loop->bus, i == 0 ? "sensor left" : "sensor right", wake_sensor,
-                           &loop->sensor[i]);
-        if (drive_node_init(&loop->drive[i], &drive, sim_bus_port(&loop->bus, drive_port), 0) != 0 ||
-            leg_sensor_node_init(&loop->sensor[i], &sensor, sim_bus_port(&loop->bus, sensor_port),
-                                 0) != 0) {
-            snprintf(message, LOOP_MESSAGE_MAX, "a virtual node refuses its configuration");
-            return -1;
-        }
+    static const char *const names[WALKER_NODES] = {"drive left", "sensor left", "drive right",
+                                                    "sensor right"};
+    struct can_bus ports[WALKER_NODES];
+    for (int i = 0; i < WALKER_NODES; i++) {
+        loop->wake[i] = (struct loop_wake){loop, (enum walker_node)i};
+        const int port = sim_bus_attach(&loop->bus, names[i], wake_node, &loop->wake[i]);
+        ports[i] = sim_bus_port(&loop->bus, port);
     }
-    return 0;
+    const struct walker_drives drives = subject_drives(&loop->config.subject);
+    return walker_nodes_init(&loop->nodes, &loop->config.plant, &drives, ports, 0, message);
 }
 
 int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, char *message)
@@ -173,9 +139,6 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     memset(loop, 0, sizeof *loop);
     loop->config = *config;
     loop->log = log;
-    if (plant_init(&loop->plant, &loop->config.plant, message) != PLANT_OK) {
-        return -1;
-    }
     sim_bus_init(&loop->bus, BUS_BITRATE);
     sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
     sim_bus_set_fault_hook(&loop->bus, inject, loop);
@@ -184,79 +147,33 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
                       sim_bus_port(&loop->bus, port), config->desired_speed_rad_s,
                       true) != CONTROL_PARAMS_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
-        plant_free(&loop->plant);
         return -1;
     }
-    if (init_nodes(loop, message) != 0) {
-        plant_free(&loop->plant);
-        return -1;
-    }
-    return 0;
+    return init_nodes(loop, message);
 }
 
 void loop_free(struct loop *loop)
 {
-    plant_free(&loop->plant);
+    walker_nodes_free(&loop->nodes);
 }
 
 /* ---- one period ------------------------------------------------------------ */
-
-static void measure(struct loop *loop)
-{
-    for (int i = 0; i < SIDE_COUNT; i++) {
-        struct sea_output out;
-        plant_sea_output(&loop->plant, (enum side)i, &out);
-        const struct drive_axis_feedback feedback = {
-            .position_m = out.reported_position_m,
-            .velocity_m_per_s = out.speed_m_s,
-            .force_N = out.motor_force_N,
-            .temperature_degC = out.temperature_degC,
-            .dc_link_V = out.dc_link_V,
-            .latch_holds = out.latch == SEA_LATCH_CLOSED,
-        };
-        drive_node_measure(&loop->drive[i], &feedback);
-        plant_sample(&loop->plant, (enum side)i, &loop->sample[i]);
-    }
-    for (int i = 0; i < SIDE_COUNT; i++) {
-        const bool swapped = loop->fault_active && loop->config.fault == LOOP_FAULT_SWAPPED;
-        const struct sensor_sample *sample = &loop->sample[swapped ? 1 - i : i];
-        leg_sensor_node_measure(&loop->sensor[i], sample->leg_angle_rad,
-                                loop->config.subject.ankle == ANKLE_LEVER
-                                    ? (double)sample->ankle_counts * (6.283185307179586 / 65536.0)
-                                    : sample->ankle_extension_m);
-    }
-}
-
-static void actuate(struct loop *loop)
-{
-    for (int i = 0; i < SIDE_COUNT; i++) {
-        struct drive_axis_command axis;
-        drive_node_command(&loop->drive[i], TICK_NS, &axis);
-        const struct sea_command command = {
-            .mode = axis.powered ? SEA_POSITION : SEA_TORQUE_OFF,
-            .target_position_m = axis.target_m,
-            .latch_armed = axis.latch_armed,
-        };
-        plant_set_command(&loop->plant, (enum side)i, &command);
-    }
-}
 
 void loop_tick(struct loop *loop)
 {
     const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
     sim_bus_run_until(&loop->bus, sync_ns);
-    measure(loop);
     (void)control_task_start_cycle(&loop->rig.task); /* refused: counted, seen by the supervisor */
     sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
-    for (int i = 0; i < SIDE_COUNT; i++) {
-        drive_node_poll(&loop->drive[i], sync_ns + TICK_NS - 1);
-        leg_sensor_node_poll(&loop->sensor[i], sync_ns + TICK_NS - 1);
+    for (int i = 0; i < WALKER_NODES; i++) {
+        (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, sync_ns + TICK_NS - 1);
     }
-    actuate(loop);
-    plant_advance(&loop->plant);
+    walker_nodes_advance(&loop->nodes);
     if (!loop->fault_active && loop->config.fault != LOOP_FAULT_NONE &&
         loop->rig.task.controller.last_step.number >= loop->config.fault_step) {
         loop->fault_active = true;
+        loop->nodes.swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
     }
+    walker_nodes_measure(&loop->nodes);
     loop->tick++;
 }

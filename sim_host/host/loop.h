@@ -16,8 +16,7 @@
 #include "sim_host/bus/sim_bus.h"
 #include "sim_host/host/subject.h"
 #include "sim_host/host/task_rig.h"
-#include "sim_host/nodes/drive_node.h"
-#include "sim_host/nodes/leg_sensor_node.h"
+#include "sim_host/nodes/walker_nodes.h"
 #include "sim_host/plant/plant.h"
 
 enum { LOOP_MESSAGE_MAX = 1024, LOOP_PORT_CONTROLLER = 0, LOOP_PORT_FIRST_NODE = 1 };
@@ -40,14 +39,20 @@ struct loop_config {
     uint32_t fault_step; /* the fault begins when this many apexes have passed */
 };
 
+struct loop;
+
+/* What the bus needs to wake one node. */
+struct loop_wake {
+    struct loop *loop;
+    enum walker_node node;
+};
+
 struct loop {
     struct loop_config config;
     struct sim_bus bus;
-    struct drive_node drive[SIDE_COUNT];
-    struct leg_sensor_node sensor[SIDE_COUNT];
-    struct plant plant;
+    struct walker_nodes nodes; /* plant, drives and sensors */
+    struct loop_wake wake[WALKER_NODES];
     struct task_rig rig; /* the control task and its drives' protocol */
-    struct sensor_sample sample[SIDE_COUNT];
     uint64_t tick;      /* SYNCs so far */
     bool fault_active;
     FILE *log;          /* candump -L, or NULL */

@@ -142,9 +142,9 @@ void sim_tick_line(FILE *stream, const struct loop *loop, int event)
     static const char *const phases[] = {"held", "single", "double", "down"};
     struct plant_truth truth;
     struct sea_output motor[SIDE_COUNT];
-    plant_truth(&loop->plant, &truth);
-    plant_sea_output(&loop->plant, SIDE_LEFT, &motor[SIDE_LEFT]);
-    plant_sea_output(&loop->plant, SIDE_RIGHT, &motor[SIDE_RIGHT]);
+    plant_truth(&loop->nodes.plant, &truth);
+    plant_sea_output(&loop->nodes.plant, SIDE_LEFT, &motor[SIDE_LEFT]);
+    plant_sea_output(&loop->nodes.plant, SIDE_RIGHT, &motor[SIDE_RIGHT]);
     fprintf(stream, "%llu,%.3f,%s,%s,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%s,%d\n",
             (unsigned long long)truth.tick, truth.time_s, side_name(truth.stance),
             phases[truth.phase], truth.leg_angle_rad[0], truth.leg_angle_rad[1],

@@ -25,7 +25,7 @@ struct subject_key {
     const char *meaning;
 };
 
-enum { SUBJECT_KEYS = 11, SUBJECT_KEYS_REQUIRED = 4 };
+enum { SUBJECT_KEYS = 19, SUBJECT_KEYS_REQUIRED = 4 };
 
 /* What a file says, and which keys it has said already. */
 struct reading {
@@ -46,6 +46,15 @@ static const struct subject_key subject_keys[SUBJECT_KEYS] = {
     KEY("sea", "speed_max_m_s", 0.001, 10.0, speed_max_m_s, "motor speed limit, m/s of spring"),
     KEY("sea", "force_max_N", 0.1, 50000.0, force_max_N, "motor force limit, N"),
     KEY("sea", "counts_per_m", 1000.0, 1.0e8, counts_per_m, "motor counts per metre of spring"),
+    KEY("drive", "turns_per_m", 0.1, 100000.0, turns_per_m, "CANSimple: motor turns per metre of spring"),
+    KEY("drive", "rad_per_m", 0.1, 100000.0, rad_per_m, "MIT: motor angle per metre of spring, rad/m"),
+    KEY("drive", "zero_rad", -100.0, 100.0, zero_rad, "MIT: motor angle at the unloaded spring, rad"),
+    KEY("drive", "position_range_rad", 0.1, 1000.0, position_range_rad, "MIT: position field, +- rad"),
+    KEY("drive", "velocity_range_rad_s", 0.1, 1000.0, velocity_range_rad_s,
+        "MIT: velocity field, +- rad/s"),
+    KEY("drive", "torque_range_Nm", 0.1, 1000.0, torque_range_Nm, "MIT: torque field, +- Nm"),
+    KEY("drive", "kp_Nm_rad", 0.0, 500.0, kp_Nm_rad, "MIT: position gain, Nm/rad"),
+    KEY("drive", "kd_Nms_rad", 0.0, 5.0, kd_Nms_rad, "MIT: velocity gain, Nm s/rad"),
     KEY("ankle", "lever_m", 0.01, 0.5, ankle_lever_m, "lever of an ankle joint, m"),
     KEY("ankle", "neutral_rad", -1.0, 1.0, ankle_neutral_rad, "plantarflexion at extension 0, rad"),
 };
@@ -65,6 +74,14 @@ void subject_default(struct subject *subject)
         .force_max_N = 90.0,
         .counts_per_m = 13107200.0,
         .ankle_lever_m = 0.12,
+        .turns_per_m = 200.0, /* a 5 mm screw */
+        .rad_per_m = 50.0,    /* a drum of 20 mm radius; AK80-9 ranges */
+        .zero_rad = -12.0,
+        .position_range_rad = 12.5,
+        .velocity_range_rad_s = 50.0,
+        .torque_range_Nm = 18.0,
+        .kp_Nm_rad = 400.0,
+        .kd_Nms_rad = 2.0,
     };
 }
 
@@ -107,6 +124,20 @@ static int take_control_key(struct subject *subject, const char *key, const char
     return -1;
 }
 
+static int take_protocol(struct subject *subject, const char *value, char *message, size_t size)
+{
+    static const char *const names[] = {"cia402", "cansimple", "mit"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(value, names[i]) == 0) {
+            subject->protocol = (enum drive_protocol)i;
+            return 0;
+        }
+    }
+    snprintf(message, size,
+             "key \"protocol\": \"%.40s\" is unknown, allowed is cia402, cansimple or mit", value);
+    return -1;
+}
+
 static int take_ankle_kind(struct subject *subject, const char *value, char *message, size_t size)
 {
     if (strcmp(value, "linear") == 0) {
@@ -133,6 +164,9 @@ static int take_key(void *context, const char *section, const char *key, const c
     }
     if (strcmp(section, "controller") == 0) {
         return take_control_key(subject, key, value, message, size);
+    }
+    if (strcmp(section, "drive") == 0 && strcmp(key, "protocol") == 0) {
+        return take_protocol(subject, value, message, size);
     }
     if (strcmp(section, "ankle") == 0 && strcmp(key, "kind") == 0) {
         return take_ankle_kind(subject, value, message, size);
@@ -185,6 +219,22 @@ struct gait_walker subject_gait_walker(const struct subject *subject)
 {
     return (struct gait_walker){subject->torso_mass_kg, subject->leg_mass_kg, subject->leg_length_m,
                                 subject->spring_N_per_m, subject->gravity_m_s2};
+}
+
+double subject_stroke_m(const struct subject *subject)
+{
+    return subject->stroke_max_m > 0.0 ? subject->stroke_max_m : 0.35 * subject->leg_length_m;
+}
+
+struct walker_drives subject_drives(const struct subject *subject)
+{
+    const bool mit = subject->protocol == DRIVE_PROTOCOL_MIT;
+    return (struct walker_drives){
+        .protocol = subject->protocol,
+        .units_per_m = mit ? subject->rad_per_m : subject->turns_per_m,
+        .zero_units = mit ? subject->zero_rad : 0.0,
+        .ranges = {subject->position_range_rad, subject->velocity_range_rad_s,
+                   subject->torque_range_Nm}};
 }
 
 static int make_speed_table(const struct subject *subject, double length_scale,
@@ -259,7 +309,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
     /* Same spring energy in units of M g l. */
     const double length_scale =
         l * sqrt(PAPER_SPRING_RATIO / (subject->spring_N_per_m * l / weight_N));
-    const double stroke = subject->stroke_max_m > 0.0 ? subject->stroke_max_m : 0.35 * l;
+    const double stroke = subject_stroke_m(subject);
     const double speed =
         subject->speed_max_m_s > 0.0 ? subject->speed_max_m_s : 0.6 * sqrt(g * l);
     const double force = subject->force_max_N > 0.0 ? subject->force_max_N

@@ -11,6 +11,7 @@
 #include <stddef.h>
 
 #include "controller/control_params.h"
+#include "sim_host/nodes/walker_nodes.h"
 #include "sim_host/study/gait_curve.h"
 
 enum { SUBJECT_NAME_MAX = 64, SUBJECT_MESSAGE_MAX = 768 };
@@ -25,6 +26,11 @@ struct subject {
     double counts_per_m;                             /* motor counts per metre of spring */
     enum ankle_kind ankle;
     double ankle_lever_m, ankle_neutral_rad;
+    enum drive_protocol protocol;
+    double turns_per_m;                   /* CANSimple: motor turns per metre of spring */
+    double rad_per_m, zero_rad;           /* MIT mode: motor angle per metre, at the unloaded spring */
+    double position_range_rad, velocity_range_rad_s, torque_range_Nm; /* MIT mode: of the fields */
+    double kp_Nm_rad, kd_Nms_rad;         /* MIT mode: the drive's position loop */
     double control_override[CONTROL_PARAM_COUNT]; /* [controller] section, by parameter */
     bool control_overridden[CONTROL_PARAM_COUNT];
 };
@@ -37,6 +43,12 @@ void subject_default(struct subject *subject);
  * and what is allowed in message (SUBJECT_MESSAGE_MAX bytes); *subject is then
  * not to be used. */
 int subject_read(struct subject *subject, const char *path, char *message);
+
+/* Stroke limit of the SEA, m: the file's, or by the body's scale. */
+double subject_stroke_m(const struct subject *subject);
+
+/* The drives as the virtual nodes are to play them. */
+struct walker_drives subject_drives(const struct subject *subject);
 
 /* The subject's body as the study tools know it. */
 struct gait_walker subject_gait_walker(const struct subject *subject);

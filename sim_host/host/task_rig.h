@@ -5,12 +5,16 @@
 #define SIM_HOST_HOST_TASK_RIG_H
 
 #include "firmware/control_task.h"
+#include "hal/sea_drive_cansimple.h"
 #include "hal/sea_drive_cia402.h"
+#include "hal/sea_drive_mit.h"
 #include "sim_host/host/subject.h"
 
 struct task_rig {
     struct control_params params;
-    struct cia402_drives cia402;
+    struct cia402_drives cia402; /* one of the three speaks, the subject says which */
+    struct cansimple_drives cansimple;
+    struct mit_drives mit;
     struct control_task task;
     bool stop_pressed; /* what the task's emergency stop input reads */
 };

@@ -53,7 +53,7 @@ int walk_record_take(struct walk_record *record, struct loop *loop)
 {
     struct walk_event event;
     int kind = -1;
-    while (plant_next_event(&loop->plant, &event)) {
+    while (plant_next_event(&loop->nodes.plant, &event)) {
         kind = (int)event.kind;
         gait_record_truth(&record->gait, &event);
         if (event.kind == WALK_EVENT_APEX) {

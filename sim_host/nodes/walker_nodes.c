@@ -7,10 +7,28 @@
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
-static int init_side(struct walker_nodes *nodes, enum side side,
-                     const struct can_bus bus[WALKER_NODES], uint64_t now_ns)
+static bool is_foreign(const struct walker_nodes *nodes)
+{
+    return nodes->drives.protocol != DRIVE_PROTOCOL_CIA402;
+}
+
+static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus bus, uint64_t now_ns)
 {
     const struct sea_params *sea = &nodes->plant.config.sea[side];
+    if (is_foreign(nodes)) {
+        const struct foreign_drive_config foreign = {
+            .protocol = nodes->drives.protocol,
+            .node_id = (uint8_t)(NODE_DRIVE_LEFT + (int)side),
+            .drive_id = side == SIDE_LEFT ? FOREIGN_DRIVE_ID_LEFT : FOREIGN_DRIVE_ID_RIGHT,
+            .answer_id = side == SIDE_LEFT ? MIT_ANSWER_ID_LEFT : MIT_ANSWER_ID_RIGHT,
+            .units_per_m = nodes->drives.units_per_m,
+            .zero_units = nodes->drives.zero_units,
+            .stroke_m = sea->stroke_max_m,
+            .ranges = nodes->drives.ranges,
+            .watchdog_ms = FOREIGN_WATCHDOG_MS,
+        };
+        return foreign_drive_init(&nodes->foreign[side], &foreign, bus, now_ns);
+    }
     const struct drive_node_config drive = {
         .side = side,
         .node_id = (uint8_t)(NODE_DRIVE_LEFT + (int)side),
@@ -21,22 +39,30 @@ static int init_side(struct walker_nodes *nodes, enum side side,
         .following_error_m = 0.1 * nodes->plant.config.walk.body.leg_length_m,
         .unload_rate_m_per_s = sea->unload_rate_m_s,
     };
+    return drive_node_init(&nodes->drive[side], &drive, bus, now_ns);
+}
+
+static int init_side(struct walker_nodes *nodes, enum side side,
+                     const struct can_bus bus[WALKER_NODES], uint64_t now_ns)
+{
     const struct leg_sensor_node_config sensor = {
         .side = side,
         .node_id = (uint8_t)(NODE_SENSOR_LEFT + (int)side),
         .ankle_is_lever = nodes->plant.config.sensors[side].ankle_is_lever,
     };
     const int first = side == SIDE_LEFT ? WALKER_DRIVE_LEFT : WALKER_DRIVE_RIGHT;
-    return drive_node_init(&nodes->drive[side], &drive, bus[first], now_ns) == 0 &&
+    return init_drive(nodes, side, bus[first], now_ns) == 0 &&
                    leg_sensor_node_init(&nodes->sensor[side], &sensor, bus[first + 1], now_ns) == 0
                ? 0
                : -1;
 }
 
 int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
-                      const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message)
+                      const struct walker_drives *drives, const struct can_bus bus[WALKER_NODES],
+                      uint64_t now_ns, char *message)
 {
     memset(nodes, 0, sizeof *nodes);
+    nodes->drives = *drives;
     if (plant_init(&nodes->plant, plant, message) != PLANT_OK) {
         return -1;
     }
@@ -60,7 +86,11 @@ bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *mess
                           uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        (void)drive_node_receive(&nodes->drive[side], message, now_ns);
+        if (is_foreign(nodes)) {
+            foreign_drive_receive(&nodes->foreign[side], message, now_ns);
+        } else {
+            (void)drive_node_receive(&nodes->drive[side], message, now_ns);
+        }
         (void)leg_sensor_node_receive(&nodes->sensor[side], message, now_ns);
     }
     return message->id == FRAME_SYNC && message->flags == 0;
@@ -69,8 +99,12 @@ bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *mess
 void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        nodes->drive[side].now_ns = now_ns;
-        co_device_process(&nodes->drive[side].device, now_ns);
+        if (is_foreign(nodes)) {
+            foreign_drive_process(&nodes->foreign[side], now_ns);
+        } else {
+            nodes->drive[side].now_ns = now_ns;
+            co_device_process(&nodes->drive[side].device, now_ns);
+        }
         co_device_process(&nodes->sensor[side].device, now_ns);
     }
 }
@@ -78,16 +112,25 @@ void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
 bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64_t now_ns)
 {
     const enum side side = node < WALKER_DRIVE_RIGHT ? SIDE_LEFT : SIDE_RIGHT;
-    return node == WALKER_DRIVE_LEFT || node == WALKER_DRIVE_RIGHT
-               ? drive_node_poll(&nodes->drive[side], now_ns)
-               : leg_sensor_node_poll(&nodes->sensor[side], now_ns);
+    if (node == WALKER_SENSOR_LEFT || node == WALKER_SENSOR_RIGHT) {
+        return leg_sensor_node_poll(&nodes->sensor[side], now_ns);
+    }
+    if (is_foreign(nodes)) {
+        foreign_drive_poll(&nodes->foreign[side], now_ns);
+        return false;
+    }
+    return drive_node_poll(&nodes->drive[side], now_ns);
 }
 
 void walker_nodes_advance(struct walker_nodes *nodes)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct drive_axis_command axis;
-        drive_node_command(&nodes->drive[side], TICK_NS, &axis);
+        if (is_foreign(nodes)) {
+            foreign_drive_command(&nodes->foreign[side], &axis);
+        } else {
+            drive_node_command(&nodes->drive[side], TICK_NS, &axis);
+        }
         const struct sea_command command = {
             .mode = axis.powered ? SEA_POSITION : SEA_TORQUE_OFF,
             .target_position_m = axis.target_m,
@@ -112,7 +155,11 @@ void walker_nodes_measure(struct walker_nodes *nodes)
             .dc_link_V = out.dc_link_V,
             .latch_holds = out.latch == SEA_LATCH_CLOSED,
         };
-        drive_node_measure(&nodes->drive[side], &feedback);
+        if (is_foreign(nodes)) {
+            foreign_drive_measure(&nodes->foreign[side], &feedback);
+        } else {
+            drive_node_measure(&nodes->drive[side], &feedback);
+        }
         plant_sample(&nodes->plant, (enum side)side, &nodes->sample[side]);
     }
     for (int side = 0; side < SIDE_COUNT; side++) {
@@ -162,7 +209,12 @@ unsigned walker_nodes_ids(const struct walker_nodes *nodes, uint16_t *ids)
 {
     unsigned count = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        count = add_device(ids, count, &nodes->drive[side].device);
+        if (is_foreign(nodes)) {
+            count = add_device(ids, count, &nodes->foreign[side].latch_board);
+            count = foreign_drive_ids(&nodes->foreign[side], ids, count);
+        } else {
+            count = add_device(ids, count, &nodes->drive[side].device);
+        }
         count = add_device(ids, count, &nodes->sensor[side].device);
     }
     return count;
@@ -172,7 +224,8 @@ uint32_t walker_nodes_sdo_requests(const struct walker_nodes *nodes)
 {
     uint32_t requests = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        requests += nodes->drive[side].device.counters.sdo_requests;
+        requests += is_foreign(nodes) ? nodes->foreign[side].latch_board.counters.sdo_requests
+                                      : nodes->drive[side].device.counters.sdo_requests;
         requests += nodes->sensor[side].device.counters.sdo_requests;
     }
     return requests;

@@ -16,6 +16,7 @@
 
 #include "hal/can_bus.h"
 #include "sim_host/nodes/drive_node.h"
+#include "sim_host/nodes/foreign_drive.h"
 #include "sim_host/nodes/leg_sensor_node.h"
 #include "sim_host/plant/plant.h"
 
@@ -29,9 +30,23 @@ enum walker_node {
     WALKER_SENSOR_RIGHT = 3
 };
 
+/* Which protocol the drives speak, and for the foreign ones how. */
+struct walker_drives {
+    enum drive_protocol protocol;
+    double units_per_m; /* foreign: turns or radians of the motor per metre of spring */
+    double zero_units;
+    struct foreign_ranges ranges;
+};
+
+/* Identifiers of the foreign protocols, clear of CANopen's. */
+enum { FOREIGN_DRIVE_ID_LEFT = 1, FOREIGN_DRIVE_ID_RIGHT = 2, MIT_ANSWER_ID_LEFT = 0x11,
+       MIT_ANSWER_ID_RIGHT = 0x12, FOREIGN_WATCHDOG_MS = 50 };
+
 struct walker_nodes {
     struct plant plant;
-    struct drive_node drive[SIDE_COUNT];
+    struct walker_drives drives;
+    struct drive_node drive[SIDE_COUNT];      /* CiA 402 */
+    struct foreign_drive foreign[SIDE_COUNT]; /* the others */
     struct leg_sensor_node sensor[SIDE_COUNT];
     struct sensor_sample sample[SIDE_COUNT];
     bool swapped; /* fault: left and right sensor exchanged */
@@ -41,7 +56,7 @@ struct walker_nodes {
  * their busses and measures for the first SYNC. Returns 0, or -1 with the reason in message
  * (PLANT_ERROR_MAX bytes); then nothing is held. *nodes must not move afterwards. */
 int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
-                      const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message);
+                      const struct walker_drives *drives, const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message);
 void walker_nodes_free(struct walker_nodes *nodes);
 
 /* Gives one frame to all nodes: for an interface they share. True for a SYNC. */

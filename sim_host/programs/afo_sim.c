@@ -137,14 +137,14 @@ static bool is_over(struct session *session, uint64_t last_progress_tick)
 {
     const struct loop *loop = session->loop;
     const struct walk_record *record = &session->record;
-    const enum walk_fault fault = plant_fault(&loop->plant);
+    const enum walk_fault fault = plant_fault(&loop->nodes.plant);
     if (fault != WALK_FAULT_NONE) {
         judge_fall(session, fault);
         return true;
     }
     if (session->options.wearer_path != NULL) {
         struct plant_truth truth;
-        plant_truth(&loop->plant, &truth);
+        plant_truth(&loop->nodes.plant, &truth);
         session->outcome.reached = truth.finished;
         return truth.finished;
     }

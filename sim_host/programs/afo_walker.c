@@ -189,7 +189,8 @@ static int prepare(struct session *session)
     for (int i = 0; i < WALKER_NODES; i++) {
         bus[i] = socketcan_bus_interface(&session->bus);
     }
-    if (walker_nodes_init(&session->nodes, &session->config.plant, bus, 0, message) != 0) {
+    const struct walker_drives drives = subject_drives(&session->config.subject);
+    if (walker_nodes_init(&session->nodes, &session->config.plant, &drives, bus, 0, message) != 0) {
         complain(message);
         socketcan_bus_close(&session->bus);
         return -1;

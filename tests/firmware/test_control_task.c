@@ -204,7 +204,7 @@ START_TEST(emergency_stop_is_obeyed_and_told)
     ck_assert_msg(b.task.output.state == SUPERVISOR_FAULT, "let go, and it forgot: state %d",
                   (int)b.task.output.state);
     ck_assert(!b.task.output.sea[SIDE_LEFT].enable && !b.task.output.sea[SIDE_RIGHT].enable);
-    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].sent_controlword, 0x06); /* out of operation enabled */
+    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].sender.sent_controlword, 0x06); /* out of operation enabled */
 }
 END_TEST
 

@@ -40,7 +40,7 @@ static void answer(struct bench *b, uint32_t id, uint16_t statusword, int32_t po
 static int controlword_for(struct bench *b, uint16_t statusword)
 {
     answer(b, 0x181, statusword, 500);
-    b->cia402.axis[LEG_LEFT].ticks_since_sent = SLOW_PDO_TICKS; /* due again */
+    b->cia402.axis[LEG_LEFT].sender.ticks_since_sent = SLOW_PDO_TICKS; /* due again */
     fake_bus_clear(&b->fake);
     ck_assert_int_eq(sea_drives_command(&b->drives, b->wish, &b->bus), CAN_OK);
     const struct can_msg *frame = fake_bus_last(&b->fake, 0x301);

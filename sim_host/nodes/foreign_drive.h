@@ -1,0 +1,84 @@
+/* A virtual SEA drive that is no CANopen device: ODrive (CANSimple) or CubeMars AK
+ * (MIT mode), with a latch board beside it.
+ *
+ * The latch board is a small CANopen device (node 1 or 2) which takes the latch bit
+ * from the drive command frame (0x300 + node, bytes 2..5) and produces the
+ * heartbeat that the master expects of that node; when the master's heartbeat
+ * fails it disarms. The drive half is written from the makers' protocol
+ * descriptions (hal/sea_drive_cansimple.h and hal/sea_drive_mit.h name them).
+ * Same life as a drive_node: measure, receive or poll, command.
+ */
+#ifndef SIM_HOST_NODES_FOREIGN_DRIVE_H
+#define SIM_HOST_NODES_FOREIGN_DRIVE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/can_bus.h"
+#include "hal/canopen/co_device.h"
+#include "model/side.h"
+#include "sim_host/nodes/drive_node.h"
+
+enum drive_protocol {
+    DRIVE_PROTOCOL_CIA402 = 0, /* a drive_node, not this */
+    DRIVE_PROTOCOL_CANSIMPLE = 1,
+    DRIVE_PROTOCOL_MIT = 2
+};
+
+/* Half widths of the MIT fields, as set in the motor. */
+struct foreign_ranges {
+    double position_rad, velocity_rad_s, torque_Nm;
+};
+
+struct foreign_drive_config {
+    enum drive_protocol protocol;
+    uint8_t node_id;      /* of the latch board: 1 or 2 */
+    uint8_t drive_id;     /* CANSimple node, or MIT motor id */
+    uint16_t answer_id;   /* MIT: identifier of the answers */
+    double units_per_m;   /* turns or radians of the motor per metre of spring, > 0 */
+    double zero_units;    /* reading at the unloaded spring */
+    double stroke_m;
+    struct foreign_ranges ranges; /* MIT */
+    uint32_t watchdog_ms; /* without a command for so long: idle; 0 = off */
+};
+
+struct foreign_drive {
+    struct foreign_drive_config config;
+    struct co_device latch_board;
+    struct co_dictionary dictionary;
+    uint32_t latch_outputs; /* the board's object 0x60FE:01 */
+    struct drive_axis_feedback feedback;
+    bool closed_loop;
+    bool position_mode;   /* CANSimple: controller mode was set */
+    bool error;
+    bool commanded;       /* a command has come since power-on: the watchdog runs */
+    double input_units;   /* the last position command */
+    double stiffness;     /* MIT: kp of the last command; 0 = no position loop */
+    uint64_t now_ns, last_command_ns, next_estimate_ns, next_heartbeat_ns;
+};
+
+/* Boots the latch board on `bus` (kept by value). Returns 0, or -1 when a config
+ * value is out of range. Do not move *drive afterwards. */
+int foreign_drive_init(struct foreign_drive *drive, const struct foreign_drive_config *config,
+                       struct can_bus bus, uint64_t now_ns);
+
+void foreign_drive_measure(struct foreign_drive *drive, const struct drive_axis_feedback *feedback);
+
+/* One frame from the bus, whoever it is for. */
+void foreign_drive_receive(struct foreign_drive *drive, const struct can_msg *message,
+                           uint64_t now_ns);
+
+/* What is due by time: estimates and heartbeats, the board's own. */
+void foreign_drive_process(struct foreign_drive *drive, uint64_t now_ns);
+
+/* Both, from the drive's own bus. */
+void foreign_drive_poll(struct foreign_drive *drive, uint64_t now_ns);
+
+/* What the axis shall do in the coming period. */
+void foreign_drive_command(struct foreign_drive *drive, struct drive_axis_command *command);
+
+/* Identifiers the drive half listens to, appended to ids (room for at least 4).
+ * Returns the new count. */
+unsigned foreign_drive_ids(const struct foreign_drive *drive, uint16_t *ids, unsigned count);
+
+#endif

@@ -1,0 +1,137 @@
+/* The master configures a drive that others' rules define (sim_host/nodes), and
+ * refuses one that is not what the subject says. */
+#include "hal/frame_table.h"
+#include "hal/node_setup.h"
+#include "sim_host/bus/sim_bus.h"
+#include "sim_host/nodes/drive_node.h"
+#include "tests/support/assert_close.h"
+
+#include <string.h>
+
+struct bench {
+    struct sim_bus bus;
+    struct can_bus master;
+    struct drive_node drive;
+    struct node_setup_config config;
+    struct node_setup setup;
+    uint64_t now_ns;
+};
+
+static struct bench b;
+
+static const struct node_setup_config as_the_drive_is = {
+    .counts_per_m = {13107200, 13107200},
+    .limit_max_counts = {4587520, 4587520},
+    .following_error_counts = {1310720, 1310720},
+};
+
+static void start(void)
+{
+    const struct drive_node_config drive = {.side = SIDE_LEFT,
+                                            .node_id = 1,
+                                            .counts_per_m = 13107200,
+                                            .stroke_m = 0.35,
+                                            .max_speed_m_per_s = 1.9,
+                                            .rated_force_N = 50.0,
+                                            .following_error_m = 0.05,
+                                            .unload_rate_m_per_s = 0.5};
+    memset(&b, 0, sizeof b);
+    sim_bus_init(&b.bus, 1000000);
+    b.master = sim_bus_port(&b.bus, sim_bus_attach(&b.bus, "master", NULL, NULL));
+    const int port = sim_bus_attach(&b.bus, "drive", NULL, NULL);
+    ck_assert_int_eq(drive_node_init(&b.drive, &drive, sim_bus_port(&b.bus, port), 0), 0);
+    b.config = as_the_drive_is;
+    node_setup_start(&b.setup, &b.config, 1, 0);
+}
+
+/* Runs the setup to its end, at most two seconds. */
+static enum setup_verdict finish(bool drive_answers)
+{
+    enum setup_verdict verdict = SETUP_BUSY;
+    for (int tick = 0; tick < 2000 && verdict == SETUP_BUSY; tick++) {
+        struct can_msg message;
+        b.now_ns += 1000000;
+        sim_bus_run_until(&b.bus, b.now_ns);
+        if (drive_answers) {
+            (void)drive_node_poll(&b.drive, b.now_ns);
+            sim_bus_run_until(&b.bus, b.now_ns + 500000);
+        }
+        while (can_bus_receive(&b.master, &message, NULL) == CAN_OK) {
+            (void)node_setup_receive(&b.setup, &message, b.now_ns);
+        }
+        verdict = node_setup_poll(&b.setup, &b.master, b.now_ns);
+    }
+    return verdict;
+}
+
+START_TEST(a_drive_as_expected_is_configured)
+{
+    start();
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+    ck_assert_int_eq(b.drive.objects.mode_display, 8);
+    ck_assert_uint_eq(b.drive.objects.following_window, 1310720);
+    ck_assert_int_eq(b.drive.objects.limit_max, 4587520);
+    ck_assert_uint_eq(b.drive.device.comm.rpdo[0].cob_id, 0x201);
+    ck_assert_uint_eq(b.drive.device.comm.rpdo[0].map[0], 0x607A0020);
+    ck_assert_uint_eq(b.drive.device.comm.rpdo[0].map[1], 0x00040020);
+    ck_assert_uint_eq(b.drive.device.comm.tpdo[2].type, SLOW_PDO_TICKS);
+    ck_assert_uint_eq(b.drive.device.comm.consumer[0], 16u << 16 | 250);
+}
+END_TEST
+
+START_TEST(another_scaling_is_refused_with_both_values)
+{
+    start();
+    b.config.counts_per_m[LEG_LEFT] = 10000000;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.node, 1);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6092);
+    ck_assert_uint_eq(b.setup.failure.expected, 10000000);
+    assert_close(b.setup.failure.found, 13107200.0, 2.0, 0.0);
+}
+END_TEST
+
+START_TEST(another_kind_of_device_is_refused)
+{
+    start();
+    b.drive.device.comm.device_type = 401;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x1000);
+    ck_assert_uint_eq(b.setup.failure.found, 401);
+}
+END_TEST
+
+START_TEST(a_silent_node_is_named)
+{
+    start();
+    ck_assert_int_eq(finish(false), SETUP_SILENT);
+    ck_assert_uint_eq(b.setup.failure.node, 1);
+}
+END_TEST
+
+START_TEST(nothing_is_sent_after_a_refusal)
+{
+    start();
+    b.drive.device.comm.device_type = 0;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    const uint64_t frames = b.bus.stats.frames;
+    for (int i = 0; i < 100; i++) {
+        ck_assert_int_eq(node_setup_poll(&b.setup, &b.master, b.now_ns), SETUP_DIFFERS);
+    }
+    sim_bus_run_until(&b.bus, b.now_ns + 10000000);
+    ck_assert_uint_eq(b.bus.stats.frames, frames);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("node_setup");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, a_drive_as_expected_is_configured);
+    tcase_add_test(tests, another_scaling_is_refused_with_both_values);
+    tcase_add_test(tests, another_kind_of_device_is_refused);
+    tcase_add_test(tests, a_silent_node_is_named);
+    tcase_add_test(tests, nothing_is_sent_after_a_refusal);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

@@ -1,0 +1,86 @@
+"""Three drive protocols under the same walk, and logs that replay to the last bit."""
+import random
+
+import pytest
+
+from afo import BUILD, ROOT, run, walk
+
+REPLAY = BUILD / "afo-replay"
+SUBJECTS = ROOT / "sim_host" / "subjects"
+
+
+@pytest.mark.parametrize("subject", ["paper.ini", "paper-cansimple.ini", "paper-mit.ini"])
+def test_the_walk_works_on_each_drive_protocol(subject):
+    status, report = walk("--subject", SUBJECTS / subject, "--sensors", "ideal", "--speed", "0.6",
+                          "--steps", "120")
+    assert status == 0 and report["fell"] is False and report["fault"] is None
+    last = report["apex_speed_rad_s"][-20:]
+    assert abs(sum(last) / len(last) / 0.6 - 1) < 0.002
+    assert max(last) - min(last) < 0.005 * 0.6
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    path = tmp_path_factory.mktemp("replay") / "walk.log"
+    done = run("--speed", "0.5", "--steps", "15", "--quiet", "--log", path)
+    assert done.returncode == 0, done.stderr
+    return path
+
+
+def replay(path, *arguments):
+    return run("--speed", "0.5", *arguments, path, program=REPLAY)
+
+
+def test_a_log_replays_to_every_frame_of_the_controller(log):
+    done = replay(log)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "reproduced" in done.stdout
+    commands = sum(" 201#" in line for line in log.read_text().splitlines())
+    assert commands > 10000
+
+
+def flip(line, bit):
+    head, data = line.rsplit("#", 1)
+    raw = bytearray.fromhex(data)
+    raw[bit // 8] ^= 1 << (bit % 8)
+    return head + "#" + raw.hex().upper()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_one_changed_bit_is_found(log, tmp_path, seed):
+    generator = random.Random(seed)
+    lines = log.read_text().splitlines()
+    # Not in the last tenth of a second, after which the controller had nothing more to say.
+    candidates = [i for i in range(len(lines) - 1500) if not lines[i].endswith("#")]
+    chosen = generator.choice(candidates)
+    bits = 4 * len(lines[chosen].rsplit("#", 1)[1])
+    lines[chosen] = flip(lines[chosen], generator.randrange(bits))
+    changed = tmp_path / "changed.log"
+    changed.write_text("\n".join(lines) + "\n")
+    done = replay(changed)
+    assert done.returncode == 1, f"{lines[chosen]} passed: {done.stdout}"
+    assert "tick" in done.stdout and "line" in done.stdout
+
+
+def test_a_lost_frame_is_found(log, tmp_path):
+    lines = log.read_text().splitlines()
+    index = next(i for i in range(40000, len(lines)) if " 284#" in lines[i])
+    shorter = tmp_path / "shorter.log"
+    shorter.write_text("\n".join(lines[:index] + lines[index + 1:]) + "\n")
+    assert replay(shorter).returncode == 1
+
+
+def test_other_settings_than_the_recorded_ones_are_found(log):
+    assert replay(log, "--kp", "0.03").returncode == 1
+
+
+def test_a_log_that_is_none_is_refused(tmp_path):
+    path = tmp_path / "none.log"
+    path.write_text("(0000000000.000055) can0 080#\nnonsense\n")
+    done = replay(path)
+    assert done.returncode == 2 and "line 2" in done.stderr
+    path.write_text("")
+    done = replay(path)
+    assert done.returncode == 2 and "no SYNC" in done.stderr
+    done = replay(tmp_path / "missing.log")
+    assert done.returncode == 2 and "missing.log" in done.stderr
