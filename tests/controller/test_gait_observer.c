@@ -50,7 +50,7 @@ static void configure(double speed_rad_s, enum sensor_preset_kind sensors, doubl
 static struct truth truth_at(const struct walk_event *event)
 {
     struct plant_truth now;
-    plant_truth(&loop.plant, &now);
+    plant_truth(&loop.nodes.plant, &now);
     const double back_s = now.time_s - event->time_s;
     const enum side swing = side_other(event->side);
     return (struct truth){event->time_s,
@@ -109,7 +109,7 @@ static struct quality walk(const struct loop_config *config, int steps)
     ck_assert_int_eq(loop_init(&loop, config, NULL, message), 0);
     for (long tick = 0; tick < 2000L * steps && passed < steps; tick++) {
         loop_tick(&loop);
-        while (plant_next_event(&loop.plant, &event)) {
+        while (plant_next_event(&loop.nodes.plant, &event)) {
             if (event.kind == WALK_EVENT_APEX) {
                 q.missed_apexes += apex.open;
                 apex = truth_at(&event);
@@ -129,7 +129,7 @@ static struct quality walk(const struct loop_config *config, int steps)
             compare_time(&q.strike_worst_s, &seen[GAIT_HEEL_STRIKE], strike_s);
             compare_time(&q.lift_off_worst_s, &seen[GAIT_LIFT_OFF], lift_off_s);
         }
-        if (plant_fault(&loop.plant) != WALK_FAULT_NONE) {
+        if (plant_fault(&loop.nodes.plant) != WALK_FAULT_NONE) {
             q.fell = true;
             break;
         }
