@@ -12,6 +12,8 @@
  * at lift-off than this, is too close to falling to be chosen. */
 #define SLOWEST_UNITS REAL(0.02)
 #define LIFT_OFF_MARGIN_RAD REAL(0.005)
+/* The motor's loop settles, and the node samples, behind its reference. */
+#define MOTOR_MARGIN_S REAL(0.02)
 /* Learning of the bias, and what counts as a wrong prediction: 1/sqrt(l/g), beyond the bias. */
 #define BIAS_GAIN REAL(0.25)
 #define SURPRISE_UNITS REAL(0.03)
@@ -134,12 +136,35 @@ static real spread_gap(const struct predictive_law *law, real r0_m)
     return range * (REAL(2.0) * share + REAL(1.0) / n) / n;
 }
 
+/* How far the motor gets, from rest to rest, in the time that is left. */
+static real motor_reach_m(const struct predictive_law *law)
+{
+    const struct predictive_request *r = &law->request;
+    const real left = law->strike.apex_to_strike_s - r->report_delay_s -
+                      (real)(PREDICTIVE_COARSE + 2) * r->tick_s - MOTOR_MARGIN_S;
+    const real ramp_s = r->motor_speed_m_s / r->motor_acceleration_m_s2;
+    if (left <= REAL(0.0)) {
+        return REAL(0.0);
+    }
+    return left < REAL(2.0) * ramp_s ? REAL(0.25) * r->motor_acceleration_m_s2 * left * left
+                                     : r->motor_speed_m_s * (left - ramp_s);
+}
+
+static void keep_within_reach(struct predictive_law *law)
+{
+    struct predictive_request *r = &law->request;
+    const real reach_m = motor_reach_m(law);
+    r->r0_low_m = real_clamp(r->r0_from_m - reach_m, r->r0_low_m, r->r0_high_m);
+    r->r0_high_m = real_clamp(r->r0_from_m + reach_m, r->r0_low_m, r->r0_high_m);
+}
+
 static void to_strike(struct predictive_law *law)
 {
     struct stride_settings settings = law->single;
     settings.phase_limit_s = STRIKE_LIMIT_STEPS * settings.single_step_s;
     law->strike = (struct stride_result){.fault = STRIDE_OK};
     if (stride_to_strike(&law->walker, &settings, &law->request.apex, &law->strike) == STRIDE_OK) {
+        keep_within_reach(law);
         law->stage = PREDICTIVE_FIRST;
     } else {
         predictive_law_finish(law);

@@ -8,7 +8,8 @@
  * Spread over the ticks after the apex: one call of predictive_law_work() does one unit (the stride to
  * heel strike, or one candidate), at most PREDICTIVE_UNITS units a step. There is an answer from the
  * start, the caller's; it is replaced as better ones are found. Everything that bounds the work is
- * counted in integration steps, so its cost does not depend on the machine, nor do its bits.
+ * counted in integration steps, so its cost does not depend on the machine, nor do its bits. Candidates
+ * that the motor cannot reach before the predicted heel strike are left out.
  *
  * What the walker does beyond the model (a slope, a wrong mass) is learned as the mean difference of
  * measured and predicted apex and added to predictions. When they disagree too often nevertheless,
@@ -50,6 +51,10 @@ struct predictive_request {
     real target_speed_rad_s;  /* forward apex speed wanted */
     real r0_first_m;          /* the answer to begin with; stands if nothing better is found */
     real r0_low_m, r0_high_m; /* where candidates may lie */
+    /* The motor, which stands at r0_from_m, must be at r0 before heel strike. It can start when the range
+     * has been searched. */
+    real r0_from_m, motor_speed_m_s, motor_acceleration_m_s2;
+    real report_delay_s, tick_s; /* age of the apex at the first unit of work; time a unit takes */
 };
 
 struct predictive_law {

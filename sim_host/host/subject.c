@@ -299,6 +299,16 @@ static double smaller(double a, double b)
     return a < b ? a : b;
 }
 
+static bool overridden(const struct subject *subject, size_t offset)
+{
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        if (control_param_descriptors[i].offset == offset) {
+            return subject->control_overridden[i];
+        }
+    }
+    return false;
+}
+
 int subject_control_params(const struct subject *subject, struct control_params *params,
                            char *message)
 {
@@ -351,6 +361,10 @@ int subject_control_params(const struct subject *subject, struct control_params 
             *(real *)((char *)params + control_param_descriptors[i].offset) =
                 (real)subject->control_override[i];
         }
+    }
+    if (params->law == (real)LAW_PREDICTIVE &&
+        !overridden(subject, offsetof(struct control_params, r0_change_max_m))) {
+        params->r0_change_max_m = params->r0_max_m; /* what the motor can do limits it, step by step */
     }
     const int verdict = control_params_validate(params);
     if (verdict == CONTROL_PARAMS_OK) {
