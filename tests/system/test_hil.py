@@ -20,7 +20,7 @@ def test_a_changed_frame_is_found(tmp_path):
         for text in ("080#", "201#0100000002000000", "283#0102030405", "284#0102030405"):
             frames.append(line.format(len(frames), text))
         if tick % 250 == 249:
-            frames.append(line.format(len(frames), "190#0000000000000000"))
+            frames.append(line.format(len(frames), "390#0000000000000000"))
     whole = tmp_path / "whole.log"
     whole.write_text("".join(frames))
     changed = tmp_path / "changed.log"

@@ -124,7 +124,7 @@ START_TEST(a_living_pdo_cannot_be_changed)
     ck_assert_uint_eq(bench_write(&bench, 0x1800, 3, 10, 2), 0x06010000);
     ck_assert_uint_eq(bench_write(&bench, 0x1800, 1, 0x80000182, 4), 0);
     ck_assert_uint_eq(bench_write(&bench, 0x1A00, 1, 0x60640020, 4), 0x06010000); /* count not 0 */
-    ck_assert_uint_eq(bench_write(&bench, 0x1800, 1, 0x582, 4), 0x06090030); /* restricted */
+    ck_assert_uint_eq(bench_write(&bench, 0x1800, 1, 0x582, 4), 0x06090030);      /* restricted */
     ck_assert_uint_eq(bench_write(&bench, 0x1800, 1, 0x20000182, 4), 0x06090030); /* 29 bits */
     ck_assert_uint_eq(bench_write(&bench, 0x1800, 1, 0x1A2, 4), 0);
     bench_nmt(&bench, 1);

@@ -271,8 +271,7 @@ START_TEST(the_client_does_not_wait_for_ever)
     ck_assert_uint_eq(client.abort_code, CO_ABORT_TIMEOUT);
     ck_assert_uint_eq(last_sent.data[0], 0x80);
     /* The late answer changes nothing. */
-    const struct can_msg late = {
-        .id = 0x585, .length = 8, .data = {0x4F, 0x00, 0x20, 0x00, 0x01}};
+    const struct can_msg late = {.id = 0x585, .length = 8, .data = {0x4F, 0x00, 0x20, 0x00, 0x01}};
     ck_assert(co_sdo_client_receive(&client, &late, 1100));
     ck_assert_int_eq(co_sdo_client_poll(&client, &fake_bus, 1200), CO_SDO_ABORTED);
 }
@@ -284,8 +283,7 @@ START_TEST(the_client_ignores_frames_that_are_not_its_answer)
     co_sdo_client_init(&client, 5, 1000);
     co_sdo_client_read(&client, 0x2000, 0, 0);
     ck_assert_int_eq(co_sdo_client_poll(&client, &fake_bus, 0), CO_SDO_BUSY);
-    struct can_msg message = {
-        .id = 0x584, .length = 8, .data = {0x4F, 0x00, 0x20, 0x00, 0x07}};
+    struct can_msg message = {.id = 0x584, .length = 8, .data = {0x4F, 0x00, 0x20, 0x00, 0x07}};
     ck_assert(!co_sdo_client_receive(&client, &message, 0)); /* another server */
     message.id = 0x585;
     message.length = 5;
