@@ -1,0 +1,73 @@
+"""The nodes and the controller as other people's software sees them: the Python packages
+canopen and cantools, can-utils. They share no code with this project."""
+import csv
+import subprocess
+
+import pytest
+
+from afo import BUILD, ROOT, run
+
+cantools = pytest.importorskip("cantools")
+pytest.importorskip("canopen")
+PYTHON = ROOT / "build" / "venv" / "bin" / "python"
+
+
+def in_guest(script, seconds):
+    """Runs shell lines where vcan0 is; gives back what they printed."""
+    done = subprocess.run(["scripts/vcan-guest", "--timeout", str(seconds), "--", "bash", "-c", script],
+                          cwd=ROOT, capture_output=True, text=True, timeout=seconds + 30)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_canopen_is_master_of_the_virtual_nodes():
+    out = in_guest(f"""
+        {BUILD}/afo-walker --can vcan0 --silence 60000 --quiet & walker=$!
+        sleep 0.5
+        {PYTHON} tests/system/peer_drive.py; status=$?
+        kill -TERM $walker; wait $walker
+        exit $status""", 150)
+    assert out.rstrip().endswith("done"), out
+    assert out.count("\n") == 10, out
+
+
+def test_canopen_and_can_utils_during_a_walk():
+    out = in_guest(f"""
+        {BUILD}/afo-walker --can vcan0 --quiet & walker=$!
+        sleep 0.3
+        {BUILD}/afo-host --can vcan0 --speed 0.41 --quiet & host=$!
+        {PYTHON} tests/system/peer_tool.py; status=$?
+        kill -TERM $host; wait $host || status=1
+        kill -TERM $walker; wait $walker || status=1
+        exit $status""", 400)
+    assert out.rstrip().endswith("done"), out
+    assert out.count("\n") == 5, out
+
+
+def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
+    log, table = tmp_path / "walk.log", tmp_path / "walk.csv"
+    done = run("--steps", 30, "--speed", 0.45, "--log", log, "--csv", table, "--quiet")
+    assert done.returncode == 0, done.stderr
+    db = cantools.database.load_file(str(ROOT / "hal" / "canopen" / "eds" / "afo.dbc"))
+    steps, decoded = [], 0
+    for line in log.read_text().splitlines():
+        _, _, frame = line.split(" ")
+        identifier, data = frame.split("#")
+        message = db.get_message_by_frame_id(int(identifier, 16))
+        raw = bytes.fromhex(data)
+        assert len(raw) == message.length, message.name
+        values = message.decode(raw) if message.signals else {}
+        decoded += 1
+        if message.name == "TELEMETRY" and values["StepNumber"] > 0:
+            steps.append(values)
+    assert decoded > 100000
+    rows = [row for row in csv.DictReader(table.open()) if row["measured_speed_rad_s"]]
+    by_number = {values["StepNumber"]: values for values in steps}
+    assert len(rows) >= 25
+    for row in rows:
+        values = by_number[int(row["step"]) % 256]
+        for signal, column, resolution in (("MeasuredSpeed", "measured_speed_rad_s", 1e-4),
+                                           ("CommandedSpeed", "target_speed_rad_s", 1e-4),
+                                           ("Precompression", "r0_m", 1e-5)):
+            assert values[signal] == pytest.approx(float(row[column]), abs=0.51 * resolution)
+        assert bool(values["RightSide"]) == (row["side"] == "right")
