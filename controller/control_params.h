@@ -61,7 +61,9 @@ enum body_kind {
     X(sensor_age_max_s, "s", 0.001, 0.1, "older leg or drive values are a fault")                   \
     X(step_timeout_s, "s", 0.2, 10.0, "no apex for this long: walking has ended")                   \
     X(fall_angle_rad, "rad", 0.3, 1.57, "a leg beyond this angle is a fall")                        \
-    X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")
+    X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")         \
+    X(engage_steps, "-", 0.0, 50.0, "steady steps before assistance; 0 = bench: loaded at once")    \
+    X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the share of assistance rises to 1")
 
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
 struct control_params {

@@ -1,12 +1,10 @@
 #include "controller/controller.h"
 
-/* A leg's angle cannot lie beyond this, whatever the wearer does. */
-#define LEG_ANGLE_LIMIT_RAD REAL_PI
-/* The ankle's range in leg lengths: beyond it the reading is wrong. */
-#define EXTENSION_MIN_SHARE REAL(-0.02)
-#define EXTENSION_MAX_SHARE REAL(0.5)
-/* Below this rate of both legs, in radians a tick, the wearer stands still. */
-#define STANDSTILL_RAD REAL(0.00005)
+/* A wearer's steps have stopped when none came for so many times the last one. */
+enum { LATE_STEPS = 2 };
+/* The self test may take so many times as long as unloading: a drive that has just
+ * come back may still be unloading by itself. */
+enum { SELF_TEST_PATIENCE = 5 };
 
 int controller_init(struct controller *controller, const struct control_params *params)
 {
@@ -16,6 +14,8 @@ int controller_init(struct controller *controller, const struct control_params *
         return verdict;
     }
     supervisor_init(&controller->supervisor);
+    checks_init(&controller->checks);
+    step_monitor_init(&controller->steps);
     step_law_init(&controller->law, params);
     gait_observer_init(&controller->observer, params);
     return CONTROL_PARAMS_OK;
@@ -26,71 +26,44 @@ static uint32_t ticks_of(real seconds)
     return (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5));
 }
 
-static bool leg_in_range(const struct controller *controller, const struct leg_measurement *leg)
+/* A walker on the bench: held by a hand, without a push-off of its own. */
+static bool on_bench(const struct controller *controller)
 {
-    const real extension = leg->ankle_extension_m;
-    const real length = controller->params->leg_length_m;
-    return real_abs(leg->leg_angle_rad) <= LEG_ANGLE_LIMIT_RAD &&
-           extension >= EXTENSION_MIN_SHARE * length && extension <= EXTENSION_MAX_SHARE * length;
+    return controller->params->engage_steps == REAL(0.0);
 }
 
-/* The first thing that is wrong now, most serious first. */
-static enum supervisor_fault find_fault(const struct controller *controller,
-                                        const struct controller_input *input)
+static bool is_stepping(const struct controller *controller, uint32_t tick)
 {
-    const struct control_params *params = controller->params;
-    const bool powered = supervisor_may_enable(controller->supervisor.state);
-    const uint32_t age_max = ticks_of(params->sensor_age_max_s);
-
-    if (input->emergency_stop) {
-        return SUPERVISOR_FAULT_EMERGENCY_STOP;
+    const struct step_monitor *steps = &controller->steps;
+    uint32_t patience = ticks_of(controller->params->step_timeout_s);
+    const uint32_t late = LATE_STEPS * steps->step_ticks[0];
+    if (!on_bench(controller) && late > 0 && late < patience) {
+        patience = late;
     }
-    if (!input->nodes_operational) {
-        return SUPERVISOR_FAULT_NODE_LOST;
-    }
-    for (int side = 0; side < SIDE_COUNT; side++) {
-        const struct leg_measurement *leg = &input->leg[side];
-        const struct sea_measurement *sea = &input->sea[side];
-        if (leg->age_ticks > age_max) {
-            return SUPERVISOR_FAULT_SENSOR_STALE;
-        }
-        if (sea->age_ticks > age_max) {
-            return SUPERVISOR_FAULT_DRIVE_STALE;
-        }
-        if (!leg_in_range(controller, leg) || !real_is_finite(sea->precompression_m) ||
-            !real_is_finite(input->desired_speed_rad_s)) {
-            return SUPERVISOR_FAULT_SENSOR_RANGE;
-        }
-        const bool dropped = controller->supervisor.state == SUPERVISOR_WALKING &&
-                             sea->state != DRIVE_ENABLED;
-        if (sea->state == DRIVE_FAULT || dropped) {
-            return SUPERVISOR_FAULT_DRIVE;
-        }
-        if (powered && real_abs(leg->leg_angle_rad) > params->fall_angle_rad) {
-            return SUPERVISOR_FAULT_FALL;
-        }
-    }
-    return SUPERVISOR_FAULT_NONE;
+    return steps->seen && tick - steps->known_tick <= patience;
 }
 
-static bool springs_slack(const struct controller *controller, const struct controller_input *input)
+static bool is_steady(const struct controller *controller)
 {
-    for (int side = 0; side < SIDE_COUNT; side++) {
-        if (!(real_abs(input->sea[side].precompression_m) <= controller->params->sea_tolerance_m)) {
-            return false;
-        }
+    return on_bench(controller) ? controller->steps.seen
+                                : (real)controller->steps.steady >= controller->params->engage_steps;
+}
+
+static bool is_overdue(const struct controller *controller, uint32_t tick)
+{
+    const struct supervisor *supervisor = &controller->supervisor;
+    uint32_t limit = ticks_of(controller->params->unload_timeout_s);
+    if (supervisor->state == SUPERVISOR_SELF_TEST) {
+        limit *= SELF_TEST_PATIENCE;
     }
-    return true;
+    return tick - supervisor->since_tick >= limit;
 }
 
 static uint16_t conditions_of(const struct controller *controller,
                               const struct controller_input *input, enum supervisor_fault fault)
 {
-    const struct supervisor *supervisor = &controller->supervisor;
-    const uint32_t in_state = input->tick - supervisor->since_tick;
-    const bool slack = springs_slack(controller, input);
-    const bool still = real_abs(controller->held_rate_rad[SIDE_LEFT]) < STANDSTILL_RAD &&
-                       real_abs(controller->held_rate_rad[SIDE_RIGHT]) < STANDSTILL_RAD;
+    const bool slack = checks_springs_slack(controller->params, input);
+    const bool stepping = is_stepping(controller, input->tick);
     unsigned bits = 0;
     bits |= fault != SUPERVISOR_FAULT_NONE ? SUPERVISOR_IF_FAULT : 0u;
     bits |= input->nodes_operational ? SUPERVISOR_IF_NODES : 0u;
@@ -100,32 +73,16 @@ static uint16_t conditions_of(const struct controller *controller,
                     input->sea[SIDE_RIGHT].state == DRIVE_ENABLED
                 ? SUPERVISOR_IF_ENABLED
                 : 0u;
-    bits |= controller->apex_seen && input->tick - controller->last_apex_tick <=
-                                         ticks_of(controller->params->step_timeout_s)
-                ? SUPERVISOR_IF_STEPPING
+    bits |= stepping ? SUPERVISOR_IF_STEPPING : 0u;
+    bits |= stepping && is_steady(controller) ? SUPERVISOR_IF_STEADY : 0u;
+    bits |= on_bench(controller) || controller->steps.unsteady < STEP_MONITOR_IRREGULAR
+                ? SUPERVISOR_IF_REGULAR
                 : 0u;
     bits |= slack ? SUPERVISOR_IF_UNLOADED : 0u;
-    bits |= in_state >= ticks_of(controller->params->unload_timeout_s) ? SUPERVISOR_IF_TIMEOUT : 0u;
+    bits |= is_overdue(controller, input->tick) ? SUPERVISOR_IF_TIMEOUT : 0u;
     bits |= input->reset_requested ? SUPERVISOR_IF_RESET : 0u;
-    bits |= still ? SUPERVISOR_IF_STANDSTILL : 0u;
+    bits |= checks_standstill(&controller->checks) ? SUPERVISOR_IF_STANDSTILL : 0u;
     return (uint16_t)bits;
-}
-
-/* Bridges a lost sample by going on at the last rate, so that one missing frame
- * does not look like a leg that stopped. */
-static void hold_samples(struct controller *controller, struct controller_input *input)
-{
-    for (int side = 0; side < SIDE_COUNT; side++) {
-        struct leg_measurement *leg = &input->leg[side];
-        const real held = controller->held_angle_rad[side];
-        if (leg->age_ticks == 0 && real_is_finite(leg->leg_angle_rad)) {
-            controller->held_rate_rad[side] = leg->leg_angle_rad - held;
-            controller->held_angle_rad[side] = leg->leg_angle_rad;
-        } else {
-            controller->held_angle_rad[side] = held + controller->held_rate_rad[side];
-            leg->leg_angle_rad = controller->held_angle_rad[side];
-        }
-    }
 }
 
 /* A state was entered: what must be fresh when it begins. */
@@ -136,7 +93,8 @@ static void enter_state(struct controller *controller, const struct controller_i
     case SUPERVISOR_ENGAGING:
         step_law_init(&controller->law, params);
         gait_observer_init(&controller->observer, params);
-        controller->apex_seen = false;
+        step_monitor_init(&controller->steps);
+        controller->share = on_bench(controller) ? REAL(1.0) : REAL(0.0);
         controller->step_pending = false;
         controller->observing = true;
         for (int side = 0; side < SIDE_COUNT; side++) {
@@ -149,6 +107,24 @@ static void enter_state(struct controller *controller, const struct controller_i
         break;
     default:
         break;
+    }
+}
+
+/* A step has ended: while the steps stay steady the share rises. */
+static void ramp_share(struct controller *controller)
+{
+    if (!on_bench(controller) && controller->supervisor.state == SUPERVISOR_WALKING &&
+        controller->steps.steady > 0) {
+        const real share = controller->share + REAL(1.0) / controller->params->engage_ramp_steps;
+        controller->share = share < REAL(1.0) ? share : REAL(1.0);
+    }
+}
+
+/* Loads towards the law's precompression as far as the share goes; nothing before. */
+static void load(struct controller *controller, enum side side)
+{
+    if (controller->share > REAL(0.0)) {
+        sea_reference_load(&controller->sea[side], controller->share * controller->law.r0_m);
     }
 }
 
@@ -166,8 +142,6 @@ static void follow_gait(struct controller *controller, const struct controller_i
         step_law_finish(&controller->law); /* an apex without a push-off between: cannot be helped */
         (void)step_law_update(&controller->law, controller->params, &gait->apex,
                               input->desired_speed_rad_s);
-        controller->apex_seen = true;
-        controller->last_apex_tick = input->tick;
         controller->pending_step =
             (struct step_record){.number = controller->law.steps,
                                  .tick = apex->tick,
@@ -180,28 +154,28 @@ static void follow_gait(struct controller *controller, const struct controller_i
             step_law_finish(&controller->law);
         } else if (step_law_work(&controller->law, controller->params)) {
             /* Not final yet: on the way there already, but not armed. */
-            sea_reference_load(&controller->sea[controller->pending_step.side],
-                               controller->law.r0_m);
+            load(controller, controller->pending_step.side);
         }
     }
     if (controller->step_pending && controller->law.is_final) {
         controller->step_pending = false;
         controller->last_step = controller->pending_step;
-        controller->last_step.r0_m = controller->law.r0_m;
+        controller->last_step.r0_m = controller->share * controller->law.r0_m;
         output->new_step = true;
-        sea_reference_trim(&controller->sea[controller->last_step.side], controller->law.r0_m);
+        sea_reference_trim(&controller->sea[controller->last_step.side],
+                           controller->last_step.r0_m);
     }
     if (strike->happened) {
-        sea_reference_load(&controller->sea[strike->side], controller->law.r0_m);
+        load(controller, strike->side);
     }
     if (lift_off->happened) {
         sea_reference_unload(&controller->sea[lift_off->side]);
     }
     /* The first stance begins without a heel strike. */
-    struct sea_reference *stance = &controller->sea[gait->stance];
-    if (!controller->apex_seen && gait->phase == PHASE_SINGLE_SUPPORT &&
+    const struct sea_reference *stance = &controller->sea[gait->stance];
+    if (!controller->steps.seen && gait->phase == PHASE_SINGLE_SUPPORT &&
         stance->phase == SEA_UNLOADED) {
-        sea_reference_load(stance, controller->law.r0_m);
+        load(controller, gait->stance);
     }
 }
 
@@ -213,14 +187,56 @@ static bool may_release(const struct controller *controller, enum side side)
     return gait->strike_near && gait->stance == side;
 }
 
+/* A compass' legs take turns, however irregularly it walks; a person's that seem not to
+ * are irregular (step_monitor.h). */
+static bool legs_disagree(const struct controller *controller)
+{
+    return supervisor_may_assist(controller->supervisor.state) && on_bench(controller) &&
+           controller->params->body == (real)BODY_COMPASS && controller->steps.same_side;
+}
+
+/* Nothing that is not a number, and nothing beyond the stroke, leaves the controller.
+ * (By construction it cannot; this is the last gate.) */
+static bool guard(const struct controller *controller, struct sea_request *request)
+{
+    if (request->precompression_m >= -controller->params->leg_length_m &&
+        request->precompression_m <= controller->params->leg_length_m) {
+        return true;
+    }
+    *request = (struct sea_request){REAL(0.0), false, false};
+    return false;
+}
+
+/* What both drives are told in this tick. */
+static void command_drives(struct controller *controller, const struct controller_input *input,
+                           struct controller_output *output)
+{
+    const bool enable = supervisor_may_enable(controller->supervisor.state);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct sea_request *request = &output->sea[side];
+        if (enable) {
+            *request = sea_reference_update(&controller->sea[side], controller->params,
+                                            input->sea[side].precompression_m);
+            request->enable = guard(controller, request);
+            request->latch_armed = request->latch_armed && may_release(controller, (enum side)side);
+        }
+        controller->request[side] = *request;
+    }
+}
+
 void controller_update(struct controller *controller, const struct controller_input *input,
                        struct controller_output *output)
 {
     struct controller_input values = *input;
     *output = (struct controller_output){0};
 
-    const enum supervisor_fault fault = find_fault(controller, input);
-    hold_samples(controller, &values);
+    checks_screen(&controller->checks, controller->params, &values);
+    const struct checks_context context = {controller->supervisor.state, controller->request};
+    enum supervisor_fault fault =
+        checks_find(&controller->checks, controller->params, input, &values, &context);
+    if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
+        fault = SUPERVISOR_FAULT_LEGS;
+    }
     if (supervisor_update(&controller->supervisor, values.tick,
                           conditions_of(controller, &values, fault), fault)) {
         enter_state(controller, &values);
@@ -230,18 +246,12 @@ void controller_update(struct controller *controller, const struct controller_in
         gait_observer_update(&controller->observer, controller->params, &values);
     }
     if (supervisor_may_assist(state)) {
+        if (step_monitor_update(&controller->steps, &controller->observer.state, values.tick)) {
+            ramp_share(controller);
+        }
         follow_gait(controller, &values, output);
     }
-    for (int side = 0; side < SIDE_COUNT; side++) {
-        if (supervisor_may_enable(state)) {
-            output->sea[side] = sea_reference_update(&controller->sea[side], controller->params,
-                                                     values.sea[side].precompression_m);
-            output->sea[side].enable = true;
-            if (!may_release(controller, (enum side)side)) {
-                output->sea[side].latch_armed = false;
-            }
-        }
-    }
+    command_drives(controller, &values, output);
     output->state = state;
     output->fault = controller->supervisor.latched;
 }

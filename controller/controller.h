@@ -7,11 +7,13 @@
 #ifndef CONTROLLER_CONTROLLER_H
 #define CONTROLLER_CONTROLLER_H
 
+#include "controller/checks.h"
 #include "controller/control_params.h"
 #include "controller/gait_observer.h"
 #include "controller/sea_reference.h"
 #include "controller/signals.h"
 #include "controller/step_law.h"
+#include "controller/step_monitor.h"
 #include "controller/supervisor.h"
 
 #define controller_init REAL_SYMBOL(controller_init)
@@ -25,10 +27,10 @@ struct controller {
     struct supervisor supervisor;
     struct step_record last_step;
     struct step_record pending_step; /* of the apex whose push-off the law still works on */
-    real held_angle_rad[SIDE_COUNT]; /* bridges single lost samples */
-    real held_rate_rad[SIDE_COUNT];  /* change per tick at the last fresh sample */
-    uint32_t last_apex_tick;
-    bool apex_seen;
+    struct checks checks;
+    struct step_monitor steps;
+    struct sea_request request[SIDE_COUNT]; /* of the last tick */
+    real share; /* of the law's precompression that is given, 0..1: engaging ramps it */
     bool step_pending;
     bool observing; /* the observer has been started */
 };

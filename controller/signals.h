@@ -39,10 +39,20 @@ enum drive_state {
     DRIVE_FAULT = 5
 };
 
+/* The latch that holds the loaded spring's output, as its node reports it. */
+enum latch_state {
+    LATCH_UNKNOWN = 0, /* the drive's protocol does not tell */
+    LATCH_CLOSED = 1,
+    LATCH_OPEN = 2
+};
+
 struct sea_measurement {
     real precompression_m; /* motor position in metres of spring, 0 = unloaded */
     enum drive_state state;
     uint16_t age_ticks;
+    enum latch_state latch;
+    real force_N;             /* of the motor on the spring, compression positive */
+    uint16_t force_age_ticks; /* AGE_NEVER = the drive's protocol does not tell */
 };
 
 /* Everything one control tick sees. */
@@ -53,6 +63,7 @@ struct controller_input {
     real desired_speed_rad_s; /* forward apex speed asked for, > 0 */
     bool nodes_operational;   /* all four nodes alive and in NMT operational */
     bool emergency_stop;      /* true = pressed, or its state unknown */
+    bool parameters_corrupt;  /* their checksum is no longer that of the checked ones */
     bool walk_requested;      /* the operator's wish that the device assists */
     bool reset_requested;     /* clear a latched fault; obeyed at standstill only */
 };

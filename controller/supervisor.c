@@ -9,48 +9,69 @@ const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS] = {
     {ASSISTING, IF(FAULT), 0, SUPERVISOR_UNLOADING},
     {IN(SELF_TEST) | IN(STANDBY), IF(FAULT), 0, SUPERVISOR_FAULT},
     {IN(UNLOADING), IF(LATCHED) | IF(UNLOADED), 0, SUPERVISOR_FAULT},
-    {IN(UNLOADING), IF(TIMEOUT), 0, SUPERVISOR_FAULT},
     {ASSISTING, 0, IF(WALK_REQUESTED), SUPERVISOR_UNLOADING},
     {IN(WALKING), 0, IF(STEPPING), SUPERVISOR_UNLOADING},
+    {IN(WALKING), 0, IF(REGULAR), SUPERVISOR_UNLOADING},
     /* state rules */
     {IN(UNLOADING), IF(UNLOADED), 0, SUPERVISOR_STANDBY},
     {IN(INIT), IF(NODES), IF(FAULT), SUPERVISOR_SELF_TEST},
-    {IN(SELF_TEST), IF(PLAUSIBLE), IF(FAULT), SUPERVISOR_STANDBY},
-    {IN(STANDBY), IF(WALK_REQUESTED) | IF(PLAUSIBLE) | IF(NODES), IF(FAULT), SUPERVISOR_ENGAGING},
-    {IN(ENGAGING), IF(ENABLED) | IF(STEPPING), 0, SUPERVISOR_WALKING},
+    {IN(SELF_TEST), IF(PLAUSIBLE), 0, SUPERVISOR_STANDBY},
+    {IN(STANDBY), IF(WALK_REQUESTED) | IF(PLAUSIBLE), 0, SUPERVISOR_ENGAGING},
+    {IN(ENGAGING), IF(ENABLED) | IF(STEADY), 0, SUPERVISOR_WALKING},
     {IN(FAULT), IF(RESET) | IF(STANDSTILL), IF(FAULT), SUPERVISOR_INIT},
+    /* what took too long */
+    {IN(UNLOADING), IF(TIMEOUT), 0, SUPERVISOR_FAULT},
+    {IN(SELF_TEST), IF(TIMEOUT), 0, SUPERVISOR_FAULT},
 };
+
+enum supervisor_state supervisor_next(const struct supervisor_row *rows, int count,
+                                      enum supervisor_state state, uint16_t conditions)
+{
+    for (int i = 0; i < count; i++) {
+        const struct supervisor_row *row = &rows[i];
+        if ((row->from & (1u << state)) != 0 && (conditions & row->require) == row->require &&
+            (conditions & row->forbid) == 0) {
+            return row->to;
+        }
+    }
+    return state;
+}
 
 void supervisor_init(struct supervisor *supervisor)
 {
     *supervisor = (struct supervisor){SUPERVISOR_INIT, SUPERVISOR_FAULT_NONE, 0};
 }
 
+/* What is latched when FAULT is entered because something took too long. */
+static enum supervisor_fault overdue(enum supervisor_state state)
+{
+    return state == SUPERVISOR_SELF_TEST ? SUPERVISOR_FAULT_SELF_TEST : SUPERVISOR_FAULT_UNLOAD;
+}
+
 bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t conditions,
                        enum supervisor_fault fault)
 {
-    const bool faulty = (conditions & IF(FAULT)) != 0;
-    const bool counts = supervisor->state != SUPERVISOR_INIT;
-    if (faulty && counts && supervisor->latched == SUPERVISOR_FAULT_NONE) {
+    const enum supervisor_state from = supervisor->state;
+    uint16_t all = (uint16_t)(conditions & ~IF(LATCHED));
+    if ((conditions & IF(FAULT)) != 0 && from != SUPERVISOR_INIT &&
+        supervisor->latched == SUPERVISOR_FAULT_NONE) {
         supervisor->latched = fault;
     }
-    uint16_t all = (uint16_t)(conditions & ~IF(LATCHED));
     if (supervisor->latched != SUPERVISOR_FAULT_NONE) {
         all = (uint16_t)(all | IF(LATCHED));
     }
-    for (int i = 0; i < SUPERVISOR_ROWS; i++) {
-        const struct supervisor_row *row = &supervisor_rows[i];
-        if ((row->from & (1u << supervisor->state)) != 0 &&
-            (all & row->require) == row->require && (all & row->forbid) == 0) {
-            supervisor->state = row->to;
-            supervisor->since_tick = tick;
-            if (row->to == SUPERVISOR_INIT) {
-                supervisor->latched = SUPERVISOR_FAULT_NONE;
-            }
-            return true;
-        }
+    const enum supervisor_state to = supervisor_next(supervisor_rows, SUPERVISOR_ROWS, from, all);
+    if (to == from) {
+        return false;
     }
-    return false;
+    supervisor->state = to;
+    supervisor->since_tick = tick;
+    if (to == SUPERVISOR_INIT) {
+        supervisor->latched = SUPERVISOR_FAULT_NONE;
+    } else if (to == SUPERVISOR_FAULT && supervisor->latched == SUPERVISOR_FAULT_NONE) {
+        supervisor->latched = overdue(from);
+    }
+    return true;
 }
 
 bool supervisor_may_enable(enum supervisor_state state)
@@ -73,6 +94,14 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "drive fault",
                                                          "sensor out of range",
                                                          "leg beyond the fall angle",
-                                                         "bad parameters"};
+                                                         "parameters changed by themselves",
+                                                         "sensor jumps",
+                                                         "sensor stuck",
+                                                         "spring implausible",
+                                                         "self test",
+                                                         "drive does not follow",
+                                                         "legs disagree",
+                                                         "value not finite",
+                                                         "spring not unloaded in time"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }

@@ -12,9 +12,13 @@ static_assert((int)DRIVE_ENABLED == (int)SEA_DRIVE_ENABLED &&
                   (int)DRIVE_FAULT == (int)SEA_DRIVE_FAULT &&
                   (int)DRIVE_STOPPING == (int)SEA_DRIVE_STOPPING &&
                   (int)DRIVE_STARTING == (int)SEA_DRIVE_STARTING &&
-                  (int)DRIVE_DISABLED == (int)SEA_DRIVE_DISABLED,
-              "drive states mean the same in controller and HAL");
+                  (int)DRIVE_DISABLED == (int)SEA_DRIVE_DISABLED &&
+                  (int)LATCH_CLOSED == (int)SEA_LATCH_STATE_CLOSED &&
+                  (int)LATCH_OPEN == (int)SEA_LATCH_STATE_OPEN,
+              "drive and latch states mean the same in controller and HAL");
 static_assert(sizeof(real) == sizeof(float), "the flown controller is float32");
+
+enum { FORCE_STOP_TICKS = 50 };
 
 static void count(uint32_t *counter)
 {
@@ -70,7 +74,9 @@ static void collect_input(struct control_task *task, struct controller_input *in
         input->leg[leg] = (struct leg_measurement){reading->leg_angle_rad,
                                                    reading->ankle_extension_m, reading->age_ticks};
         input->sea[leg] = (struct sea_measurement){drive.precompression_m,
-                                                   (enum drive_state)drive.state, drive.age_ticks};
+                                                   (enum drive_state)drive.state, drive.age_ticks,
+                                                   (enum latch_state)drive.latch, drive.force_N,
+                                                   drive.force_age_ticks};
         if (reading->age_ticks != 0 || drive.age_ticks != 0) {
             count(&task->counters.late_answers);
         }
@@ -88,6 +94,25 @@ static void send_commands(struct control_task *task)
     }
     if (sea_drives_command(&task->config.drives, wish, &task->config.bus) != CAN_OK) {
         count(&task->counters.send_failures);
+    }
+}
+
+/* A drive that still follows its target a while after the torque was to be off has not
+ * understood its controlword: out of NMT operational it unloads by itself (0x6007). */
+static void force_stop(struct control_task *task)
+{
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct sea_drive_reading drive;
+        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        const bool disobeys =
+            task->output.state == SUPERVISOR_FAULT && drive.state == SEA_DRIVE_ENABLED;
+        task->disobeys[leg] = disobeys ? (uint8_t)(task->disobeys[leg] + 1) : 0;
+        if (task->disobeys[leg] >= FORCE_STOP_TICKS) {
+            task->disobeys[leg] = 0;
+            count(&task->counters.forced_stops);
+            (void)network_command(&task->config.bus, NMT_ENTER_PRE_OPERATIONAL,
+                                  (uint8_t)(NODE_DRIVE_LEFT + leg));
+        }
     }
 }
 
@@ -147,6 +172,7 @@ static unsigned run_tick(struct control_task *task)
     collect_input(task, &input);
     controller_update(&task->controller, &input, &task->output);
     send_commands(task);
+    force_stop(task);
     task->node.objects.reset_requested = 0;
     task->node.objects.input_digest = task->node.objects.input_digest * UINT32_C(16777619) + 1u;
     configure_nodes(task);

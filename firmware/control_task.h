@@ -52,6 +52,7 @@ struct control_task_counters { /* all saturate */
     uint32_t error_frames;
     uint32_t foreign_frames; /* received, nobody's */
     uint32_t late_answers;   /* answers missing when their tick was processed */
+    uint32_t forced_stops;   /* drives taken out of operation because they stayed enabled */
 };
 
 struct control_task {
@@ -65,6 +66,7 @@ struct control_task {
     struct control_task_counters counters;
     uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet */
     uint8_t configured;   /* bit i: node i of the network is set up */
+    uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
     bool emergency_stop;  /* as used in the last tick, and as sent */
 };
 

@@ -94,6 +94,28 @@ static void written(void *context, const struct co_entry *entry)
     }
 }
 
+bool controller_node_params_corrupt(struct controller_node *node)
+{
+    const size_t size = sizeof node->objects.params;
+    if (node->crc_at == 0) {
+        node->crc_so_far = CRC32_INIT;
+        node->crc_expected = node->objects.params_crc;
+    }
+    const size_t left = size - node->crc_at;
+    const size_t part = left < CONTROLLER_CRC_BYTES ? left : CONTROLLER_CRC_BYTES;
+    node->crc_so_far =
+        crc32_update(node->crc_so_far, (const uint8_t *)&node->objects.params + node->crc_at, part);
+    node->crc_at = (uint16_t)(node->crc_at + part);
+    if (node->crc_at == size) {
+        node->crc_at = 0;
+        /* Written meanwhile by SDO: this round saw some of both. */
+        if (node->crc_expected == node->objects.params_crc) {
+            node->params_corrupt = node->crc_so_far != node->crc_expected;
+        }
+    }
+    return node->params_corrupt;
+}
+
 /* ---- set-up ---------------------------------------------------------------- */
 
 static void defaults(void *context, struct co_comm *comm)

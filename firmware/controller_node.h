@@ -58,6 +58,10 @@ struct controller_node {
     struct controller_objects objects;
     bool powered; /* drives may be under torque: body parameters are locked */
     uint8_t sent_state, sent_fault;
+    /* The running check of the parameters' CRC. */
+    uint32_t crc_so_far, crc_expected;
+    uint16_t crc_at; /* bytes done */
+    bool params_corrupt;
 };
 
 extern const struct co_entry controller_object_table[];
@@ -85,6 +89,13 @@ bool controller_node_receive(struct controller_node *node, const struct can_msg 
 void controller_node_update(struct controller_node *node, const struct controller *controller,
                             const struct controller_output *output, bool emergency_stop,
                             uint64_t now_ns);
+
+/* Once a tick: carries the CRC of the parameters in force CONTROLLER_CRC_BYTES further and
+ * compares at their end. True when the last comparison failed: memory has changed by
+ * itself. One round takes sizeof(struct control_params) / CONTROLLER_CRC_BYTES ticks; about
+ * 20 instructions a byte. */
+bool controller_node_params_corrupt(struct controller_node *node);
+enum { CONTROLLER_CRC_BYTES = 16 };
 
 /* A node was refused at start: raises the emergency and keeps the reason. */
 void controller_node_report_setup(struct controller_node *node, const struct setup_failure *failure);

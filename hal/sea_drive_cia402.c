@@ -12,6 +12,8 @@ enum {
     CONTROLWORD_FAULT_RESET = 0x80
 };
 
+enum { STATUSWORD_LATCH_CLOSED = 1 << 14 }; /* manufacturer's */
+
 /* States as the statusword 0x6041 spells them under its masks. */
 enum cia402_state {
     CIA402_NOT_READY,
@@ -59,19 +61,42 @@ void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_c
         drives->axis[leg].config = config[leg];
         drives->axis[leg].age_ticks = UINT16_MAX;
         sea_latch_sender_init(&drives->axis[leg].sender);
+        drives->axis[leg].torque_age_ticks = UINT16_MAX;
     }
+}
+
+static void count_malformed(struct cia402_drives *drives)
+{
+    if (drives->rx_malformed < UINT32_MAX) {
+        drives->rx_malformed++;
+    }
+}
+
+/* The slow PDO: torque, temperature, voltage. */
+static bool receive_slow(struct cia402_drives *drives, const struct can_msg *message)
+{
+    if (message->id != FRAME_DRIVE_SLOW_LEFT && message->id != FRAME_DRIVE_SLOW_RIGHT) {
+        return false;
+    }
+    if (message->length != FRAME_BYTES_DRIVE_SLOW_LEFT || message->flags != 0) {
+        count_malformed(drives);
+        return true;
+    }
+    struct cia402_axis *axis =
+        &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? LEG_RIGHT : LEG_LEFT];
+    axis->torque_per_mille = bytes_get_i16(message->data);
+    axis->torque_age_ticks = 0;
+    return true;
 }
 
 static bool receive(void *context, const struct can_msg *message)
 {
     struct cia402_drives *drives = (struct cia402_drives *)context;
     if (message->id != FRAME_DRIVE_STATE_LEFT && message->id != FRAME_DRIVE_STATE_RIGHT) {
-        return false;
+        return receive_slow(drives, message);
     }
     if (message->length != FRAME_BYTES_DRIVE_STATE_LEFT || message->flags != 0) {
-        if (drives->rx_malformed < UINT32_MAX) {
-            drives->rx_malformed++;
-        }
+        count_malformed(drives);
         return true;
     }
     struct cia402_axis *axis =
@@ -104,7 +129,14 @@ static void read_axis(const void *context, enum leg leg, struct sea_drive_readin
         [CIA402_ENABLED] = SEA_DRIVE_ENABLED,         [CIA402_QUICK_STOP] = SEA_DRIVE_STOPPING,
         [CIA402_FAULT_REACTION] = SEA_DRIVE_STOPPING, [CIA402_FAULT] = SEA_DRIVE_FAULT,
     };
+    const bool has_force = axis->config.rated_force_N > 0.0f;
     reading->age_ticks = axis->age_ticks;
+    reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
+    reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
+                       axis->config.rated_force_N / 1000.0f;
+    reading->latch = axis->age_ticks == UINT16_MAX ? SEA_LATCH_STATE_UNKNOWN
+                     : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? SEA_LATCH_STATE_CLOSED
+                                                                         : SEA_LATCH_STATE_OPEN;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
     reading->state =
         axis->age_ticks == UINT16_MAX ? SEA_DRIVE_UNKNOWN : meaning[state_of(axis->statusword)];
@@ -114,8 +146,12 @@ static void age(void *context)
 {
     struct cia402_drives *drives = (struct cia402_drives *)context;
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        if (drives->axis[leg].age_ticks < UINT16_MAX) {
-            drives->axis[leg].age_ticks++;
+        struct cia402_axis *axis = &drives->axis[leg];
+        if (axis->age_ticks < UINT16_MAX) {
+            axis->age_ticks++;
+        }
+        if (axis->torque_age_ticks < UINT16_MAX - 1) { /* once received it is never "never" */
+            axis->torque_age_ticks++;
         }
     }
 }

@@ -5,6 +5,9 @@
  * at every SYNC (hal/frame_table.h). Controlword and statusword bits: CiA 402-2,
  * as collected with their sources in sim_host/nodes' drive.
  *
+ * The motor's force comes with the slow PDO (0x6077); whether the latch holds the
+ * spring is the maker's bit 14 of the statusword.
+ *
  * No kick on enable: until the drive reports "operation enabled" its target is
  * its own actual position.
  */
@@ -18,13 +21,16 @@ struct cia402_axis_config {
     float counts_per_m; /* motor counts per metre of spring, > 0 */
     int32_t zero_counts; /* count at the unloaded spring */
     int8_t direction;    /* +1 when counts rise with compression, else -1 */
+    float rated_force_N; /* 1000 per mille of 0x6077; 0 = the force is not known */
 };
 
 struct cia402_axis {
     struct cia402_axis_config config;
     int32_t position_counts;
     uint16_t statusword;
+    int16_t torque_per_mille;
     uint16_t age_ticks;
+    uint16_t torque_age_ticks;
     struct sea_latch_sender sender; /* of controlword and outputs */
     bool resetting;            /* the fault reset bit was set in the last controlword */
 };

@@ -23,10 +23,15 @@ enum sea_drive_state {
     SEA_DRIVE_FAULT = 5
 };
 
+enum sea_latch_state { SEA_LATCH_STATE_UNKNOWN = 0, SEA_LATCH_STATE_CLOSED = 1, SEA_LATCH_STATE_OPEN = 2 };
+
 struct sea_drive_reading {
     float precompression_m; /* motor position in metres of spring */
+    float force_N;          /* of the motor on the spring, compression positive */
     enum sea_drive_state state;
-    uint16_t age_ticks; /* 0 = from the newest cycle; UINT16_MAX = never */
+    enum sea_latch_state latch; /* as the node reports it, with the position */
+    uint16_t age_ticks;         /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
+    uint16_t force_age_ticks;   /* UINT16_MAX = never, or the protocol has none */
 };
 
 struct sea_drive_wish {
@@ -62,6 +67,8 @@ static inline bool sea_drives_receive(const struct sea_drives *drives, const str
 static inline void sea_drives_read(const struct sea_drives *drives, enum leg leg,
                                    struct sea_drive_reading *reading)
 {
+    /* What a protocol does not tell stays unknown. */
+    *reading = (struct sea_drive_reading){.age_ticks = UINT16_MAX, .force_age_ticks = UINT16_MAX};
     drives->ops->read(drives->context, leg, reading);
 }
 

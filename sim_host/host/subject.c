@@ -351,6 +351,8 @@ int subject_control_params(const struct subject *subject, struct control_params 
         .step_timeout_s = (real)(3.0 * time_scale),
         .fall_angle_rad = REAL(1.2),
         .unload_timeout_s = REAL(0.6),
+        .engage_steps = REAL(0.0), /* the paper's walker has no push-off of its own */
+        .engage_ramp_steps = REAL(10.0),
     };
     if (make_speed_table(subject, length_scale, &params->table, message) != 0) {
         return -1;

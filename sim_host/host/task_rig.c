@@ -10,8 +10,10 @@ static const struct emergency_stop_ops stop_ops = {is_pressed};
 static struct sea_drives init_cia402(struct task_rig *rig, const struct subject *subject)
 {
     struct cia402_axis_config axes[LEG_COUNT];
+    /* The drive's rated force is that of the spring at the preset's full stroke. */
+    const double rated_N = 0.35 * subject->leg_length_m * subject->spring_N_per_m;
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        axes[leg] = (struct cia402_axis_config){(float)subject->counts_per_m, 0, 1};
+        axes[leg] = (struct cia402_axis_config){(float)subject->counts_per_m, 0, 1, (float)rated_N};
     }
     cia402_drives_init(&rig->cia402, axes);
     return cia402_drives_interface(&rig->cia402);

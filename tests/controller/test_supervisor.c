@@ -24,20 +24,23 @@ static const struct {
     {SUPERVISOR_SELF_TEST, SUPERVISOR_IF_PLAUSIBLE, false, SUPERVISOR_STANDBY},
     {SUPERVISOR_SELF_TEST, SUPERVISOR_IF_FAULT, false, SUPERVISOR_FAULT},
     {SUPERVISOR_STANDBY, SUPERVISOR_IF_WALK_REQUESTED, false, SUPERVISOR_STANDBY},
-    {SUPERVISOR_STANDBY,
-     SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_PLAUSIBLE | SUPERVISOR_IF_NODES, false,
+    {SUPERVISOR_STANDBY, SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_PLAUSIBLE, false,
      SUPERVISOR_ENGAGING},
     {SUPERVISOR_STANDBY, SUPERVISOR_IF_FAULT, false, SUPERVISOR_FAULT},
     {SUPERVISOR_ENGAGING, SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_STEPPING, false,
      SUPERVISOR_ENGAGING},
     {SUPERVISOR_ENGAGING,
-     SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_STEPPING | SUPERVISOR_IF_ENABLED, false,
+     SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_STEADY | SUPERVISOR_IF_ENABLED, false,
+     SUPERVISOR_WALKING},
+    {SUPERVISOR_SELF_TEST, SUPERVISOR_IF_TIMEOUT, false, SUPERVISOR_FAULT},
+    {SUPERVISOR_WALKING,
+     SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_STEPPING | SUPERVISOR_IF_REGULAR, false,
      SUPERVISOR_WALKING},
     {SUPERVISOR_ENGAGING, 0, false, SUPERVISOR_UNLOADING},
     {SUPERVISOR_ENGAGING, SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_FAULT, false,
      SUPERVISOR_UNLOADING},
     {SUPERVISOR_WALKING, SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_STEPPING, false,
-     SUPERVISOR_WALKING},
+     SUPERVISOR_UNLOADING},
     {SUPERVISOR_WALKING, SUPERVISOR_IF_STEPPING, false, SUPERVISOR_UNLOADING},
     {SUPERVISOR_WALKING, SUPERVISOR_IF_WALK_REQUESTED, false, SUPERVISOR_UNLOADING},
     {SUPERVISOR_WALKING,
@@ -78,6 +81,20 @@ START_TEST(first_fault_is_latched_until_reset)
                             SUPERVISOR_FAULT_NONE);
     ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_NONE);
     ck_assert_int_eq(supervisor.state, SUPERVISOR_INIT);
+}
+END_TEST
+
+/* FAULT is never entered without a reason to show. */
+START_TEST(what_took_too_long_is_a_fault)
+{
+    struct supervisor supervisor = {SUPERVISOR_UNLOADING, SUPERVISOR_FAULT_NONE, 0};
+    ck_assert(supervisor_update(&supervisor, 9, SUPERVISOR_IF_TIMEOUT, SUPERVISOR_FAULT_NONE));
+    ck_assert_int_eq(supervisor.state, SUPERVISOR_FAULT);
+    ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_UNLOAD);
+    ck_assert_uint_eq(supervisor.since_tick, 9);
+    supervisor = (struct supervisor){SUPERVISOR_SELF_TEST, SUPERVISOR_FAULT_NONE, 0};
+    ck_assert(supervisor_update(&supervisor, 9, SUPERVISOR_IF_TIMEOUT, SUPERVISOR_FAULT_NONE));
+    ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_SELF_TEST);
 }
 END_TEST
 
@@ -125,6 +142,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_add_loop_test(tests, every_edge, 0, (int)(sizeof edges / sizeof edges[0]));
     tcase_add_test(tests, first_fault_is_latched_until_reset);
+    tcase_add_test(tests, what_took_too_long_is_a_fault);
     tcase_add_test(tests, under_every_combination);
     tcase_add_test(tests, every_fault_has_a_name);
     suite_add_tcase(suite, tests);

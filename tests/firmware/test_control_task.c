@@ -57,7 +57,7 @@ static struct control_params some_params(void)
 
 static void start(struct bench *b)
 {
-    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1}, {1.0e6f, 0, 1}};
+    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1, 0.0f}, {1.0e6f, 0, 1, 0.0f}};
     memset(b, 0, sizeof *b);
     fake_bus_init(&b->fake);
     b->params = some_params();

@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 500, 1}, {1.0e6f, -500, -1}};
+static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 500, 1, 50.0f},
+                                                            {1.0e6f, -500, -1, 50.0f}};
 
 struct bench {
     struct fake_bus fake;
