@@ -183,6 +183,7 @@ test-long: ## what takes longer than `make test` may: tests marked long
 bench: ## how fast it is, as ratios measured side by side
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/bench $(BUILD)
+	$(Q)scripts/bench-strides $(BUILD)
 
 FORMATTED := $(shell find model controller hal firmware sim_host tests -name '*.[ch]' 2>/dev/null)
 format: ## lay out all C sources as .clang-format says

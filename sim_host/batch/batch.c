@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "model/stride.h"
-#include "sim_host/batch/block.h"
-#include "sim_host/batch/pool.h"
+#include "sim_host/batch/choice.h"
+#include "sim_host/batch/pieces.h"
 
 /* A walker in its own units, and the way back. */
 struct prepared {
@@ -21,107 +21,6 @@ struct run {
     size_t item[BATCH_BLOCK];
     size_t next, end; /* first item not yet taken; one past the last of this run's */
 };
-
-/* Order and tolerance per accuracy: the cheapest of those measured (scripts/bench-method). */
-struct method {
-    double accuracy;
-    int order;
-    double log2_tolerance;
-};
-static const struct method methods[] = {
-    {1e-4, 12, -21.0}, {1e-6, 14, -30.0}, {1e-9, 18, -41.0}, {1e-11, 20, -49.0}, {1e-12, 22, -53.0},
-};
-#define METHOD_COUNT (sizeof methods / sizeof methods[0])
-
-static struct {
-    int lanes, order;
-    double log2_tolerance;
-} chosen;
-
-static block_stride_fn *stride_of_lanes(int lanes)
-{
-#ifdef __x86_64__
-    if (lanes == 8 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
-        return batch_stride_lanes8;
-    }
-    if (lanes == 4 && __builtin_cpu_supports("avx2")) {
-        return batch_stride_lanes4;
-    }
-#endif
-    return lanes == 2 ? batch_stride_lanes2 : NULL;
-}
-
-static int lanes_in_use(void)
-{
-    int lanes = chosen.lanes != 0 ? chosen.lanes : 8;
-    while (stride_of_lanes(lanes) == NULL) {
-        lanes /= 2;
-    }
-    return lanes;
-}
-
-enum batch_error batch_use_lanes(int lanes)
-{
-    if (lanes != 0 && stride_of_lanes(lanes) == NULL) {
-        return BATCH_NO_SUCH_VECTORS;
-    }
-    chosen.lanes = lanes;
-    return BATCH_OK;
-}
-
-const char *batch_lanes_name(void)
-{
-    switch (lanes_in_use()) {
-    case 8:
-        return "8 lanes (AVX-512)";
-    case 4:
-        return "4 lanes (AVX2)";
-    default:
-        return "2 lanes";
-    }
-}
-
-void batch_use_method(int order, double log2_tolerance)
-{
-    chosen.order = order;
-    chosen.log2_tolerance = log2_tolerance;
-}
-
-const char *batch_error_name(enum batch_error error)
-{
-    switch (error) {
-    case BATCH_OK:
-        return "no error";
-    case BATCH_BAD_ACCURACY:
-        return "accuracy must be 1e-12 to 1e-4";
-    case BATCH_BAD_WALKER:
-        return "a walker's parameter is outside its limits (model/walker.h)";
-    case BATCH_BAD_INDEX:
-        return "an item names a walker that was not given";
-    case BATCH_OUT_OF_MEMORY:
-        return "out of memory: run fewer walkers at a time";
-    case BATCH_NO_SUCH_VECTORS:
-        return "this processor has no vectors of that width";
-    }
-    return "unknown error";
-}
-
-static int precision_of(const struct batch_settings *settings, struct block_precision *precision)
-{
-    const double accuracy = settings->accuracy == 0.0 ? BATCH_ACCURACY_DEFAULT : settings->accuracy;
-    if (!(accuracy >= BATCH_ACCURACY_LOW && accuracy <= BATCH_ACCURACY_HIGH)) {
-        return 0;
-    }
-    size_t i = 0;
-    while (i + 1 < METHOD_COUNT && methods[i].accuracy > accuracy) {
-        i++;
-    }
-    precision->order = chosen.order != 0 ? chosen.order : methods[i].order;
-    precision->log2_tolerance =
-        chosen.order != 0 ? chosen.log2_tolerance : methods[i].log2_tolerance;
-    precision->want_times = settings->want_times;
-    return 1;
-}
 
 static int prepare(const struct batch_walker *from, struct prepared *to)
 {
@@ -165,7 +64,7 @@ static void load(struct run *run, int slot)
     b->state[COLUMN_WN][slot] = item->apex[2] * w->time_s;
     b->time[0][slot] = b->time[1][slot] = b->time[2][slot] = 0.0;
     b->step[slot] = b->ankle_rate[slot] = 0.0;
-    b->clamped[slot] = 0;
+    b->clamped[slot] = b->series[slot] = 0;
 
     int fault = STRIDE_OK;
     if (real_abs(item->apex[1]) > REAL_PI) {
@@ -222,6 +121,7 @@ static void store(const struct run *run, int slot, struct batch_item *item)
     item->step_length_m = b->step[slot] * w->length_m;
     item->ankle_rate_m_s = b->ankle_rate[slot] * w->length_m / w->time_s;
     item->clamped = (int32_t)b->clamped[slot];
+    item->series = (int32_t)b->series[slot];
 }
 
 /* Takes over a slot's stride; 0 when its item is done. */
@@ -256,7 +156,7 @@ static void enlist(struct run *run, int slot)
 
 static void run_items(struct run *run)
 {
-    block_stride_fn *const stride_block = stride_of_lanes(lanes_in_use());
+    block_stride_fn *const stride_block = choice_stride();
     enlist(run, 0);
     while (run->block.count > 0) {
         for (int slot = 0; slot < run->block.count; slot++) {
@@ -304,7 +204,7 @@ static int run_piece(void *context, size_t piece)
 static enum batch_error check_job(const struct batch_settings *settings,
                                   const struct batch_job *job, struct block_precision *precision)
 {
-    if (!precision_of(settings, precision)) {
+    if (!choice_precision(settings, precision)) {
         return BATCH_BAD_ACCURACY;
     }
     precision->want_slopes = job->slopes != NULL;
@@ -332,7 +232,7 @@ enum batch_error batch_run_threads(const struct batch_settings *settings,
     if (error == BATCH_OK) {
         shared.walkers = walkers;
         const size_t pieces = (job->count + PIECE_ITEMS - 1) / PIECE_ITEMS;
-        error = (enum batch_error)pool_run(threads, pieces, run_piece, &shared);
+        error = (enum batch_error)pieces_run(threads, pieces, run_piece, &shared);
     }
     free(walkers);
     return error;

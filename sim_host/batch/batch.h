@@ -33,6 +33,7 @@ struct batch_item {
     double step_length_m;  /* toe to toe */
     double ankle_rate_m_s; /* after collision and clamp */
     int32_t clamped;       /* 1 where the clamp acted */
+    int32_t series;        /* power series that the last stride took: its cost */
 };
 
 /* Derivatives of the next apex. With a law, r0's dependence on the apex is not in by_apex: the whole
@@ -106,5 +107,12 @@ enum batch_error batch_use_lanes(int lanes);
 /* For the measurement behind batch.c's table of methods: order and tolerance used from here on whatever the accuracy
  * (order 0: back to the table). Not while a job runs. order 4..28; tolerance of a step's last term. */
 void batch_use_method(int order, double log2_tolerance);
+
+/* Flops that a stride's power series take at least, of one lane: multiplications and additions of the recurrence and of
+ * two evaluations. order 0: of the settings' accuracy. Event landing and push-off come on top (a fifth). */
+double batch_series_flops(const struct batch_settings *settings);
+
+/* Measured peak of one core with the vectors in use, flops per second, without fused operations. Takes 0.2 s. */
+double batch_peak_flops(void);
 
 #endif

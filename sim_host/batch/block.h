@@ -26,6 +26,7 @@ struct block {
     double time[3][BATCH_BLOCK];    /* apex to strike, double support, lift-off to apex */
     double step[BATCH_BLOCK];       /* toe to toe, l */
     double ankle_rate[BATCH_BLOCK]; /* after collision and clamp */
+    int64_t series[BATCH_BLOCK];    /* power series expanded on the way */
     int64_t clamped[BATCH_BLOCK];
     int64_t fault[BATCH_BLOCK]; /* enum stride_fault */
     int count;
@@ -42,10 +43,16 @@ struct block_precision {
 /* One stride of a block's walkers. Bounded; no state kept. */
 typedef void block_stride_fn(struct block *block, const struct block_precision *precision);
 
+/* Multiplies and adds in registers, rounds * BATCH_PEAK_OPERATIONS of them per lane: the processor's peak without fused
+ * operations. Returns a sum, that nothing may be left out. */
+typedef double block_peak_fn(long rounds);
+#define BATCH_PEAK_OPERATIONS 14
+
 block_stride_fn batch_stride_lanes2;
+block_peak_fn batch_peak_lanes2;
 #ifdef __x86_64__
-block_stride_fn batch_stride_lanes4;
-block_stride_fn batch_stride_lanes8;
+block_stride_fn batch_stride_lanes4, batch_stride_lanes8;
+block_peak_fn batch_peak_lanes4, batch_peak_lanes8;
 #endif
 
 #endif

@@ -1,6 +1,6 @@
 /* One stride of a block of walkers with vectors of BATCH_LANES: flight, push-off, flight.
  *
- * Included by kernel_*.c, once per instruction set; BATCH_STRIDE is the function it defines.
+ * Included by kernel_*.c, once per instruction set; it defines the functions BATCH_STRIDE and BATCH_PEAK.
  */
 #ifndef SIM_HOST_BATCH_KERNEL_H
 #define SIM_HOST_BATCH_KERNEL_H
@@ -54,6 +54,7 @@ static void crew_discharge(struct crew *crew, struct block *block, int lane, int
     crew->flying--;
     time[slot] = crew->time[lane];
     block->fault[slot] = fault;
+    block->series[slot] += crew->steps[lane];
     for (int c = 0; c < COLUMN_COUNT; c++) {
         block->state[c][slot] = crew->state[c][lane];
         for (int d = 0; d < directions; d++) {
@@ -243,6 +244,32 @@ static void stride_with_slopes(struct block *block, const struct block_precision
     fly(block, precision, GOAL_STRIKE, block->time[0], BATCH_DIRECTIONS - 1);
     push_all(block, precision, BATCH_DIRECTIONS);
     fly(block, precision, GOAL_APEX, block->time[2], BATCH_DIRECTIONS);
+}
+
+double BATCH_PEAK(long rounds)
+{
+    /* Seven chains each: enough for a latency of three and two units of each kind, and all sixteen registers. */
+    vd p0 = vd_all(1.0), p1 = 2.0 * p0, p2 = 3.0 * p0, p3 = 4.0 * p0, p4 = 5.0 * p0, p5 = 6.0 * p0;
+    vd s0 = p0, s1 = p1, s2 = p2, s3 = p3, s4 = p4, s5 = p5, p6 = 7.0 * p0, s6 = p6;
+    const vd factor = vd_all(1.0 - 1e-9), term = vd_all(1e-9);
+    for (long round = 0; round < rounds; round++) {
+        p0 = p0 * factor;
+        s0 = s0 + term;
+        p1 = p1 * factor;
+        s1 = s1 + term;
+        p2 = p2 * factor;
+        s2 = s2 + term;
+        p3 = p3 * factor;
+        s3 = s3 + term;
+        p4 = p4 * factor;
+        s4 = s4 + term;
+        p5 = p5 * factor;
+        s5 = s5 + term;
+        p6 = p6 * factor;
+        s6 = s6 + term;
+    }
+    const vd all = p0 + p1 + p2 + p3 + p4 + p5 + p6 + s0 + s1 + s2 + s3 + s4 + s5 + s6;
+    return all[0];
 }
 
 void BATCH_STRIDE(struct block *block, const struct block_precision *precision)

@@ -11,6 +11,7 @@
 #endif
 #define BATCH_LANES 4
 #define BATCH_STRIDE batch_stride_lanes4
+#define BATCH_PEAK batch_peak_lanes4
 #include "sim_host/batch/kernel.h"
 #if defined __clang__
 #pragma clang attribute pop

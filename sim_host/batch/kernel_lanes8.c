@@ -11,6 +11,7 @@
 #endif
 #define BATCH_LANES 8
 #define BATCH_STRIDE batch_stride_lanes8
+#define BATCH_PEAK batch_peak_lanes8
 #include "sim_host/batch/kernel.h"
 #if defined __clang__
 #pragma clang attribute pop

@@ -99,7 +99,7 @@ START_TEST(one_stride_is_that_of_the_scalar_map)
 {
     struct batch_item *from = make_items(), *got = make_items();
     const struct batch_job job = job_of(got, 1);
-    const struct batch_settings settings = {.accuracy = 1e-11, .want_times = 1};
+    const struct batch_settings settings = {.accuracy = 1e-12, .want_times = 1};
     int whole = 0, clamped = 0, faults[STRIDE_FAULT_COUNT] = {0};
     ck_assert_int_eq(batch_run(&settings, &job), BATCH_OK);
     for (int i = 0; i < COUNT; i++) {
