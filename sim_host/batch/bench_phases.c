@@ -29,7 +29,9 @@ static int solve_one(const struct bench_solver *solver, const struct reference_s
     }
     const double difference = x[STANCE_ANGLE] - x[SWING_ANGLE];
     *solver->support = (struct double_support){
-        solver->walker, 2.0 * w->leg_length_m * real_sin(0.5 * real_abs(difference)), row->push_m};
+        .walker = solver->walker,
+        .toe_distance_m = 2.0 * w->leg_length_m * real_sin(0.5 * real_abs(difference)),
+        .spring_rest_m = row->push_m};
     double r[SINGLE_SUPPORT_STATES] = {
         0.0, collision_clamp_m_s(collision_ankle_rate_m_s(solver->walker, difference,
                                                           x[STANCE_RATE], x[SWING_RATE]),
