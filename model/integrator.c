@@ -4,87 +4,67 @@
 #define S REAL(4.58257569495584000659)
 #define RK8_STAGES 11
 
-struct rk8_row {
-    int count; /* stages that enter */
-    struct {
-        int stage;
-        real weight;
-    } term[6];
-};
+/* weight = (a + b sqrt(21)) / c, a constant of the compiler. */
+#define W(a, b, c) ((REAL(a) + REAL(b) * S) / REAL(c))
 
-/* Cooper, Verner (1972), SIAM J. Numer. Anal. 9, 389: eleven stages, order eight. */
-static const struct rk8_row rk8_rows[RK8_STAGES] = {
-    {0, {{0, REAL(0.0)}}},
-    {1, {{0, REAL(1.0) / REAL(2.0)}}},
-    {2, {{0, REAL(1.0) / REAL(4.0)}, {1, REAL(1.0) / REAL(4.0)}}},
-    {3,
-     {{0, REAL(1.0) / REAL(7.0)},
-      {1, (REAL(-7.0) - REAL(3.0) * S) / REAL(98.0)},
-      {2, (REAL(21.0) + REAL(5.0) * S) / REAL(49.0)}}},
-    {3,
-     {{0, (REAL(11.0) + S) / REAL(84.0)},
-      {2, (REAL(18.0) + REAL(4.0) * S) / REAL(63.0)},
-      {3, (REAL(21.0) - S) / REAL(252.0)}}},
-    {4,
-     {{0, (REAL(5.0) + S) / REAL(48.0)},
-      {2, (REAL(9.0) + S) / REAL(36.0)},
-      {3, (REAL(-231.0) + REAL(14.0) * S) / REAL(360.0)},
-      {4, (REAL(63.0) - REAL(7.0) * S) / REAL(80.0)}}},
-    {5,
-     {{0, (REAL(10.0) - S) / REAL(42.0)},
-      {2, (REAL(-432.0) + REAL(92.0) * S) / REAL(315.0)},
-      {3, (REAL(633.0) - REAL(145.0) * S) / REAL(90.0)},
-      {4, (REAL(-504.0) + REAL(115.0) * S) / REAL(70.0)},
-      {5, (REAL(63.0) - REAL(13.0) * S) / REAL(35.0)}}},
-    {4,
-     {{0, REAL(1.0) / REAL(14.0)},
-      {4, (REAL(14.0) - REAL(3.0) * S) / REAL(126.0)},
-      {5, (REAL(13.0) - REAL(3.0) * S) / REAL(63.0)},
-      {6, REAL(1.0) / REAL(9.0)}}},
-    {5,
-     {{0, REAL(1.0) / REAL(32.0)},
-      {4, (REAL(91.0) - REAL(21.0) * S) / REAL(576.0)},
-      {5, REAL(11.0) / REAL(72.0)},
-      {6, (REAL(-385.0) - REAL(75.0) * S) / REAL(1152.0)},
-      {7, (REAL(63.0) + REAL(13.0) * S) / REAL(128.0)}}},
-    {6,
-     {{0, REAL(1.0) / REAL(14.0)},
-      {4, REAL(1.0) / REAL(9.0)},
-      {5, (REAL(-733.0) - REAL(147.0) * S) / REAL(2205.0)},
-      {6, (REAL(515.0) + REAL(111.0) * S) / REAL(504.0)},
-      {7, (REAL(-51.0) - REAL(11.0) * S) / REAL(56.0)},
-      {8, (REAL(132.0) + REAL(28.0) * S) / REAL(245.0)}}},
-    {6,
-     {{4, (REAL(-42.0) + REAL(7.0) * S) / REAL(18.0)},
-      {5, (REAL(-18.0) + REAL(28.0) * S) / REAL(45.0)},
-      {6, (REAL(-273.0) - REAL(53.0) * S) / REAL(72.0)},
-      {7, (REAL(301.0) + REAL(53.0) * S) / REAL(72.0)},
-      {8, (REAL(28.0) - REAL(28.0) * S) / REAL(45.0)},
-      {9, (REAL(49.0) - REAL(7.0) * S) / REAL(18.0)}}},
-};
+/* point = state + h sum, for each state; k1, k2, ... are the stages' slopes. */
+#define STAGE(stage, sum)                \
+    for (int i = 0; i < n; i++) {        \
+        point[i] = state[i] + h * (sum); \
+    }                                    \
+    ode->rates(ode->context, point, k[stage])
+
+/* Cooper, Verner (1972), SIAM J. Numer. Anal. 9, 389: eleven stages, order eight. Written out, and
+ * with n a constant wherever it is inlined: a table of coefficients costs half as much again. */
+static inline __attribute__((always_inline)) void rk8_body(const struct ode *ode, real h,
+                                                           const real *state, real *next,
+                                                           const int n)
+{
+    real k[RK8_STAGES][ODE_MAX_STATES];
+    real point[ODE_MAX_STATES];
+
+    ode->rates(ode->context, state, k[0]);
+    STAGE(1, W(1.0, 0.0, 2.0) * k[0][i]);
+    STAGE(2, W(1.0, 0.0, 4.0) * k[0][i] + W(1.0, 0.0, 4.0) * k[1][i]);
+    STAGE(3, W(1.0, 0.0, 7.0) * k[0][i] + W(-7.0, -3.0, 98.0) * k[1][i] +
+                 W(21.0, 5.0, 49.0) * k[2][i]);
+    STAGE(4, W(11.0, 1.0, 84.0) * k[0][i] + W(18.0, 4.0, 63.0) * k[2][i] +
+                 W(21.0, -1.0, 252.0) * k[3][i]);
+    STAGE(5, W(5.0, 1.0, 48.0) * k[0][i] + W(9.0, 1.0, 36.0) * k[2][i] +
+                 W(-231.0, 14.0, 360.0) * k[3][i] + W(63.0, -7.0, 80.0) * k[4][i]);
+    STAGE(6, W(10.0, -1.0, 42.0) * k[0][i] + W(-432.0, 92.0, 315.0) * k[2][i] +
+                 W(633.0, -145.0, 90.0) * k[3][i] + W(-504.0, 115.0, 70.0) * k[4][i] +
+                 W(63.0, -13.0, 35.0) * k[5][i]);
+    STAGE(7, W(1.0, 0.0, 14.0) * k[0][i] + W(14.0, -3.0, 126.0) * k[4][i] +
+                 W(13.0, -3.0, 63.0) * k[5][i] + W(1.0, 0.0, 9.0) * k[6][i]);
+    STAGE(8, W(1.0, 0.0, 32.0) * k[0][i] + W(91.0, -21.0, 576.0) * k[4][i] +
+                 W(11.0, 0.0, 72.0) * k[5][i] + W(-385.0, -75.0, 1152.0) * k[6][i] +
+                 W(63.0, 13.0, 128.0) * k[7][i]);
+    STAGE(9, W(1.0, 0.0, 14.0) * k[0][i] + W(1.0, 0.0, 9.0) * k[4][i] +
+                 W(-733.0, -147.0, 2205.0) * k[5][i] + W(515.0, 111.0, 504.0) * k[6][i] +
+                 W(-51.0, -11.0, 56.0) * k[7][i] + W(132.0, 28.0, 245.0) * k[8][i]);
+    STAGE(10, W(-42.0, 7.0, 18.0) * k[4][i] + W(-18.0, 28.0, 45.0) * k[5][i] +
+                  W(-273.0, -53.0, 72.0) * k[6][i] + W(301.0, 53.0, 72.0) * k[7][i] +
+                  W(28.0, -28.0, 45.0) * k[8][i] + W(49.0, -7.0, 18.0) * k[9][i]);
+    for (int i = 0; i < n; i++) {
+        const real outer = REAL(9.0) * (k[0][i] + k[10][i]);
+        const real inner = REAL(49.0) * (k[7][i] + k[9][i]);
+        next[i] = state[i] + h / REAL(180.0) * (outer + inner + REAL(64.0) * k[8][i]);
+    }
+}
 
 static void rk8_step(const struct ode *ode, real h, const real *state, real *next)
 {
-    real slope[RK8_STAGES][ODE_MAX_STATES];
-    real point[ODE_MAX_STATES];
-    const int n = ode->count;
-
-    ode->rates(ode->context, state, slope[0]);
-    for (int s = 1; s < RK8_STAGES; s++) {
-        const struct rk8_row *row = &rk8_rows[s];
-        for (int i = 0; i < n; i++) {
-            real sum = REAL(0.0);
-            for (int t = 0; t < row->count; t++) {
-                sum += row->term[t].weight * slope[row->term[t].stage][i];
-            }
-            point[i] = state[i] + h * sum;
-        }
-        ode->rates(ode->context, point, slope[s]);
-    }
-    for (int i = 0; i < n; i++) {
-        const real outer = REAL(9.0) * (slope[0][i] + slope[10][i]);
-        const real inner = REAL(49.0) * (slope[7][i] + slope[9][i]);
-        next[i] = state[i] + h / REAL(180.0) * (outer + inner + REAL(64.0) * slope[8][i]);
+    switch (ode->count) {
+    case 2:
+        rk8_body(ode, h, state, next, 2);
+        break;
+    case 4:
+        rk8_body(ode, h, state, next, 4);
+        break;
+    default:
+        rk8_body(ode, h, state, next, ode->count);
+        break;
     }
 }
 
@@ -185,6 +165,8 @@ static void move(const struct ode *ode, const real *state, const real *rates, re
     }
 }
 
+#define NEARLY REAL(2e-3) /* of a step: its fifth power is below rounding */
+
 struct ode_landing ode_land(const struct ode *ode, enum ode_method method,
                             const struct ode_event *event, const real *state, real h_s,
                             const real *end, real *landed)
@@ -210,8 +192,16 @@ struct ode_landing ode_land(const struct ode *ode, enum ode_method method,
         real value, slope;
         ode_step(ode, method, step, state, here);
         event_and_slope(ode, event, here, rates, &value, &slope);
-        const real correction = -value / slope;
-        const int done = real_abs(correction) <= small + event_noise_s(event, here, slope);
+        real correction = -value / slope;
+        const real limit = small + event_noise_s(event, here, slope);
+        if (real_abs(correction) > limit && real_abs(correction) <= NEARLY * real_abs(h_s)) {
+            /* So near that a cheap step from here is exact to rounding: saves a re-step. */
+            rk4_step(ode, correction, here, here);
+            step += correction;
+            event_and_slope(ode, event, here, rates, &value, &slope);
+            correction = -value / slope;
+        }
+        const int done = real_abs(correction) <= limit;
         if (done || result.iterations == ODE_MAX_LANDING_STEPS) {
             const real last = done ? correction : REAL(0.0);
             move(ode, here, rates, last, landed);

@@ -51,8 +51,8 @@ real ode_event_value(const struct ode_event *event, const real *state);
 
 /* Finds the step in [0, h_s] at which the event happens, and the state there.
  * Precondition: event values at `state` and at `end` (the state after a step of h_s) differ in sign
- * or one of them is zero. Safeguarded Newton on re-steps from `state`; the last correction, below the
- * square root of the precision, is applied to first order. In double the time is good to 1e-12 s.
+ * or one of them is zero. Safeguarded Newton on re-steps from `state`; when it is near, one short step from
+ * there, and the last correction, below the square root of the precision, to first order. In double the time is good to 1e-12 s.
  * `landed` receives count values. Bounded: ODE_MAX_LANDING_STEPS re-steps (3 is usual). */
 struct ode_landing ode_land(const struct ode *ode, enum ode_method method,
                             const struct ode_event *event, const real *state, real h_s,

@@ -2,14 +2,13 @@
 
 #include <stddef.h>
 
-#define LARGEST_BIRTH 4e-3 /* amplitude of the first doubled walk, scaled units */
-#define SMALLEST_BIRTH 1e-7
+#define LARGEST_BIRTH 4e-3  /* amplitude of the first doubled walk, scaled units */
+#define MOST_HALVINGS 15    /* down to 1e-7 */
 #define BIRTH_RESIDUAL 2e-3 /* of the amplitude: the doubled walk is that near to being one */
 
 struct search {
     struct branch_point found;
     int has_found;
-    int ignore_points; /* so many first points belong to the birth */
 };
 
 static int until_doubling(void *context, const struct branch_point *point)
@@ -82,17 +81,19 @@ static int turn_to_widest(const struct problem *problem, double x[3], double vec
 static double birth_amplitude(const struct problem *doubled, const double x[3],
                               const double vector[3])
 {
-    for (double size = LARGEST_BIRTH; size > SMALLEST_BIRTH; size *= 0.5) {
+    double size = LARGEST_BIRTH;
+    for (int halvings = 0; halvings < MOST_HALVINGS; halvings++) {
         struct orbit orbit;
         for (int i = 0; i < 3; i++) {
             orbit.x[i] = x[i] + size * vector[i];
         }
         if (orbit_evaluate(doubled, 0, &orbit) == ORBIT_OK &&
             orbit.residual < BIRTH_RESIDUAL * size) {
-            return size;
+            break;
         }
+        size *= 0.5;
     }
-    return SMALLEST_BIRTH;
+    return size;
 }
 
 /* Follows the doubled walk from its birth, along the eigenvector of -1, towards `to`. */

@@ -12,7 +12,7 @@ enum { KEEP_MAX = 10000, POINTS_MAX = 1000000, LONGEST_PERIOD = 64 };
 struct options {
     struct common common;
     double from, to, kp;
-    int points, transient, keep, lyapunov, has_range;
+    int points, transient, keep, lyapunov;
 };
 
 static const struct argp_option table[] = {
@@ -138,7 +138,7 @@ static double lyapunov(const struct problem *problem, int strides, double x[3])
             orbit.x[k] = x[k];
         }
         if (orbit_evaluate(&single, 1, &orbit) != ORBIT_OK) {
-            return 0.0 / 0.0;
+            return NO_NUMBER;
         }
         for (int k = 0; k < 3; k++) {
             moved[k] = orbit.by_x[k][0] * w[0] + orbit.by_x[k][1] * w[1] + orbit.by_x[k][2] * w[2];
@@ -148,7 +148,7 @@ static double lyapunov(const struct problem *problem, int strides, double x[3])
         }
         const double growth = real_sqrt(after / before);
         if (!(growth > 0.0)) {
-            return 0.0 / 0.0;
+            return NO_NUMBER;
         }
         sum += natural_log(growth);
         for (int k = 0; k < 3; k++) {
@@ -169,7 +169,7 @@ static void compute(void *context, int i)
                               .period = 1};
     struct orbit scratch;
     run->period = -1;
-    run->lyapunov = 0.0 / 0.0;
+    run->lyapunov = NO_NUMBER;
     run->fault = STRIDE_BAD_INPUT;
     for (int k = 0; k < 3; k++) {
         problem.reference_x[k] = run->gait[k];
@@ -200,7 +200,7 @@ static int take(void *context, int i)
 {
     struct study *study = context;
     const struct run *run = &study->runs[i];
-    const double none = 0.0 / 0.0;
+    const double none = NO_NUMBER;
     for (int k = study->skip; k < study->options.keep; k++) {
         const struct sample *s = &run->samples[k];
         const int good = run->period >= 0;

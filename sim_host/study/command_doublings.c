@@ -56,7 +56,7 @@ static void print_doubling(void *context, const struct doubling *d)
     struct output *output = context;
     const struct cell row[] = {
         cell_integer(++output->count), cell_integer(d->new_period),
-        cell_number(d->parameter),     cell_number(d->ratio > 0.0 ? d->ratio : 0.0 / 0.0),
+        cell_number(d->parameter),     cell_number(d->ratio > 0.0 ? d->ratio : NO_NUMBER),
         cell_number(d->x[0]),          cell_number(d->x[1]),
         cell_number(d->x[2]),          cell_number(d->residual)};
     report_row(&output->report, row);

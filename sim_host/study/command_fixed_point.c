@@ -145,8 +145,8 @@ int command_fixed_point(int argc, char **argv)
         "r0_m",   "inter_leg_rad",     "step_length_m",   "ankle_rate_m_s",
         NULL};
     struct options options = {.common = command_defaults(), .r0 = 0.05, .period = 1};
-    struct problem problem;
-    struct orbit orbit;
+    struct problem problem = {.period = 1};
+    struct orbit orbit = {.residual = 0.0};
     struct report report;
     command_parse(table, parse, "Finds a periodic gait and tells its eigenvalues and measures.",
                   argc, argv, &options);

@@ -68,7 +68,7 @@ static int correct(struct walk *walk, const double tangent[UNKNOWNS], double u[U
         predicted[i] = u[i];
     }
     for (*corrections = 0; *corrections < MAX_CORRECTIONS; ++*corrections) {
-        double a[LINEAR_MAX][LINEAR_MAX], b[UNKNOWNS], du[UNKNOWNS], along = 0.0;
+        double a[LINEAR_MAX][LINEAR_MAX] = {{0.0}}, b[UNKNOWNS], du[UNKNOWNS], along = 0.0;
         if (!evaluate(walk, u, point)) {
             return 0;
         }
@@ -98,7 +98,7 @@ static int correct(struct walk *walk, const double tangent[UNKNOWNS], double u[U
 /* The unit tangent, pointing like `like`; and all that is derived from the point. */
 static int finish(const struct walk *walk, const double like[UNKNOWNS], struct branch_point *point)
 {
-    double a[LINEAR_MAX][LINEAR_MAX], b[UNKNOWNS] = {0.0, 0.0, 0.0, 1.0};
+    double a[LINEAR_MAX][LINEAR_MAX] = {{0.0}}, b[UNKNOWNS] = {0.0, 0.0, 0.0, 1.0};
     const double(*J)[3] = (const double(*)[3])point->orbit.by_x;
     periodicity_rows(walk, &point->orbit, a);
     for (int i = 0; i < UNKNOWNS; i++) {

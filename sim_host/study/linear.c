@@ -4,7 +4,7 @@
 
 int linear_solve(int n, const double A[LINEAR_MAX][LINEAR_MAX], const double *b, double *x)
 {
-    double a[LINEAR_MAX][LINEAR_MAX + 1];
+    double a[LINEAR_MAX][LINEAR_MAX + 1] = {{0.0}};
     double size = 0.0;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
@@ -130,7 +130,7 @@ void linear_eigenvector3(const double A[3][3], double value, double vector[3])
     vector[1] = 0.48;
     vector[2] = 0.64;
     for (int i = 0; i < 4; i++) {
-        double a[LINEAR_MAX][LINEAR_MAX] = {{0.0}}, x[3];
+        double a[LINEAR_MAX][LINEAR_MAX] = {{0.0}}, x[3] = {vector[0], vector[1], vector[2]};
         for (int k = 0; k < 9; k++) {
             a[k / 3][k % 3] = A[k / 3][k % 3];
         }

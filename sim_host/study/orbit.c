@@ -14,16 +14,24 @@ const char *parameter_name(enum parameter parameter)
 
 static double *parameter_field(struct problem *problem, enum parameter parameter)
 {
-    double *const fields[PARAMETER_COUNT] = {
-        &problem->r0_m,
-        &problem->params.hip_mass_kg,
-        &problem->params.leg_mass_kg,
-        &problem->params.leg_length_m,
-        &problem->params.ankle_stiffness_N_m,
-        &problem->params.gravity_m_s2,
-        &problem->kp,
-    };
-    return fields[parameter];
+    switch (parameter) {
+    case PARAMETER_M:
+        return &problem->params.hip_mass_kg;
+    case PARAMETER_LEG_MASS:
+        return &problem->params.leg_mass_kg;
+    case PARAMETER_L:
+        return &problem->params.leg_length_m;
+    case PARAMETER_K:
+        return &problem->params.ankle_stiffness_N_m;
+    case PARAMETER_G:
+        return &problem->params.gravity_m_s2;
+    case PARAMETER_KP:
+        return &problem->kp;
+    case PARAMETER_R0:
+    case PARAMETER_COUNT:
+        break;
+    }
+    return &problem->r0_m;
 }
 
 double problem_get(const struct problem *problem, enum parameter parameter)

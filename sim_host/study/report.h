@@ -30,6 +30,7 @@ struct cell {
 };
 
 #define REPORT_TOTALS 8
+#define NO_NUMBER __builtin_nan("") /* an empty cell: nan in CSV, null in JSON */
 
 struct report {
     const struct common *common;

@@ -174,9 +174,9 @@ static void collide(const struct walker *w, const struct stride_result *result, 
 }
 
 /* Push-off: from d and r'+ to the state just after lift-off, with sensitivities, in `after`. */
-static void push(const struct walker *w, const struct stride_settings *settings, double r0,
-                 const struct stride_result *result, const struct stride_derivative *derivative,
-                 double *after)
+static void push_off(const struct walker *w, const struct stride_settings *settings, double r0,
+                     const struct stride_result *result, const struct stride_derivative *derivative,
+                     double *after)
 {
     struct push_off push = {{.walker = w, .toe_distance_m = result->step_length_m, .spring_rest_m = r0},
                             {0.0}};
@@ -227,7 +227,7 @@ enum stride_fault stride_differentiate(const struct walker *walker,
     row(y, 4, SWING_RATE)[BY_SWING_RATE] = 1.0;
     run_single(walker, settings, result->apex_to_strike_s, 1.0, 1.0, y);
     collide(walker, result, y, derivative);
-    push(walker, settings, spring_rest_m, result, derivative, y);
+    push_off(walker, settings, spring_rest_m, result, derivative, y);
     run_single(walker, settings, result->lift_off_to_apex_s, 1.0, 0.0, y);
     for (int i = 0; i < COLUMNS; i++) {
         derivative->next[0][i] = row(y, 4, STANCE_RATE)[i];
