@@ -8,37 +8,42 @@ struct cubic {
     real c0, c1, c2, c3; /* angle = c0 + c1 u + c2 u^2 + c3 u^3, u = ticks / window, -1..1 */
 };
 
-static struct cubic fit_cubic(const real *angle_rad, uint32_t size, uint32_t centre, uint32_t window)
+/* The dearest loop of a tick, so only what depends on the samples is in it. The sums of
+ * powers of u over -w..w come from Faulhaber's formulas with p = 1/w:
+ *   sum u^2 = w (1 + p)(2 + p) / 3            sum u^4 = w (1 + p)(2 + p)(3 + 3p - p^2) / 15
+ *   sum u^6 = w (1 + p)(2 + p)(3 + 6p - 3p^3 + p^4) / 21 */
+static struct cubic fit_cubic(const real *angle_rad, uint32_t size, uint32_t centre,
+                              uint32_t window)
 {
-    const real per_window = REAL(1.0) / (real)window;
-    const real middle = angle_rad[centre % size];
-    real even0 = middle, even2 = REAL(0.0), odd1 = REAL(0.0), odd3 = REAL(0.0);
-    real s2 = REAL(0.0), s4 = REAL(0.0), s6 = REAL(0.0);
+    const uint32_t mask = size - 1;
+    const real w = (real)window;
+    const real p = REAL(1.0) / w;
+    const real middle = angle_rad[centre & mask];
+    real even0 = middle, even2 = REAL(0.0), odd1 = REAL(0.0), odd3 = REAL(0.0), n = REAL(0.0);
 
-    for (uint32_t n = 1; n <= window; n++) {
-        const real u = (real)n * per_window;
+    for (uint32_t i = 1; i <= window; i++) {
+        n += REAL(1.0);
+        const real u = n * p;
         const real u2 = u * u;
-        const real after = angle_rad[(centre + n) % size];
-        const real before = angle_rad[(centre - n) % size];
-        const real difference = after - before;
+        const real after = angle_rad[(centre + i) & mask];
+        const real before = angle_rad[(centre - i) & mask];
         const real sum = after + before;
+        const real lean = (after - before) * u;
         even0 += sum;
         even2 += sum * u2;
-        odd1 += difference * u;
-        odd3 += difference * u * u2;
-        s2 += u2;
-        s4 += u2 * u2;
-        s6 += u2 * u2 * u2;
+        odd1 += lean;
+        odd3 += lean * u2;
     }
-    s2 *= REAL(2.0);
-    s4 *= REAL(2.0);
-    s6 *= REAL(2.0);
-    const real s0 = REAL(2.0) * (real)window + REAL(1.0);
+    const real common = w * (REAL(1.0) + p) * (REAL(2.0) + p);
+    const real s0 = REAL(2.0) * w + REAL(1.0);
+    const real s2 = common * (REAL(1.0) / REAL(3.0));
+    const real s4 = common * (REAL(3.0) + p * (REAL(3.0) - p)) * (REAL(1.0) / REAL(15.0));
+    const real s6 =
+        common * (REAL(3.0) + p * (REAL(6.0) + p * p * (p - REAL(3.0)))) * (REAL(1.0) / REAL(21.0));
     const real even_det = s0 * s4 - s2 * s2;
     const real odd_det = s2 * s6 - s4 * s4;
     return (struct cubic){(s4 * even0 - s2 * even2) / even_det, (s6 * odd1 - s4 * odd3) / odd_det,
-                          (s0 * even2 - s2 * even0) / even_det,
-                          (s2 * odd3 - s4 * odd1) / odd_det};
+                          (s0 * even2 - s2 * even0) / even_det, (s2 * odd3 - s4 * odd1) / odd_det};
 }
 
 struct apex_fit apex_fit_solve(const real *angle_rad, uint32_t size, uint32_t centre_tick,
@@ -66,7 +71,6 @@ struct angle_fit apex_fit_other_leg(const real *angle_rad, uint32_t size, uint32
     const struct cubic c = fit_cubic(angle_rad, size, centre_tick, window);
     const real window_s = (real)window * CONTROL_PERIOD_S;
     const real u = -before_tick_s / window_s;
-    return (struct angle_fit){
-        c.c0 + u * (c.c1 + u * (c.c2 + u * c.c3)),
-        (c.c1 + u * (REAL(2.0) * c.c2 + u * REAL(3.0) * c.c3)) / window_s};
+    return (struct angle_fit){c.c0 + u * (c.c1 + u * (c.c2 + u * c.c3)),
+                              (c.c1 + u * (REAL(2.0) * c.c2 + u * REAL(3.0) * c.c3)) / window_s};
 }

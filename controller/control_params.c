@@ -11,7 +11,7 @@ static int check_law(const struct control_params *params)
 {
     if (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
         params->law == (real)LAW_PREDICTIVE) {
-        return gait_branch_check(&params->branch) ? CONTROL_PARAMS_OK : CONTROL_PARAMS_BRANCH;
+        return params->branch != NULL && gait_branch_check(params->branch) ? CONTROL_PARAMS_OK : CONTROL_PARAMS_BRANCH;
     }
     return params->law == (real)LAW_PROPORTIONAL || params->law == (real)LAW_OPEN_LOOP ||
                    params->law == (real)LAW_WEARER

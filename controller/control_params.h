@@ -69,7 +69,9 @@ enum body_kind {
 struct control_params {
     CONTROL_PARAM_TABLE(CONTROL_PARAM_FIELD)
     struct speed_table table;  /* finv of eq. (16) for this walker */
-    struct gait_branch branch; /* what the laws beyond eq. (16) need; count 0 without */
+    /* What the laws beyond eq. (16) need, or NULL without. Too large to be kept twice: it stays
+     * where it is, in flash on the device, and does not change while it is pointed to. */
+    const struct gait_branch *branch;
 };
 #undef CONTROL_PARAM_FIELD
 

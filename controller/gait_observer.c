@@ -155,8 +155,9 @@ static void work_on_apex(struct gait_observer *observer, const struct control_pa
         work->stage = work->modelled ? work->stage : STAGE_LAND - 1;
     } else if (work->stage < STAGE_LAND) {
         model_observer_step(&observer->model, work->back_step_s, work->state);
-    } else {
+    } else if (work->stage == STAGE_LAND) {
         work->modelled = work->modelled && land(observer, work);
+    } else { /* in a tick of its own: the law and its telegram come with it */
         work->busy = false;
         report_apex(observer, params, tick);
     }

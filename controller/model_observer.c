@@ -165,8 +165,22 @@ void model_observer_advance(struct model_observer *observer, const struct contro
 
 /* ---- events ------------------------------------------------------------------- */
 
-/* The state age_s before the newest sample, out of the history. */
-static bool recall(const struct model_observer *observer, uint32_t tick, real age_s, real *state)
+/* How long after a state, on level ground, the strike is by the state itself, when it is
+ * not far from where it was detected, `detected_s` after the state; else just that. */
+static real strike_after_s(const real *state, real detected_s)
+{
+    const real sum = state[STANCE_ANGLE] + state[SWING_ANGLE];
+    const real rate = state[STANCE_RATE] + state[SWING_RATE];
+    if (real_abs(sum + rate * detected_s) > LEVEL_RAD || !(rate < REAL(0.0))) {
+        return detected_s;
+    }
+    return -sum / rate;
+}
+
+/* The state at a strike detected age_s before the newest sample, out of the history;
+ * true age in *since_s. One step of the model: a strike's tick has much else to do. */
+static bool recall_strike(const struct model_observer *observer, uint32_t tick, real age_s,
+                          real *state, real *since_s)
 {
     const real ticks = age_s * (real)CONTROL_RATE_HZ;
     if (!(ticks >= REAL(0.0)) || ticks > (real)(MODEL_HISTORY - 2)) {
@@ -180,32 +194,20 @@ static bool recall(const struct model_observer *observer, uint32_t tick, real ag
     for (int i = 0; i < SINGLE_SUPPORT_STATES; i++) {
         state[i] = kept[i];
     }
-    model_observer_step(observer, ((real)whole - ticks) * CONTROL_PERIOD_S, state);
+    const real after_s = strike_after_s(state, ((real)whole - ticks) * CONTROL_PERIOD_S);
+    model_observer_step(observer, after_s, state);
+    *since_s = (real)whole * CONTROL_PERIOD_S - after_s;
     return true;
-}
-
-/* On level ground, moves the strike to where the state itself has it; returns by how
- * much later. */
-static real to_level_ground(const struct model_observer *observer, real *state)
-{
-    const real sum = state[STANCE_ANGLE] + state[SWING_ANGLE];
-    const real rate = state[STANCE_RATE] + state[SWING_RATE];
-    if (real_abs(sum) > LEVEL_RAD || !(rate < REAL(0.0))) {
-        return REAL(0.0);
-    }
-    const real later_s = -sum / rate;
-    model_observer_step(observer, later_s, state);
-    return later_s;
 }
 
 void model_observer_strike(struct model_observer *observer, uint32_t tick, real age_s, real rest_m)
 {
-    real strike[SINGLE_SUPPORT_STATES];
-    if (observer->phase != MODEL_SINGLE || !recall(observer, tick, age_s, strike)) {
+    real strike[SINGLE_SUPPORT_STATES], since_s;
+    if (observer->phase != MODEL_SINGLE ||
+        !recall_strike(observer, tick, age_s, strike, &since_s)) {
         model_observer_lose(observer);
         return;
     }
-    const real since_s = age_s - to_level_ground(observer, strike);
     const real difference = strike[STANCE_ANGLE] - strike[SWING_ANGLE];
     observer->toe_distance_m = REAL(2.0) * observer->walker.params.leg_length_m *
                                real_abs(real_sin(REAL(0.5) * difference));

@@ -56,7 +56,7 @@ static real state_feedback(struct step_law *law, const struct control_params *pa
     struct gait_branch_point gait;
     real departure[3];
     law->command_rad_s = approach(law->command_rad_s, desired_rad_s, params->speed_ramp_rad_s);
-    const real speed_rad_s = gait_branch_at(&params->branch, law->command_rad_s, &gait);
+    const real speed_rad_s = gait_branch_at(params->branch, law->command_rad_s, &gait);
     gait_branch_departure(&gait, speed_rad_s, apex, departure);
     const real *gain = params->law == (real)LAW_DLQR ? gait.lqr_gain : gait.deadbeat_gain;
     return gait.r0_m - (gain[0] * departure[0] + gain[1] * departure[1] + gain[2] * departure[2]);
@@ -91,7 +91,7 @@ static real begin_search(struct step_law *law, const struct control_params *para
                           REAL(2.0) * CONTROL_PERIOD_S,
         .tick_s = CONTROL_PERIOD_S,
     };
-    predictive_law_begin(&law->predictive, &params->branch, &request);
+    predictive_law_begin(&law->predictive, params->branch, &request);
     law->is_final = false;
     law->fell_back = true; /* until the search has an answer */
     return first_m;
@@ -147,7 +147,7 @@ bool step_law_work(struct step_law *law, const struct control_params *params)
     if (law->is_final) {
         return false;
     }
-    const bool news = predictive_law_work(&law->predictive, &params->branch);
+    const bool news = predictive_law_work(&law->predictive, params->branch);
     if (news) {
         take_answer(law);
     }

@@ -94,7 +94,7 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "drive fault",
                                                          "sensor out of range",
                                                          "leg beyond the fall angle",
-                                                         "parameters changed by themselves",
+                                                         "bad parameters",
                                                          "sensor jumps",
                                                          "sensor stuck",
                                                          "spring implausible",
@@ -102,6 +102,7 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "drive does not follow",
                                                          "legs disagree",
                                                          "value not finite",
-                                                         "spring not unloaded in time"};
+                                                         "spring not unloaded in time",
+                                                         "restarted by itself"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }

@@ -50,7 +50,7 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_DRIVE = 5,        /* a drive reports fault or left enabled by itself */
     SUPERVISOR_FAULT_SENSOR_RANGE = 6, /* not finite or beyond what a leg can do */
     SUPERVISOR_FAULT_FALL = 7,         /* a leg beyond the fall angle */
-    SUPERVISOR_FAULT_PARAMETERS = 8,    /* their checksum changed by itself */
+    SUPERVISOR_FAULT_PARAMETERS = 8,    /* none usable, or their checksum changed by itself */
     SUPERVISOR_FAULT_SENSOR_RATE = 9,   /* values that no motion explains */
     SUPERVISOR_FAULT_SENSOR_STUCK = 10,
     SUPERVISOR_FAULT_SPRING = 11,    /* motor, ankle, latch and force contradict */
@@ -59,7 +59,8 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_LEGS = 14,      /* the same leg carried the body twice in a row */
     SUPERVISOR_FAULT_NOT_FINITE = 15,
     SUPERVISOR_FAULT_UNLOAD = 16,    /* springs not known to be slack in time */
-    SUPERVISOR_FAULTS = 17
+    SUPERVISOR_FAULT_RESTARTED = 17, /* the processor restarted by itself: crash or watchdog */
+    SUPERVISOR_FAULTS = 18
 };
 
 /* Conditions, one bit each. */

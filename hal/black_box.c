@@ -43,20 +43,10 @@ int black_box_row(uint32_t id, uint8_t length)
     return row >= 0 && row_bytes[row] == length ? row : -1;
 }
 
-uint32_t black_box_sum(const uint8_t *bytes, size_t length)
-{
-    uint32_t sum = (uint32_t)length;
-
-    for (size_t i = 0; i < length; i++) {
-        sum = ((sum << 1) | (sum >> 31)) + bytes[i];
-    }
-    return sum;
-}
-
 uint32_t black_box_block_check(const struct black_box_block *block)
 {
     return ~(block->magic + 3U * block->sequence + 5U * block->first_tick +
-             7U * block->snapshot_bytes + 11U * block->snapshot_sum);
+             7U * block->snapshot_bytes);
 }
 
 uint32_t black_box_header_check(const struct black_box_header *header)
@@ -100,18 +90,36 @@ static bool is_open(const struct black_box *box)
            box->header.current < (uint32_t)BLACK_BOX_BLOCK_COUNT;
 }
 
-/* Appends the bytes that differ from `last`, behind a mask of their places. */
+/* Appends the bytes of half a frame (4 bytes from `at`) that differ from `last`. */
+static inline uint32_t put_half(uint8_t *out, uint8_t *last, const uint8_t *data, uint32_t at,
+                                uint32_t *mask)
+{
+    uint32_t now, before, changed, used = 0;
+
+    memcpy(&now, data + at, sizeof now);
+    memcpy(&before, last + at, sizeof before);
+    changed = now ^ before;
+    if (changed == 0U) { /* the usual case for the upper half */
+        return 0;
+    }
+    memcpy(last + at, data + at, sizeof now);
+    for (uint32_t i = 0; changed != 0U; i++, changed >>= 8) {
+        if ((changed & 0xFFU) != 0U) {
+            *mask |= 1U << (at + i);
+            out[used++] = data[at + i];
+        }
+    }
+    return used;
+}
+
+/* Appends the bytes that differ from `last`, behind a mask of their places. Bytes
+ * beyond the length are 0 in every message, so they never differ. */
 static uint32_t put_difference(uint8_t *out, uint8_t *last, const struct can_msg *message, int row)
 {
     uint32_t mask = 0, used = 2;
 
-    for (uint32_t i = 0; i < message->length; i++) {
-        if (message->data[i] != last[i]) {
-            last[i] = message->data[i];
-            mask |= 1U << i;
-            out[used++] = message->data[i];
-        }
-    }
+    used += put_half(out + used, last, message->data, 0, &mask);
+    used += put_half(out + used, last, message->data, 4, &mask);
     if (mask == 0) {
         out[0] = (uint8_t)((uint32_t)row | (uint32_t)BLACK_BOX_SAME);
         return 1;
@@ -180,7 +188,7 @@ static void open_block(struct black_box *box, uint32_t tick, black_box_snapshot 
     block->sequence = header->next_sequence++;
     block->first_tick = tick;
     block->snapshot_bytes = (uint32_t)bytes;
-    block->snapshot_sum = black_box_sum(block->data, bytes);
+    block->reserved = 0;
     set_used(block, (uint32_t)bytes);
     block->magic = (uint32_t)BLACK_BOX_BLOCK_MAGIC;
     block->check = black_box_block_check(block);

@@ -24,8 +24,8 @@ enum {
     BLACK_BOX_BYTES = 65536,
     BLACK_BOX_MAGIC = 0x31424241,       /* "ABB1" in memory order */
     BLACK_BOX_BLOCK_MAGIC = 0x4B4C4242, /* "BBLK" in memory order */
-    BLACK_BOX_BLOCK_COUNT = 8,
-    BLACK_BOX_SNAPSHOT_MAX = 2048,
+    BLACK_BOX_BLOCK_COUNT = 4,
+    BLACK_BOX_SNAPSHOT_MAX = 6144,
     BLACK_BOX_TICK_RESERVE = 512, /* room a block must have left to take one more tick */
     BLACK_BOX_ROW_MAX = 48
 };
@@ -48,11 +48,11 @@ struct black_box_block {
     uint32_t sequence;   /* counts blocks since power-up */
     uint32_t first_tick; /* number of the last SYNC before the first record */
     uint32_t snapshot_bytes;
-    uint32_t snapshot_sum;  /* black_box_sum of the snapshot */
+    uint32_t reserved;
     uint32_t check;         /* sum of the fields above */
     uint32_t used;          /* bytes of data[] in use, snapshot included */
     uint32_t used_inverted; /* its complement: both change, so a reset between shows */
-    uint8_t data[8064];
+    uint8_t data[16160];
 };
 
 struct black_box_header {
@@ -95,7 +95,7 @@ void black_box_record(struct black_box *box, const struct can_msg *message);
 
 /* Says that the controller has digested everything recorded so far: a tick is
  * over. Opens a new block with a snapshot when the current one is nearly full.
- * Loop only; below 100 instructions, plus 6 per snapshot byte when it opens one. */
+ * Loop only; below 100 instructions, plus the snapshot when it opens one. */
 void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot snapshot,
                         const void *context);
 
@@ -109,9 +109,6 @@ void black_box_freeze(struct black_box *box, uint32_t reason);
 /* Row of a frame in the frame table, or -1 when it is not there or its length is
  * another. O(1). */
 int black_box_row(uint32_t id, uint8_t length);
-
-/* The sum that guards snapshots: cheap enough for a tick, where a CRC is not. */
-uint32_t black_box_sum(const uint8_t *bytes, size_t length);
 
 /* Sums of the guarded fields, as stored in their `check`. */
 uint32_t black_box_block_check(const struct black_box_block *block);

@@ -27,6 +27,10 @@ struct nv_store_ops {
      * are 0. Loop only. Returns NV_OK, NV_CORRUPT or NV_OUT_OF_RANGE. */
     enum nv_result (*read_word)(void *context, uint32_t bank, uint32_t index, uint8_t *out);
 
+    /* Where `bank` can be read in place, as long as it is not erased; NULL when it
+     * cannot. Words that failed read_word must not be touched. O(1). */
+    const uint8_t *(*map)(void *context, uint32_t bank);
+
     /* Erases a whole bank to 0xFF. May stall the caller for tens of ms: only at
      * standstill. Returns NV_OK, NV_FAILED or NV_OUT_OF_RANGE. */
     enum nv_result (*erase)(void *context, uint32_t bank);

@@ -108,41 +108,47 @@ enum param_store_result param_store_open(struct param_store *store, const struct
     if (best.version != version || best.payload_bytes != payload_bytes) {
         return PARAM_STORE_VERSION;
     }
+    store->usable = true;
     return PARAM_STORE_OK;
 }
 
-enum param_store_result param_store_load(struct param_store *store, void *out)
+enum param_store_result param_store_load(struct param_store *store, uint32_t offset, void *out,
+                                         uint32_t length)
 {
-    struct bank_header header = {0};
     uint8_t word[NV_WORD_BYTES];
     uint8_t *bytes = out;
-    uint32_t left = store->payload_bytes;
 
-    if (!bank_is_valid(store, store->active_bank, &header)) {
-        return PARAM_STORE_EMPTY;
+    if (!store->usable) {
+        return store->sequence == 0U && store->crc == 0U ? PARAM_STORE_EMPTY : PARAM_STORE_VERSION;
     }
-    if (header.version != store->version || header.payload_bytes != store->payload_bytes) {
-        return PARAM_STORE_VERSION;
+    if (offset > store->payload_bytes || length > store->payload_bytes - offset) {
+        return PARAM_STORE_TOO_LARGE;
     }
-    for (uint32_t i = 0; left > 0; i++) {
-        uint32_t take = left < NV_WORD_BYTES ? left : (uint32_t)NV_WORD_BYTES;
-        if (!read_word(store, store->active_bank, PAYLOAD_WORD + i, word)) {
+    for (uint32_t i = 0; i < length; i++, offset++) {
+        if ((i == 0U || offset % NV_WORD_BYTES == 0U) &&
+            !read_word(store, store->active_bank, PAYLOAD_WORD + offset / NV_WORD_BYTES, word)) {
             return PARAM_STORE_EMPTY;
         }
-        memcpy(bytes, word, take);
-        bytes += take;
-        left -= take;
+        bytes[i] = word[offset % NV_WORD_BYTES];
     }
     return PARAM_STORE_OK;
+}
+
+const void *param_store_map(const struct param_store *store, uint32_t offset)
+{
+    const uint8_t *bank = store->usable && offset < store->payload_bytes
+                              ? store->nv.ops->map(store->nv.context, store->active_bank)
+                              : NULL;
+
+    return bank != NULL ? bank + PAYLOAD_WORD * NV_WORD_BYTES + offset : NULL;
 }
 
 /* Writes header and payload of a new copy; returns its CRC in *crc. */
 static bool write_copy(struct param_store *store, uint32_t bank, uint32_t sequence,
-                       const uint8_t *payload, uint32_t *crc)
+                       param_store_source source, const void *context, uint32_t *crc)
 {
     const struct nv_store *nv = &store->nv;
     uint8_t word[NV_WORD_BYTES];
-    uint32_t left = store->payload_bytes;
 
     put_u32(word, sequence);
     put_u32(word + 4, (uint32_t)store->version | ((uint32_t)store->payload_bytes << 16));
@@ -150,12 +156,8 @@ static bool write_copy(struct param_store *store, uint32_t bank, uint32_t sequen
     if (nv->ops->write_word(nv->context, bank, HEADER_WORD, word) != NV_OK) {
         return false;
     }
-    for (uint32_t i = 0; left > 0; i++) {
-        uint32_t take = left < NV_WORD_BYTES ? left : (uint32_t)NV_WORD_BYTES;
-        memset(word, 0xFF, sizeof word);
-        memcpy(word, payload, take);
-        payload += take;
-        left -= take;
+    for (uint32_t i = 0; i < words_of(store->payload_bytes); i++) {
+        source(context, i * NV_WORD_BYTES, word);
         *crc = crc32_update(*crc, word, sizeof word);
         if (nv->ops->write_word(nv->context, bank, PAYLOAD_WORD + i, word) != NV_OK) {
             return false;
@@ -164,8 +166,8 @@ static bool write_copy(struct param_store *store, uint32_t bank, uint32_t sequen
     return true;
 }
 
-enum param_store_result param_store_save(struct param_store *store, const void *payload,
-                                         bool standstill)
+enum param_store_result param_store_save(struct param_store *store, param_store_source source,
+                                         const void *context, bool standstill)
 {
     const struct nv_store *nv = &store->nv;
     bool has_copy = store->crc != 0U || store->sequence != 0U;
@@ -182,7 +184,7 @@ enum param_store_result param_store_save(struct param_store *store, const void *
         return PARAM_STORE_TOO_LARGE;
     }
     if (nv->ops->erase(nv->context, bank) != NV_OK ||
-        !write_copy(store, bank, sequence, payload, &crc)) {
+        !write_copy(store, bank, sequence, source, context, &crc)) {
         return PARAM_STORE_FAILED;
     }
     put_u32(word, PARAM_STORE_MAGIC);
@@ -194,5 +196,6 @@ enum param_store_result param_store_save(struct param_store *store, const void *
     store->active_bank = bank;
     store->sequence = sequence;
     store->crc = crc;
+    store->usable = true;
     return PARAM_STORE_OK;
 }

@@ -35,6 +35,7 @@ struct param_store {
     uint32_t sequence;      /* of the newest valid copy, 0 when there is none */
     uint32_t active_bank;   /* where that copy is */
     uint32_t crc;           /* its CRC-32, 0 when there is none: the identity of the set */
+    bool usable;            /* that copy has the right version and size */
     uint32_t corrupt_words; /* words that failed error correction while looking; saturates */
 };
 
@@ -45,15 +46,27 @@ struct param_store {
 enum param_store_result param_store_open(struct param_store *store, const struct nv_store *nv,
                                          uint16_t version, uint16_t payload_bytes);
 
-/* Copies the newest valid payload to `out` (payload_bytes long). On any error
- * `out` is untouched. Loop only; reads one bank. Results as of open. */
-enum param_store_result param_store_load(struct param_store *store, void *out);
+/* Copies `length` bytes of the newest valid payload from `offset` on to `out`.
+ * Loop only; reads the words asked for. Returns PARAM_STORE_OK, PARAM_STORE_EMPTY
+ * (no copy, or a word that open could still read fails now: `out` is then not to be
+ * used), PARAM_STORE_VERSION as of open, or PARAM_STORE_TOO_LARGE (beyond the payload). */
+enum param_store_result param_store_load(struct param_store *store, uint32_t offset, void *out,
+                                         uint32_t length);
 
-/* Saves `payload` as a new copy and reads it back. `standstill` must be true: an
+/* Where byte `offset` of the newest valid payload lies, for data too large to copy;
+ * NULL when there is no copy or the memory cannot be read in place. Stays valid until
+ * the second save from now on. O(1). */
+const void *param_store_map(const struct param_store *store, uint32_t offset);
+
+/* Gives bytes `offset` .. `offset` + 7 of a payload, 0xFF beyond its end. */
+typedef void (*param_store_source)(const void *context, uint32_t offset, uint8_t *out);
+
+/* Saves the payload that `source` gives, word by word in order, as a new copy and reads
+ * it back. `standstill` must be true: an
  * erase may stall the processor for tens of ms. On any error the previous copy
  * stays valid. Loop only. Returns PARAM_STORE_OK, PARAM_STORE_MOVING,
  * PARAM_STORE_TOO_LARGE or PARAM_STORE_FAILED. */
-enum param_store_result param_store_save(struct param_store *store, const void *payload,
-                                         bool standstill);
+enum param_store_result param_store_save(struct param_store *store, param_store_source source,
+                                         const void *context, bool standstill);
 
 #endif

@@ -32,7 +32,7 @@ struct clock tim2_clock_interface(struct tim2_clock *clock);
 uint64_t tim2_clock_now_ns(void *clock);
 
 enum {
-    WATCHDOG_TIMEOUT_MS = 60, /* longest harmless stall: a tick; the drives wait 250 ms */
+    WATCHDOG_TIMEOUT_MS = 120, /* saving the settings stalls for 80 ms; the drives wait 250 ms */
     WATCHDOG_POLLS = 2000000
 };
 

@@ -16,7 +16,8 @@
 #include "hal/can_bus.h"
 
 enum {
-    FDCAN_RX_RING = 32, /* a power of two; a busy cycle brings about 12 frames */
+    FDCAN_RX_RING =
+        16, /* a power of two; a frame takes 50 us or more, a tick of the loop as long */
     FDCAN_TX_QUEUE = 12,
     FDCAN_TX_BUFFERS = 3,
     FDCAN_INIT_POLLS = 100000 /* a few ms: the core needs some bit times */

@@ -8,18 +8,22 @@
 static uint32_t address_of(uint32_t bank, uint32_t index)
 {
     return FLASH_MEMORY_BASE + FLASH_BANK_BYTES +
-           ((uint32_t)FLASH_STORE_FIRST_PAGE + bank) * FLASH_PAGE_BYTES + index * NV_WORD_BYTES;
+           ((uint32_t)FLASH_STORE_FIRST_PAGE + bank * (uint32_t)FLASH_STORE_PAGES) *
+               FLASH_PAGE_BYTES +
+           index * NV_WORD_BYTES;
 }
+
+static const uint32_t bank_words = FLASH_STORE_PAGES * FLASH_PAGE_BYTES / NV_WORD_BYTES;
 
 static bool in_range(uint32_t bank, uint32_t index)
 {
-    return bank < NV_BANK_COUNT && index < FLASH_PAGE_BYTES / NV_WORD_BYTES;
+    return bank < NV_BANK_COUNT && index < bank_words;
 }
 
 static uint32_t store_bank_words(void *context)
 {
     (void)context;
-    return FLASH_PAGE_BYTES / NV_WORD_BYTES;
+    return bank_words;
 }
 
 static void clear_ecc_error(void)
@@ -64,6 +68,12 @@ static enum nv_result store_read_word(void *context, uint32_t bank, uint32_t ind
         out[i] = (uint8_t)(half[i / 4U] >> (8U * (i % 4U)));
     }
     return NV_OK;
+}
+
+static const uint8_t *store_map(void *context, uint32_t bank)
+{
+    (void)context;
+    return in_range(bank, 0) ? (const uint8_t *)(uintptr_t)address_of(bank, 0) : NULL;
 }
 
 static bool wait_until_idle(void)
@@ -117,22 +127,29 @@ static void forget_cached_data(void)
     mmio_write(FLASH_ACR, acr & ~FLASH_ACR_DCRST);
 }
 
-static enum nv_result store_erase(void *context, uint32_t bank)
+static enum nv_result erase_page(struct flash_store *store, uint32_t page)
 {
-    struct flash_store *store = context;
-    enum nv_result result;
-
-    if (!in_range(bank, 0)) {
-        return NV_OUT_OF_RANGE;
-    }
     if (!unlock()) {
         return NV_FAILED;
     }
     mmio_change(FLASH_CR, FLASH_CR_PNB_MASK | FLASH_CR_BKER | FLASH_CR_PG,
-                FLASH_CR_PER | FLASH_CR_BKER |
-                    (((uint32_t)FLASH_STORE_FIRST_PAGE + bank) << FLASH_CR_PNB_POS));
+                FLASH_CR_PER | FLASH_CR_BKER | (page << FLASH_CR_PNB_POS));
     mmio_set(FLASH_CR, FLASH_CR_STRT);
-    result = finish(store);
+    return finish(store);
+}
+
+static enum nv_result store_erase(void *context, uint32_t bank)
+{
+    struct flash_store *store = context;
+    const uint32_t first = (uint32_t)FLASH_STORE_FIRST_PAGE + bank * (uint32_t)FLASH_STORE_PAGES;
+    enum nv_result result = NV_OK;
+
+    if (!in_range(bank, 0)) {
+        return NV_OUT_OF_RANGE;
+    }
+    for (uint32_t i = 0; i < FLASH_STORE_PAGES && result == NV_OK; i++) {
+        result = erase_page(store, first + i);
+    }
     forget_cached_data();
     return result;
 }
@@ -164,8 +181,8 @@ static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t in
     return result;
 }
 
-static const struct nv_store_ops store_ops = {store_bank_words, store_read_word, store_erase,
-                                              store_write_word};
+static const struct nv_store_ops store_ops = {store_bank_words, store_read_word, store_map,
+                                              store_erase, store_write_word};
 
 void flash_store_init(struct flash_store *store)
 {

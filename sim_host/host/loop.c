@@ -143,9 +143,12 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
     sim_bus_set_fault_hook(&loop->bus, inject, loop);
     const int port = sim_bus_attach(&loop->bus, "controller", wake_task, &loop->rig.task);
-    if (task_rig_init(&loop->rig, &config->subject, &config->params,
-                      sim_bus_port(&loop->bus, port), config->desired_speed_rad_s,
-                      true) != CONTROL_PARAMS_OK) {
+    struct can_bus bus = sim_bus_port(&loop->bus, port);
+    if (config->wrap_bus != NULL) {
+        bus = config->wrap_bus(config->wrap_context, bus);
+    }
+    if (task_rig_init(&loop->rig, &config->subject, &config->params, bus,
+                      config->desired_speed_rad_s, true) != CONTROL_PARAMS_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
         return -1;
     }

@@ -37,6 +37,9 @@ struct loop_config {
     double desired_speed_rad_s;
     enum loop_fault fault;
     uint32_t fault_step; /* the fault begins when this many apexes have passed */
+    /* Puts something between control task and bus; NULL = nothing. */
+    struct can_bus (*wrap_bus)(void *context, struct can_bus bus);
+    void *wrap_context;
 };
 
 struct loop;

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -294,6 +295,39 @@ static void make_branch(const struct subject *subject, double length_scale,
     }
 }
 
+/* Branches that were made, each once, kept for good: parameters point to them. */
+struct kept_branch {
+    struct gait_branch branch;
+    struct gait_walker walker;
+    double length_scale;
+    struct kept_branch *next;
+};
+
+static const struct gait_branch *branch_of(const struct subject *subject, double length_scale)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    static struct kept_branch *kept;
+    const struct gait_walker walker = subject_gait_walker(subject);
+    struct kept_branch *entry;
+
+    pthread_mutex_lock(&lock);
+    for (entry = kept; entry != NULL; entry = entry->next) {
+        if (memcmp(&entry->walker, &walker, sizeof walker) == 0 &&
+            entry->length_scale == length_scale) {
+            break;
+        }
+    }
+    if (entry == NULL && (entry = calloc(1, sizeof *entry)) != NULL) {
+        entry->walker = walker;
+        entry->length_scale = length_scale;
+        make_branch(subject, length_scale, &entry->branch);
+        entry->next = kept;
+        kept = entry;
+    }
+    pthread_mutex_unlock(&lock);
+    return entry != NULL && entry->branch.count > 0 ? &entry->branch : NULL;
+}
+
 static double smaller(double a, double b)
 {
     return a < b ? a : b;
@@ -357,7 +391,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
     if (make_speed_table(subject, length_scale, &params->table, message) != 0) {
         return -1;
     }
-    make_branch(subject, length_scale, &params->branch);
+    params->branch = branch_of(subject, length_scale);
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         if (subject->control_overridden[i]) {
             *(real *)((char *)params + control_param_descriptors[i].offset) =

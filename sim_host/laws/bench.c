@@ -17,7 +17,7 @@ int laws_bench_init(struct laws_bench *bench, const struct subject *subject, enu
 double laws_bench_gait(const struct laws_bench *bench, double speed_rad_s, double apex[3])
 {
     struct gait_branch_point gait;
-    apex[0] = -(double)gait_branch_at(&bench->params.branch, (real)speed_rad_s, &gait);
+    apex[0] = -(double)gait_branch_at(bench->params.branch, (real)speed_rad_s, &gait);
     apex[1] = (double)gait.swing_angle_rad;
     apex[2] = (double)gait.swing_rate_rad_s;
     return (double)gait.r0_m;

@@ -24,7 +24,7 @@ static void make_params(void)
 static struct apex_estimate steady(float speed, float *r0)
 {
     struct gait_branch_point gait;
-    (void)gait_branch_at(&params.branch, speed, &gait);
+    (void)gait_branch_at(params.branch, speed, &gait);
     *r0 = gait.r0_m;
     return (struct apex_estimate){-speed, gait.swing_angle_rad, gait.swing_rate_rad_s, 1.0f};
 }
@@ -215,14 +215,18 @@ END_TEST
 START_TEST(parameters_name_a_law_that_exists)
 {
     struct control_params p = params;
+    struct gait_branch branch = *params.branch;
     p.law = 5.0f;
     ck_assert_int_eq(control_params_validate(&p), CONTROL_PARAMS_LAW);
     p.law = (float)LAW_PREDICTIVE;
     ck_assert_int_eq(control_params_validate(&p), CONTROL_PARAMS_OK);
-    p.branch.count = 0;
+    p.branch = NULL;
     ck_assert_int_eq(control_params_validate(&p), CONTROL_PARAMS_BRANCH);
-    p.branch = params.branch;
-    p.branch.point[7].cost[3] = NAN;
+    p.branch = &branch;
+    branch.count = 0;
+    ck_assert_int_eq(control_params_validate(&p), CONTROL_PARAMS_BRANCH);
+    branch = *params.branch;
+    branch.point[7].cost[3] = NAN;
     ck_assert_int_eq(control_params_validate(&p), CONTROL_PARAMS_BRANCH);
     p.law = (float)LAW_PROPORTIONAL;
     ck_assert_int_eq(control_params_validate(&p), CONTROL_PARAMS_OK);

@@ -35,6 +35,24 @@ static struct payload make_payload(uint32_t serial)
     return payload;
 }
 
+/* Bytes of a payload as the store asks for them. */
+static void source(const void *context, uint32_t offset, uint8_t *out)
+{
+    for (uint32_t i = 0; i < NV_WORD_BYTES; i++, offset++) {
+        out[i] = offset < sizeof(struct payload) ? ((const uint8_t *)context)[offset] : 0xFF;
+    }
+}
+
+static enum param_store_result save_payload(const struct payload *payload, bool standstill)
+{
+    return param_store_save(&store, source, payload, standstill);
+}
+
+static enum param_store_result load_payload(struct payload *payload)
+{
+    return param_store_load(&store, 0, payload, sizeof *payload);
+}
+
 static enum param_store_result open_store(void)
 {
     return param_store_open(&store, &nv, VERSION, sizeof(struct payload));
@@ -43,14 +61,14 @@ static enum param_store_result open_store(void)
 static void save(uint32_t serial)
 {
     struct payload payload = make_payload(serial);
-    ck_assert_int_eq(param_store_save(&store, &payload, true), PARAM_STORE_OK);
+    ck_assert_int_eq(save_payload(&payload, true), PARAM_STORE_OK);
 }
 
 static void assert_holds(uint32_t serial)
 {
     struct payload got, want = make_payload(serial);
     ck_assert_int_eq(open_store(), PARAM_STORE_OK);
-    ck_assert_int_eq(param_store_load(&store, &got), PARAM_STORE_OK);
+    ck_assert_int_eq(load_payload(&got), PARAM_STORE_OK);
     ck_assert_mem_eq(&got, &want, sizeof got);
 }
 
@@ -59,7 +77,7 @@ START_TEST(an_erased_memory_is_empty)
     struct payload payload = make_payload(9), before = payload;
 
     ck_assert_int_eq(open_store(), PARAM_STORE_EMPTY);
-    ck_assert_int_eq(param_store_load(&store, &payload), PARAM_STORE_EMPTY);
+    ck_assert_int_eq(load_payload(&payload), PARAM_STORE_EMPTY);
     ck_assert_mem_eq(&payload, &before, sizeof payload);
 }
 END_TEST
@@ -81,7 +99,7 @@ START_TEST(saving_is_refused_while_moving)
     ck_assert_int_eq(open_store(), PARAM_STORE_EMPTY);
     save(1);
     uint32_t operations = memory.operations;
-    ck_assert_int_eq(param_store_save(&store, &payload, false), PARAM_STORE_MOVING);
+    ck_assert_int_eq(save_payload(&payload, false), PARAM_STORE_MOVING);
     ck_assert_uint_eq(memory.operations, operations);
     assert_holds(1);
 }
@@ -95,12 +113,12 @@ START_TEST(another_version_or_size_is_not_loaded_but_can_be_replaced)
     save(1);
     ck_assert_int_eq(param_store_open(&store, &nv, VERSION + 1, sizeof payload),
                      PARAM_STORE_VERSION);
-    ck_assert_int_eq(param_store_load(&store, &payload), PARAM_STORE_VERSION);
+    ck_assert_int_eq(load_payload(&payload), PARAM_STORE_VERSION);
     ck_assert_int_eq(param_store_open(&store, &nv, VERSION, sizeof payload - 1),
                      PARAM_STORE_VERSION);
     ck_assert_int_eq(param_store_open(&store, &nv, VERSION + 1, sizeof payload),
                      PARAM_STORE_VERSION);
-    ck_assert_int_eq(param_store_save(&store, &payload, true), PARAM_STORE_OK);
+    ck_assert_int_eq(save_payload(&payload, true), PARAM_STORE_OK);
     ck_assert_int_eq(param_store_open(&store, &nv, VERSION + 1, sizeof payload), PARAM_STORE_OK);
 }
 END_TEST
@@ -142,11 +160,11 @@ START_TEST(power_may_fail_at_any_operation)
     save(2);
     memory.torn = torn;
     memory.power_fails_at = memory.operations + cut;
-    ck_assert_int_eq(param_store_save(&store, &payload, true), PARAM_STORE_FAILED);
+    ck_assert_int_eq(save_payload(&payload, true), PARAM_STORE_FAILED);
     nv_memory_power_up(&memory);
 
     ck_assert_int_eq(open_store(), PARAM_STORE_OK);
-    ck_assert_int_eq(param_store_load(&store, &got), PARAM_STORE_OK);
+    ck_assert_int_eq(load_payload(&got), PARAM_STORE_OK);
     /* The new copy may count only if its last word was complete. */
     if (got.serial == 3) {
         ck_assert_uint_eq(cut, OPERATIONS_OF_A_SAVE - 1);
@@ -172,7 +190,7 @@ START_TEST(power_may_fail_during_the_very_first_save)
     open_store();
     memory.torn = torn;
     memory.power_fails_at = (uint32_t)_i / 4U;
-    ck_assert_int_eq(param_store_save(&store, &payload, true), PARAM_STORE_FAILED);
+    ck_assert_int_eq(save_payload(&payload, true), PARAM_STORE_FAILED);
     nv_memory_power_up(&memory);
     if (open_store() == PARAM_STORE_OK) {
         ck_assert_int_eq(torn, NV_TORN_NEW);
@@ -198,6 +216,27 @@ START_TEST(one_flipped_bit_anywhere_falls_back_to_the_other_copy)
         }
     }
     assert_holds(2);
+}
+END_TEST
+
+START_TEST(parts_are_loaded_and_found_in_place)
+{
+    struct payload payload = make_payload(1);
+    uint8_t part[sizeof payload];
+
+    open_store();
+    ck_assert_ptr_null(param_store_map(&store, 0));
+    save(1);
+    for (uint32_t from = 0; from <= sizeof payload; from++) {
+        for (uint32_t length = 0; from + length <= sizeof payload; length += 5) {
+            ck_assert_int_eq(param_store_load(&store, from, part, length), PARAM_STORE_OK);
+            ck_assert_mem_eq(part, (const uint8_t *)&payload + from, length);
+        }
+    }
+    ck_assert_int_eq(param_store_load(&store, 1, part, sizeof payload), PARAM_STORE_TOO_LARGE);
+    ck_assert_int_eq(param_store_load(&store, UINT32_MAX, part, 2), PARAM_STORE_TOO_LARGE);
+    ck_assert_mem_eq(param_store_map(&store, 7), (const uint8_t *)&payload + 7, sizeof payload - 7);
+    ck_assert_ptr_null(param_store_map(&store, sizeof payload));
 }
 END_TEST
 
@@ -231,6 +270,7 @@ int main(void)
     tcase_add_loop_test(tcase, power_may_fail_during_the_very_first_save, 0,
                         4 * OPERATIONS_OF_A_SAVE);
     tcase_add_test(tcase, one_flipped_bit_anywhere_falls_back_to_the_other_copy);
+    tcase_add_test(tcase, parts_are_loaded_and_found_in_place);
     tcase_add_test(tcase, the_crc_names_the_set);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

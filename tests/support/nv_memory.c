@@ -23,6 +23,12 @@ static enum nv_result read_word(void *context, uint32_t bank, uint32_t index, ui
     return NV_OK;
 }
 
+static const uint8_t *map(void *context, uint32_t bank)
+{
+    struct nv_memory *memory = context;
+    return bank < NV_BANK_COUNT ? &memory->words[bank][0][0] : NULL;
+}
+
 /* True when the power fails during the operation that begins now. */
 static int power_fails(struct nv_memory *memory)
 {
@@ -91,7 +97,7 @@ static enum nv_result write_word(void *context, uint32_t bank, uint32_t index, c
     return NV_OK;
 }
 
-static const struct nv_store_ops memory_ops = {bank_words, read_word, erase, write_word};
+static const struct nv_store_ops memory_ops = {bank_words, read_word, map, erase, write_word};
 
 void nv_memory_init(struct nv_memory *memory)
 {

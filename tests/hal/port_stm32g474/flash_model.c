@@ -242,5 +242,5 @@ void flash_model_init(struct flash_model *model)
     model->torn_raises_nmi = true;
     flash_model_power_up(model);
     mmio_model_map(0x40022000, 0x78, register_read, register_write, model);
-    mmio_model_map(0x0807F000, 2 * 2048, memory_read, memory_write, model);
+    mmio_model_map(0x0807E000, 4 * 2048, memory_read, memory_write, model);
 }

@@ -1,4 +1,4 @@
-/* A model of the STM32G474's flash interface and of the two pages the parameter
+/* A model of the STM32G474's flash interface and of the four pages the parameter
  * store uses, written from the description in RM0440, not from the driver.
  *
  * Modelled: the lock and its keys, page erase, 64-bit programming in two halves,
@@ -11,9 +11,9 @@
 #include <stdint.h>
 
 enum {
-    MODEL_PAGES = 2,
+    MODEL_PAGES = 4,
     MODEL_PAGE_WORDS = 256, /* of 64 bits */
-    MODEL_FIRST_PAGE = 126
+    MODEL_FIRST_PAGE = 124
 };
 
 enum model_word_state { WORD_ERASED, WORD_WRITTEN, WORD_TORN };

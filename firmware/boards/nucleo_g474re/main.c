@@ -1,0 +1,157 @@
+/* The orthosis on a NUCLEO-G474RE: FDCAN1 on PA11 and PA12, emergency stop on PC0. */
+#include <string.h>
+
+#include "firmware/orthosis.h"
+#include "hal/frame_table.h"
+#include "hal/port_cortex_m/cortex_m4.h"
+#include "hal/port_stm32g474/board_io.h"
+#include "hal/port_stm32g474/clock_tree.h"
+#include "hal/port_stm32g474/fdcan.h"
+#include "hal/port_stm32g474/flash_store.h"
+#include "hal/port_stm32g474/system_registers.h"
+
+enum {
+    EXCEPTION_NMI = 2,
+    RETRY_POLLS = 4000000 /* about a second on the RC oscillator */
+};
+
+static struct orthosis orthosis;
+static struct fdcan can;
+static struct tim2_clock timer;
+static struct flash_store flash;
+
+__attribute__((section(".blackbox"))) static struct black_box black_box;
+__attribute__((section(".noinit"))) struct crash_record crash_record;
+
+/* FIFO 0 for the answers of every cycle, FIFO 1 for all else: neither can fill up
+ * with the other's frames. */
+static const struct fdcan_filter filters[] = {
+    {FRAME_DRIVE_STATE_LEFT, FRAME_DRIVE_STATE_RIGHT, 0},
+    {FRAME_LEG_STATE_LEFT, FRAME_LEG_STATE_RIGHT, 0},
+    {FRAME_NMT, FRAME_NMT, 1},
+    {FRAME_EMCY_DRIVE_LEFT, FRAME_EMCY_SENSOR_RIGHT, 1},
+    {FRAME_DRIVE_SLOW_LEFT, FRAME_DRIVE_SLOW_RIGHT, 1},
+    {FRAME_SDO_ANSWER_DRIVE_LEFT, FRAME_SDO_ANSWER_SENSOR_RIGHT, 1},
+    {FRAME_SDO_REQUEST_CONTROLLER, FRAME_SDO_REQUEST_CONTROLLER, 1},
+    {FRAME_HEARTBEAT_DRIVE_LEFT, FRAME_HEARTBEAT_SENSOR_RIGHT, 1},
+};
+
+void fdcan1_handler(void);
+void tim2_handler(void);
+
+void fdcan1_handler(void)
+{
+    fdcan_interrupt(&can);
+}
+
+void tim2_handler(void)
+{
+    tim2_clock_interrupt(&timer);
+}
+
+extern const union vector vector_table[16 + IRQ_COUNT];
+__attribute__((section(".vectors"), used)) const union vector vector_table[16 + IRQ_COUNT] = {
+    {.stack = handler_stack_top},
+    {.handler = reset_handler},
+    VECTOR_EXCEPTIONS,
+    VECTOR_FAULT_16,
+    VECTOR_FAULT_4,
+    VECTOR_FAULT,
+    {.handler = fdcan1_handler}, /* 21 */
+    VECTOR_FAULT_4,
+    VECTOR_FAULT_2,
+    {.handler = tim2_handler}, /* 28 */
+    VECTOR_FAULT_64,
+    VECTOR_FAULT_8,
+    VECTOR_FAULT,
+};
+
+bool board_survives(uint32_t exception)
+{
+    return exception == EXCEPTION_NMI && flash_store_survives_nmi(&flash);
+}
+
+void board_last_will(struct crash_record *record)
+{
+    fdcan_silence();
+    if (record->cause == (uint32_t)CRASH_NMI && clock_tree_crystal_failed()) {
+        record->cause = CRASH_CLOCK_FAILED;
+    }
+}
+
+uint32_t board_time_ms(void)
+{
+    return (uint32_t)(tim2_clock_now_ns(&timer) / 1000000u);
+}
+
+/* Notes a reset by the watchdog, which leaves no record itself. Returns true when
+ * the last run did not end well. */
+static bool restarted(uint32_t reset_flags)
+{
+    if ((reset_flags & RCC_CSR_IWDGRSTF) != 0u && !crash_record_is_valid(&crash_record)) {
+        const uint32_t count = crash_record_count(&crash_record);
+        memset(&crash_record, 0, sizeof crash_record);
+        crash_record.cause = CRASH_WATCHDOG;
+        crash_record.count = count;
+        crash_record.detail = reset_flags;
+        crash_record_seal(&crash_record);
+    }
+    return crash_record_is_valid(&crash_record);
+}
+
+/* Without the crystal there is no 1 Mbit/s and so no bus: the drives, which hear
+ * nothing, stay or go unloaded by themselves. Another try a second later. */
+static _Noreturn void give_up(enum crash_cause cause, uint32_t detail)
+{
+    for (volatile uint32_t poll = 0; poll < RETRY_POLLS; poll++) {
+    }
+    cortex_m4_crash(cause, detail);
+}
+
+static void start_ports(void)
+{
+    const struct fdcan_config config = {CRYSTAL_HZ, filters, sizeof filters / sizeof filters[0],
+                                        tim2_clock_now_ns, &timer};
+    enum fdcan_result result;
+
+    board_io_init();
+    tim2_clock_init(&timer, CORE_HZ);
+    result = fdcan_init(&can, &config);
+    if (result != FDCAN_OK) {
+        give_up(CRASH_ASSERTION, (uint32_t) - (int32_t)result);
+    }
+    cortex_m4_enable_interrupt(IRQ_FDCAN1_IT0, 0);
+    cortex_m4_enable_interrupt(IRQ_TIM2, 1);
+    cortex_m4_interrupts_on();
+}
+
+int main(void)
+{
+    const uint32_t reset_flags = clock_tree_take_reset_flags();
+    const enum clock_tree_result clocks = clock_tree_init();
+    const struct nv_store nv = flash_store_interface(&flash);
+    struct orthosis_config config = {
+        .stop = pc0_emergency_stop,
+        .watchdog = &iwdg_watchdog,
+        .nv = &nv,
+        .black_box = &black_box,
+        .restarted = restarted(reset_flags),
+    };
+
+    if (clocks != CLOCK_TREE_OK) {
+        give_up(CRASH_CLOCK_FAILED, (uint32_t) - (int32_t)clocks);
+    }
+    flash_store_init(&flash);
+    start_ports();
+    config.bus = fdcan_bus(&can);
+    orthosis_init(&orthosis, &config);
+    const struct clock clock = tim2_clock_interface(&timer);
+    iwdg_start();
+    for (;;) {
+        if (clock_take_tick(&clock)) {
+            orthosis_start_cycle(&orthosis);
+        }
+        (void)orthosis_poll(&orthosis);
+        cortex_m4_wait(); /* the timer wakes it at the latest */
+    }
+}

@@ -1,0 +1,72 @@
+#include "firmware/bus_recorder.h"
+
+#include "hal/frame_table.h"
+
+static enum can_result bus_send(void *context, const struct can_msg *message)
+{
+    struct bus_recorder *recorder = context;
+    enum can_result result = can_bus_send(&recorder->inner, message);
+
+    if (result == CAN_OK && message->id != FRAME_SYNC) { /* the SYNC counts when it comes back */
+        struct can_msg own = *message;
+        own.flags |= CAN_FRAME_OWN;
+        black_box_record(recorder->box, &own);
+    }
+    return result;
+}
+
+/* In the ticks of events the controller has much to do: a snapshot waits for the next. */
+static bool was_dear(const struct control_task *task)
+{
+    const struct gait_event *event = task->controller.observer.state.event;
+
+    return task->output.new_step || event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
+           event[GAIT_LIFT_OFF].happened || task->controller.observer.work.busy;
+}
+
+static enum can_result bus_receive(void *context, struct can_msg *message, uint64_t *time_ns)
+{
+    struct bus_recorder *recorder = context;
+    enum can_result result;
+
+    if (recorder->in_tick && !was_dear(recorder->source.task)) {
+        black_box_end_tick(recorder->box, recorder->source.task->tick, snapshot_save,
+                           &recorder->source);
+    }
+    recorder->in_tick = false;
+    result = can_bus_receive(&recorder->inner, message, time_ns);
+    if (result == CAN_OK) {
+        black_box_record(recorder->box, message);
+        recorder->in_tick = message->id == FRAME_SYNC && (message->flags & CAN_FRAME_OWN) != 0;
+    }
+    return result;
+}
+
+static void bus_get_status(void *context, struct can_bus_status *status)
+{
+    struct bus_recorder *recorder = context;
+    can_bus_get_status(&recorder->inner, status);
+}
+
+static void bus_recover(void *context)
+{
+    struct bus_recorder *recorder = context;
+    can_bus_recover(&recorder->inner);
+}
+
+static const struct can_bus_ops recorder_ops = {bus_send, bus_receive, bus_get_status, bus_recover};
+
+void bus_recorder_init(struct bus_recorder *recorder, const struct can_bus *inner,
+                       struct black_box *box, const struct snapshot_source *source)
+{
+    recorder->inner = *inner;
+    recorder->box = box;
+    recorder->source = *source;
+    recorder->in_tick = false;
+}
+
+struct can_bus bus_recorder_interface(struct bus_recorder *recorder)
+{
+    struct can_bus interface = {&recorder_ops, recorder};
+    return interface;
+}

@@ -1,0 +1,30 @@
+/* A can_bus in front of another that writes everything it sees into a black box.
+ *
+ * The control task uses it as its bus and knows nothing of it. A tick counts as
+ * over when the task asks for the next frame behind its own SYNC.
+ */
+#ifndef FIRMWARE_BUS_RECORDER_H
+#define FIRMWARE_BUS_RECORDER_H
+
+#include <stdbool.h>
+
+#include "firmware/snapshot.h"
+#include "hal/black_box.h"
+#include "hal/can_bus.h"
+
+struct bus_recorder {
+    struct can_bus inner;
+    struct black_box *box;
+    struct snapshot_source source;
+    bool in_tick; /* the own SYNC was handed out, its tick runs */
+};
+
+/* Records what passes between the control task in `source` and `inner` into *box;
+ * all stay the caller's. */
+void bus_recorder_init(struct bus_recorder *recorder, const struct can_bus *inner,
+                       struct black_box *box, const struct snapshot_source *source);
+
+/* The bus to give to the control task. */
+struct can_bus bus_recorder_interface(struct bus_recorder *recorder);
+
+#endif

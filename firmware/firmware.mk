@@ -1,0 +1,61 @@
+# Images for the boards: make firmware (both), flash and debug (NUCLEO-G474RE).
+# One set of object files for both boards: what walks on the emulator is what is flashed.
+ARM := arm-none-eabi-
+ARM_BUILD = $(BUILD)/arm
+ARM_CPU := -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
+# Enumerations of 32 bits as on the host, so that snapshots mean the same on both.
+ARM_CFLAGS := $(ARM_CPU) -std=c11 -O2 -g $(WARN) $(BITS) -fno-short-enums -ffunction-sections \
+        -fdata-sections -fno-common -fstack-usage -fcallgraph-info=su -I.
+ARM_LDFLAGS := $(ARM_CPU) -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,--fatal-warnings -L.
+
+ARM_SRC := $(SRC_MODEL) $(SRC_CONTROLLER) $(filter-out hal/port_%,$(SRC_HAL)) $(SRC_FIRMWARE) \
+        $(wildcard hal/port_cortex_m/*.c)
+ARM_SRC_nucleo_g474re := $(wildcard hal/port_stm32g474/*.c firmware/boards/nucleo_g474re/*.c)
+ARM_SRC_mps2_an386 := $(wildcard hal/port_mps2/*.c firmware/boards/mps2_an386/*.c)
+ARM_BOARDS := nucleo_g474re mps2_an386
+ARM_OBJ = $(patsubst %.c,$(ARM_BUILD)/obj/%.o,$(1))
+ARM_ALL := $(call ARM_OBJ,$(ARM_SRC) $(foreach b,$(ARM_BOARDS),$(ARM_SRC_$(b))))
+
+$(ARM_BUILD)/stamp/flags: FORCE
+	$(call STAMP,$(shell $(ARM)gcc --version 2>&1 | head -1) $(ARM_CFLAGS) $(ARM_LDFLAGS) $(ARM_SRC))
+$(ARM_BUILD)/obj/firmware/version.o: private ARM_CFLAGS += $(IDENTITY)
+$(ARM_BUILD)/obj/firmware/version.o: $(BUILD)/stamp/identity
+$(ARM_BUILD)/obj/%.o: %.c $(ARM_BUILD)/stamp/flags
+	@mkdir -p $(@D)
+	$(call SAY,ARM    $<)
+	$(Q)$(ARM)gcc $(ARM_CFLAGS) -MMD -MP -c $< -o $@
+
+define BOARD_RULE
+$(ARM_BUILD)/afo-$(subst _,-,$(1)).elf: $(call ARM_OBJ,$(ARM_SRC) $(ARM_SRC_$(1))) \
+                firmware/boards/$(1)/link.ld firmware/boards/sections.ld
+	$$(call SAY,LINK   $$@)
+	$$(Q)$(ARM)gcc $$(ARM_LDFLAGS) -T firmware/boards/$(1)/link.ld -Wl,-Map=$$(basename $$@).map \
+	        $$(filter %.o,$$^) -o $$@
+endef
+$(foreach b,$(ARM_BOARDS),$(eval $(call BOARD_RULE,$(b))))
+$(ARM_BUILD)/%.bin: $(ARM_BUILD)/%.elf
+	$(Q)$(ARM)objcopy -O binary $< $@
+$(ARM_BUILD)/%.hex: $(ARM_BUILD)/%.elf
+	$(Q)$(ARM)objcopy -O ihex $< $@
+-include $(ARM_ALL:.o=.d)
+
+NUCLEO := $(ARM_BUILD)/afo-nucleo-g474re
+MPS2 := $(ARM_BUILD)/afo-mps2-an386
+
+.PHONY: firmware flash debug
+firmware: $(NUCLEO).elf $(NUCLEO).bin $(NUCLEO).hex $(MPS2).elf ## images for the NUCLEO-G474RE and the emulator
+	$(Q)$(ARM)size $(NUCLEO).elf $(MPS2).elf
+
+OPENOCD ?= openocd
+OPENOCD_BOARD := -f interface/stlink.cfg -f target/stm32g4x.cfg
+flash: $(NUCLEO).elf ## write the image to a NUCLEO-G474RE (openocd, else st-flash)
+	$(Q)if command -v $(OPENOCD) >/dev/null; then \
+	        $(OPENOCD) $(OPENOCD_BOARD) -c 'program $< verify reset exit'; \
+	else $(MAKE) --no-print-directory $(NUCLEO).bin && st-flash --reset write $(NUCLEO).bin 0x08000000; fi
+
+debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; the watchdog stands still while it is halted
+	$(Q)gdb-multiarch $< -ex 'target extended-remote | $(OPENOCD) $(OPENOCD_BOARD) \
+	        -c "gdb_port pipe; log_output /dev/null"' -ex 'monitor reset halt' \
+	        -ex 'set {unsigned}0xE0042008 = 0x1000'
+
+TEST_NEEDS += firmware

@@ -1,0 +1,118 @@
+#include "firmware/orthosis.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "firmware/version.h"
+
+static_assert((int)CONTROL_TASK_TICKED == (int)WATCHDOG_CONTROL &&
+                  (int)CONTROL_TASK_BUS_ALIVE == (int)WATCHDOG_BUS &&
+                  (int)CONTROL_TASK_SUPERVISED == (int)WATCHDOG_SUPERVISOR,
+              "the task's signs of progress are the gate's");
+
+static void read_settings(struct orthosis *orthosis, struct settings *settings,
+                          const struct nv_store *nv)
+{
+    orthosis->store_result = settings_load(settings, &orthosis->store, nv);
+    if (orthosis->store_result == PARAM_STORE_OK) {
+        orthosis->settings_result = settings_check(settings);
+    }
+    if (orthosis->store_result != PARAM_STORE_OK || orthosis->settings_result != SETTINGS_OK) {
+        settings_default(settings);
+        orthosis->hold = SUPERVISOR_FAULT_PARAMETERS;
+    }
+}
+
+static void latch(struct orthosis *orthosis, enum supervisor_fault fault)
+{
+    orthosis->task.controller.supervisor.latched = fault;
+    orthosis->task.controller.supervisor.state = SUPERVISOR_FAULT;
+}
+
+static void init_task(struct orthosis *orthosis, const struct settings *settings,
+                      const struct orthosis_config *config)
+{
+    struct control_task_config task = {
+        .params = &settings->control,
+        .stop = config->stop,
+        .setup = settings->setup,
+        .configure_nodes = true,
+        .desired_speed_rad_s = settings->desired_speed_rad_s,
+        .walk_requested = settings->walk_at_start != 0u,
+    };
+    const struct snapshot_source source = {&orthosis->task, &orthosis->drives};
+
+    cia402_drives_init(&orthosis->drives, settings->axis);
+    bus_recorder_init(&orthosis->recorder, &config->bus, config->black_box, &source);
+    task.bus = bus_recorder_interface(&orthosis->recorder);
+    task.drives = cia402_drives_interface(&orthosis->drives);
+    memcpy(task.leg_sensor, settings->sensor, sizeof task.leg_sensor);
+    (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
+}
+
+/* What a crash cut short is kept until somebody has fetched it. */
+static void init_black_box(const struct orthosis *orthosis, const struct orthosis_config *config)
+{
+    struct black_box *box = config->black_box;
+
+    if (black_box_is_valid(box) && config->restarted) {
+        black_box_freeze(box, 1u << SUPERVISOR_FAULT_RESTARTED);
+    }
+    if (!black_box_is_valid(box) || box->header.state != (uint32_t)BLACK_BOX_FROZEN) {
+        black_box_start(box, version_build_id(), orthosis->store.crc);
+    }
+}
+
+void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config)
+{
+    struct settings settings;
+
+    memset(orthosis, 0, sizeof *orthosis);
+    read_settings(orthosis, &settings, config->nv);
+    init_black_box(orthosis, config);
+    init_task(orthosis, &settings, config);
+    watchdog_gate_init(&orthosis->gate, config->watchdog);
+    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
+        latch(orthosis, orthosis->hold);
+    } else if (config->restarted) {
+        latch(orthosis, SUPERVISOR_FAULT_RESTARTED);
+    }
+}
+
+void orthosis_start_cycle(struct orthosis *orthosis)
+{
+    if (control_task_start_cycle(&orthosis->task) != CAN_DOWN) {
+        orthosis->recovery_wait = 0;
+        return;
+    }
+    if (orthosis->recovery_wait > 0u) {
+        orthosis->recovery_wait--;
+        return;
+    }
+    orthosis->recovery_wait = ORTHOSIS_RECOVERY_TICKS;
+    if (orthosis->bus_recoveries < UINT32_MAX) {
+        orthosis->bus_recoveries++;
+    }
+    can_bus_recover(&orthosis->recorder.inner);
+}
+
+unsigned orthosis_poll(struct orthosis *orthosis)
+{
+    struct control_task *task = &orthosis->task;
+    const enum supervisor_fault before = task->output.fault;
+    unsigned progress;
+
+    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
+        latch(orthosis, orthosis->hold);
+    }
+    progress = control_task_poll(task);
+    if (task->output.fault != SUPERVISOR_FAULT_NONE && before == SUPERVISOR_FAULT_NONE) {
+        black_box_trigger(orthosis->recorder.box, 1u << task->output.fault, task->tick,
+                          ORTHOSIS_BLACK_BOX_TICKS);
+    }
+    /* Until the first own SYNC came back no command was ever sent, nothing can
+     * move, and a bus that is not there yet is no reason to restart. */
+    (void)watchdog_gate_report(&orthosis->gate,
+                               task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
+    return progress;
+}

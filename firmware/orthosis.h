@@ -1,0 +1,61 @@
+/* The whole device but its board: settings, control task, black box, watchdog gate.
+ *
+ * Both boards run this; only their mains know which port is behind the interfaces.
+ *   start:  orthosis_init
+ *   tick:   orthosis_start_cycle, when the clock says so
+ *   always: orthosis_poll
+ */
+#ifndef FIRMWARE_ORTHOSIS_H
+#define FIRMWARE_ORTHOSIS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "firmware/bus_recorder.h"
+#include "firmware/control_task.h"
+#include "firmware/settings.h"
+#include "hal/param_store.h"
+#include "hal/watchdog.h"
+
+enum {
+    ORTHOSIS_BLACK_BOX_TICKS = 300, /* recorded after a fault before it freezes */
+    ORTHOSIS_RECOVERY_TICKS = 10    /* between attempts to leave bus-off */
+};
+
+struct orthosis_config {
+    struct can_bus bus;
+    struct emergency_stop stop;
+    const struct watchdog *watchdog;
+    const struct nv_store *nv;
+    struct black_box *black_box; /* in memory that a reset does not clear */
+    bool restarted;              /* after a crash or by the watchdog: stay in the safe state */
+};
+
+struct orthosis {
+    struct param_store store;
+    enum param_store_result store_result; /* of reading the settings */
+    enum settings_result settings_result; /* of checking them */
+    struct cia402_drives drives;
+    struct control_task task;
+    struct bus_recorder recorder;
+    struct watchdog_gate gate;
+    enum supervisor_fault hold; /* keeps this fault latched for good; NONE = does not */
+    uint16_t recovery_wait;
+    uint32_t bus_recoveries; /* asked for; saturates */
+};
+
+/* Reads the settings and prepares everything; sends nothing. With no usable
+ * settings the device runs, talks and stays in SUPERVISOR_FAULT. After a restart
+ * it begins in SUPERVISOR_FAULT too, but a reset request lifts that. *config is
+ * copied, what it points to stays the caller's. Start-up only. */
+void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config);
+
+/* Queues the next SYNC; when the bus is off, asks for recovery now and then.
+ * Loop only. */
+void orthosis_start_cycle(struct orthosis *orthosis);
+
+/* Runs what is due, records, feeds the watchdog when all made progress. Returns
+ * what control_task_poll returns. Loop only. */
+unsigned orthosis_poll(struct orthosis *orthosis);
+
+#endif

@@ -1,0 +1,198 @@
+#include "firmware/settings.h"
+
+#include <assert.h>
+#include <stddef.h>
+#include <string.h>
+
+static_assert(offsetof(struct control_params, table) == CONTROL_PARAM_COUNT * sizeof(real),
+              "the fields of CONTROL_PARAM_TABLE come first, without gaps");
+
+void settings_default(struct settings *settings)
+{
+    struct control_params *control = &settings->control;
+
+    memset(settings, 0, sizeof *settings);
+    control->torso_mass_kg = 1.0f;
+    control->leg_mass_kg = 0.01f;
+    control->leg_length_m = 1.0f;
+    control->spring_stiffness_n_m = 100.0f;
+    control->gravity_m_s2 = 9.80665f;
+    control->kp_m_s_rad = 0.042f;
+    control->start_r0_m = 0.05f;
+    control->speed_ramp_rad_s = 0.005f;
+    control->r0_min_m = 0.005f;
+    control->r0_max_m = 0.3f;
+    control->r0_change_max_m = 0.01f;
+    control->open_loop_r0_m = 0.05f;
+    control->open_loop_ramp_m = 0.0005f;
+    control->apex_window_s = 0.02f;
+    control->angle_hysteresis_rad = 0.005f;
+    control->sea_speed_max_m_s = 1.9f;
+    control->sea_acceleration_m_s2 = 40.0f;
+    control->sea_tolerance_m = 0.001f;
+    control->sensor_age_max_s = 0.005f;
+    control->step_timeout_s = 3.0f;
+    control->fall_angle_rad = 1.0f;
+    control->unload_timeout_s = 0.5f;
+    /* Four points of the paper's gait curve: enough for the check, not for a walk. */
+    control->table.count = 4;
+    control->table.r0_min_m = 0.005f;
+    control->table.r0_step_m = 0.1f;
+    control->table.speed_rad_s[0] = 0.1f;
+    control->table.speed_rad_s[1] = 0.7f;
+    control->table.speed_rad_s[2] = 1.2f;
+    control->table.speed_rad_s[3] = 1.6f;
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        settings->axis[leg].counts_per_m = 13107200.0f;
+        settings->axis[leg].direction = 1;
+        settings->sensor[leg].angle_direction = 1;
+        settings->setup.counts_per_m[leg] = 13107200u;
+        settings->setup.limit_max_counts[leg] = 4587520; /* 0.35 m */
+        settings->setup.following_error_counts[leg] = 1310720u;
+    }
+    settings->desired_speed_rad_s = 0.407f;
+}
+
+static int is_finite(float value)
+{
+    return real_is_finite(value);
+}
+
+static enum settings_result check_leg(const struct cia402_axis_config *axis,
+                                      const struct leg_sensor_config *sensor)
+{
+    if (!is_finite(axis->counts_per_m) || axis->counts_per_m <= 0.0f ||
+        (axis->direction != 1 && axis->direction != -1)) {
+        return SETTINGS_BAD_AXIS;
+    }
+    if (!is_finite(sensor->angle_zero_rad) ||
+        (sensor->angle_direction != 1 && sensor->angle_direction != -1)) {
+        return SETTINGS_BAD_SENSOR;
+    }
+    if (sensor->ankle_is_lever &&
+        (!is_finite(sensor->ankle_lever_m) || sensor->ankle_lever_m <= 0.0f ||
+         !is_finite(sensor->ankle_neutral_rad))) {
+        return SETTINGS_BAD_SENSOR;
+    }
+    return SETTINGS_OK;
+}
+
+static enum settings_result check_setup(const struct node_setup_config *setup, int leg,
+                                        const struct cia402_axis_config *axis)
+{
+    const float counts_per_m = (float)setup->counts_per_m[leg];
+
+    if (setup->counts_per_m[leg] == 0u || counts_per_m != axis->counts_per_m ||
+        setup->limit_min_counts[leg] >= setup->limit_max_counts[leg] ||
+        setup->following_error_counts[leg] == 0u) {
+        return SETTINGS_BAD_SETUP;
+    }
+    return SETTINGS_OK;
+}
+
+enum settings_result settings_check(const struct settings *settings)
+{
+    if (control_params_validate(&settings->control) != CONTROL_PARAMS_OK) {
+        return SETTINGS_BAD_CONTROL;
+    }
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        enum settings_result result = check_leg(&settings->axis[leg], &settings->sensor[leg]);
+        if (result == SETTINGS_OK) {
+            result = check_setup(&settings->setup, leg, &settings->axis[leg]);
+        }
+        if (result != SETTINGS_OK) {
+            return result;
+        }
+    }
+    if (!is_finite(settings->desired_speed_rad_s) || settings->desired_speed_rad_s <= 0.0f ||
+        settings->walk_at_start > 1u) {
+        return SETTINGS_BAD_SPEED;
+    }
+    return SETTINGS_OK;
+}
+
+enum param_store_result settings_load(struct settings *settings, struct param_store *store,
+                                      const struct nv_store *nv)
+{
+    struct settings_values kept;
+    const struct gait_branch *branch;
+    enum param_store_result result;
+
+    settings_default(settings);
+    result = param_store_open(store, nv, SETTINGS_VERSION, sizeof(struct settings_record));
+    if (result == PARAM_STORE_OK) {
+        result = param_store_load(store, 0, &kept, sizeof kept);
+    }
+    if (result != PARAM_STORE_OK) {
+        return result;
+    }
+    memcpy(&settings->control, kept.control, sizeof kept.control);
+    settings->control.table = kept.table;
+    branch = param_store_map(store, offsetof(struct settings_record, branch));
+    settings->control.branch = branch != NULL && branch->count > 0u ? branch : NULL;
+    memcpy(settings->axis, kept.axis, sizeof settings->axis);
+    memcpy(settings->sensor, kept.sensor, sizeof settings->sensor);
+    settings->setup = kept.setup;
+    settings->desired_speed_rad_s = kept.desired_speed_rad_s;
+    settings->walk_at_start = kept.walk_at_start;
+    return PARAM_STORE_OK;
+}
+
+/* One field of the record: where it belongs and where it comes from. */
+struct piece {
+    uint32_t offset;
+    uint32_t length;
+    const void *bytes; /* NULL = zeros */
+};
+
+enum { PIECES = 8 };
+
+static void list_pieces(const struct settings *settings, struct piece pieces[PIECES])
+{
+    const struct piece list[PIECES] = {
+        {offsetof(struct settings_values, control), sizeof(real) * CONTROL_PARAM_COUNT,
+         &settings->control},
+        {offsetof(struct settings_values, table), sizeof settings->control.table,
+         &settings->control.table},
+        {offsetof(struct settings_values, axis), sizeof settings->axis, settings->axis},
+        {offsetof(struct settings_values, sensor), sizeof settings->sensor, settings->sensor},
+        {offsetof(struct settings_values, setup), sizeof settings->setup, &settings->setup},
+        {offsetof(struct settings_values, desired_speed_rad_s), sizeof(float),
+         &settings->desired_speed_rad_s},
+        {offsetof(struct settings_values, walk_at_start), sizeof(uint32_t),
+         &settings->walk_at_start},
+        {offsetof(struct settings_record, branch), sizeof(struct gait_branch),
+         settings->control.branch},
+    };
+    memcpy(pieces, list, sizeof list);
+}
+
+/* A param_store_source: eight bytes of the record at a time. */
+static void give_word(const void *context, uint32_t offset, uint8_t *out)
+{
+    const struct piece *pieces = context;
+
+    for (uint32_t i = 0; i < NV_WORD_BYTES; i++, offset++) {
+        out[i] = offset < sizeof(struct settings_record) ? 0x00 : 0xFF;
+        for (uint32_t piece = 0; piece < PIECES; piece++) {
+            const uint32_t within = offset - pieces[piece].offset;
+            if (within < pieces[piece].length && pieces[piece].bytes != NULL) {
+                out[i] = ((const uint8_t *)pieces[piece].bytes)[within];
+            }
+        }
+    }
+}
+
+enum param_store_result settings_save(struct settings *settings, struct param_store *store,
+                                      bool standstill)
+{
+    struct piece pieces[PIECES];
+    enum param_store_result result;
+
+    list_pieces(settings, pieces);
+    result = param_store_save(store, give_word, pieces, standstill);
+    if (result == PARAM_STORE_OK && settings->control.branch != NULL) {
+        settings->control.branch = param_store_map(store, offsetof(struct settings_record, branch));
+    }
+    return result;
+}

@@ -1,0 +1,68 @@
+/* What is set up once per device and wearer and kept over power cycles: the
+ * controller's parameters, the drives' and the sensors' scaling. */
+#ifndef FIRMWARE_SETTINGS_H
+#define FIRMWARE_SETTINGS_H
+
+#include <stdint.h>
+
+#include "controller/control_params.h"
+#include "hal/leg_sensors.h"
+#include "hal/node_setup.h"
+#include "hal/param_store.h"
+#include "hal/sea_drive_cia402.h"
+
+enum { SETTINGS_VERSION = 1 }; /* another layout of struct settings_record is another number */
+
+struct settings {
+    struct control_params control; /* its branch lies elsewhere and is only pointed to */
+    struct cia402_axis_config axis[LEG_COUNT];
+    struct leg_sensor_config sensor[LEG_COUNT];
+    struct node_setup_config setup; /* what the nodes are told, and must be like */
+    float desired_speed_rad_s;      /* at the start, forward apex speed, > 0 */
+    uint32_t walk_at_start;         /* 0 or 1: assist without being asked over the bus */
+};
+
+/* The same as it is kept: no pointers, the same bytes on every machine. */
+struct settings_values {
+    real control[CONTROL_PARAM_COUNT]; /* in the order of CONTROL_PARAM_TABLE */
+    struct speed_table table;
+    struct cia402_axis_config axis[LEG_COUNT];
+    struct leg_sensor_config sensor[LEG_COUNT];
+    struct node_setup_config setup;
+    float desired_speed_rad_s;
+    uint32_t walk_at_start;
+};
+
+struct settings_record {
+    struct settings_values values;
+    struct gait_branch branch; /* count 0 when there is none; read in place */
+};
+
+enum settings_result {
+    SETTINGS_OK = 0,
+    SETTINGS_BAD_CONTROL = -1, /* control_params_validate says what */
+    SETTINGS_BAD_AXIS = -2,    /* scale not finite and positive, direction not +1 or -1 */
+    SETTINGS_BAD_SENSOR = -3,  /* offset or lever not finite, lever not positive, direction */
+    SETTINGS_BAD_SPEED = -4,
+    SETTINGS_BAD_SETUP = -5 /* scale zero or not the axis's, limits not in order */
+};
+
+/* Settings that pass the check and are nobody's: the paper's walker. A device that
+ * has no others must not walk. All bytes are defined, padding included. Pure. */
+void settings_default(struct settings *settings);
+
+/* Checks every field. Pure, bounded. */
+enum settings_result settings_check(const struct settings *settings);
+
+/* Opens the store on `nv` and reads the settings; control.branch then points into the
+ * memory. On any result but PARAM_STORE_OK *settings are the default ones. Not
+ * checked: see settings_check. Start-up only; needs 600 bytes of stack. */
+enum param_store_result settings_load(struct settings *settings, struct param_store *store,
+                                      const struct nv_store *nv);
+
+/* Saves *settings, the branch pointed to included. `standstill` and results as of
+ * param_store_save. On success moves control.branch to the new copy. Loop only. */
+enum param_store_result settings_save(struct settings *settings, struct param_store *store,
+                                      bool standstill);
+
+#endif

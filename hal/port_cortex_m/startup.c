@@ -1,0 +1,97 @@
+/* From reset to main: stacks with guards, floating point, memory. */
+#include "hal/port_cortex_m/cortex_m4.h"
+
+extern uint32_t data_load[], data_start[], data_end[], bss_start[], bss_end[];
+
+enum {
+    CPACR_FULL_CP10_CP11 = 0xF << 20,
+    CCR_DIV_0_TRAP = 1 << 4,
+    SHCSR_FAULTS_ENABLED = 7 << 16, /* memory, bus, usage */
+    MPU_ON_WITH_DEFAULT_MAP = 1 | 4,
+    MPU_REGION_VALID = 1 << 4,
+    MPU_ON = 1,
+    MPU_SIZE_32 = 4 << 1,
+    MPU_SIZE_256 = 7 << 1,
+    MPU_NO_ACCESS_NO_EXECUTE = 1 << 28
+};
+#define STACK_PATTERN 0xA5A5A5A5u
+#define AIRCR_RESET 0x05FA0004u
+
+/* 32 bytes at the bottom of a stack that nobody may touch: an overflow faults. */
+static void guard(uint32_t region, const uint32_t *bottom)
+{
+    MPU_RBAR = (uint32_t)(uintptr_t)bottom | MPU_REGION_VALID | region;
+    MPU_RASR = MPU_NO_ACCESS_NO_EXECUTE | MPU_SIZE_32 | MPU_ON;
+}
+
+static void protect(void)
+{
+    guard(0, thread_stack_bottom);
+    guard(1, handler_stack_bottom);
+    /* Address 0 is the vector table, or its alias: data accesses there are null pointers. */
+    MPU_RBAR = 0u | MPU_REGION_VALID | 2u;
+    MPU_RASR = MPU_NO_ACCESS_NO_EXECUTE | MPU_SIZE_256 | MPU_ON;
+    MPU_CTRL = MPU_ON_WITH_DEFAULT_MAP;
+    SCB_SHCSR |= SHCSR_FAULTS_ENABLED;
+    SCB_CCR |= CCR_DIV_0_TRAP;
+    cortex_m4_barrier();
+}
+
+/* Runs on the handler stack still empty; written so that the compiler has no
+ * reason to call memcpy or memset before memory is ready. */
+__attribute__((used)) static void prepare_memory(void)
+{
+    const uint32_t *from = data_load;
+
+    SCB_CPACR |= CPACR_FULL_CP10_CP11;
+    cortex_m4_barrier();
+    for (volatile uint32_t *to = data_start; to < data_end; to++) {
+        *to = *from++;
+    }
+    for (volatile uint32_t *to = bss_start; to < bss_end; to++) {
+        *to = 0;
+    }
+    for (volatile uint32_t *to = thread_stack_bottom; to < thread_stack_top; to++) {
+        *to = STACK_PATTERN;
+    }
+    protect();
+}
+
+__attribute__((naked, noreturn)) void reset_handler(void)
+{
+    __asm volatile("cpsid i\n"
+                   "bl prepare_memory\n"
+                   "movw r0, #:lower16:thread_stack_top\n"
+                   "movt r0, #:upper16:thread_stack_top\n"
+                   "msr psp, r0\n"
+                   "movs r0, #2\n" /* thread mode on the process stack */
+                   "msr control, r0\n"
+                   "isb\n"
+                   "bl main\n"
+                   "bl cortex_m4_reset\n");
+}
+
+void cortex_m4_enable_interrupt(uint32_t number, uint32_t priority)
+{
+    NVIC_IPR[number] = (uint8_t)(priority << 4); /* the upper four bits count */
+    NVIC_ISER[number / 32U] = 1u << (number % 32U);
+}
+
+_Noreturn void cortex_m4_reset(void)
+{
+    cortex_m4_barrier();
+    SCB_AIRCR = AIRCR_RESET;
+    cortex_m4_barrier();
+    for (;;) {
+    }
+}
+
+uint32_t cortex_m4_stack_unused(void)
+{
+    const volatile uint32_t *word = thread_stack_bottom + 8; /* behind the guard */
+
+    while (word < thread_stack_top && *word == STACK_PATTERN) {
+        word++;
+    }
+    return (uint32_t)((uintptr_t)word - (uintptr_t)thread_stack_bottom);
+}

@@ -1,0 +1,30 @@
+/* A can_bus over UART 0 to an adapter that speaks slcan (LAWICEL): for boards
+ * without a CAN controller.
+ *
+ * The adapter acknowledges each frame when it was on the bus; the acknowledgement
+ * of the own SYNC is its echo. Polled: receive() empties the UART.
+ */
+#ifndef HAL_PORT_MPS2_UART_SLCAN_BUS_H
+#define HAL_PORT_MPS2_UART_SLCAN_BUS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/can_bus.h"
+#include "hal/slcan.h"
+
+enum { UART_SLCAN_PENDING = 16 };
+
+struct uart_slcan_bus {
+    struct slcan_decoder decoder;
+    uint16_t pending[UART_SLCAN_PENDING]; /* identifiers sent and not acknowledged */
+    uint32_t pending_count;
+    struct can_bus_status status;
+};
+
+/* Sets the UART up and opens the adapter's channel at 1 Mbit/s (commands S8, O). */
+void uart_slcan_bus_open(struct uart_slcan_bus *bus);
+
+struct can_bus uart_slcan_bus_interface(struct uart_slcan_bus *bus);
+
+#endif

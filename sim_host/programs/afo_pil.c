@@ -1,0 +1,520 @@
+/* afo-pil: the walk with the flashed object code on an emulated Cortex-M4F.
+ *
+ * The image runs in QEMU, the plant here; every frame that the image sends is
+ * compared with what the host's build of the same code sends on the same frames.
+ */
+#include <argp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "hal/black_box.h"
+#include "sim_host/host/emulator.h"
+#include "sim_host/host/loop.h"
+#include "sim_host/host/output_file.h"
+#include "sim_host/host/pil_bridge.h"
+#include "sim_host/host/settings_image.h"
+#include "sim_host/host/walk_options.h"
+#include "sim_host/host/walk_record.h"
+
+enum {
+    EXIT_GOOD = 0,
+    EXIT_BAD = 1,
+    EXIT_USAGE = 2,
+    /* What a restart costs before the first SYNC, with the watchdog's time-out. */
+    DEAD_TICKS = 150,
+    AFTER_FAULT_TICKS = 2500,
+    FIRST_STEP_TICKS = 20000,
+    STEP_TICKS = 10000,
+    RECORD_DELAY_TICKS = 150,
+    PORT_DRIVE_LEFT = LOOP_PORT_FIRST_NODE,
+    PORT_SENSOR_LEFT = LOOP_PORT_FIRST_NODE + 1
+};
+
+/* Faults of the device and its surroundings, one a walk. */
+enum fault {
+    FAULT_NONE,
+    FAULT_EMERGENCY_STOP,
+    FAULT_LOST_SENSOR,
+    FAULT_LOST_DRIVE,
+    FAULT_HANG,
+    FAULT_SUPERVISOR,
+    FAULT_HARD_FAULT,
+    FAULT_STACK,
+    FAULT_ASSERTION,
+    FAULT_PARAMETERS,
+    FAULT_COUNT
+};
+
+struct fault_kind {
+    const char *name;
+    uint32_t input;                /* what the image is told to do */
+    enum supervisor_fault latched; /* what it must say then */
+    enum crash_cause crash;        /* and the record it must leave */
+};
+
+static const struct fault_kind faults[FAULT_COUNT] = {
+    [FAULT_NONE] = {"none", 0, SUPERVISOR_FAULT_NONE, CRASH_NONE},
+    [FAULT_EMERGENCY_STOP] = {"emergency-stop", PIL_EMERGENCY_STOP, SUPERVISOR_FAULT_EMERGENCY_STOP,
+                              CRASH_NONE},
+    [FAULT_LOST_SENSOR] = {"lost-sensor", 0, SUPERVISOR_FAULT_SENSOR_STALE, CRASH_NONE},
+    [FAULT_LOST_DRIVE] = {"lost-drive", 0, SUPERVISOR_FAULT_DRIVE_STALE, CRASH_NONE},
+    [FAULT_HANG] = {"hang", PIL_DO_HANG, SUPERVISOR_FAULT_RESTARTED, CRASH_WATCHDOG},
+    [FAULT_SUPERVISOR] = {"stalled-supervisor", PIL_DO_STALL_SUPERVISOR, SUPERVISOR_FAULT_RESTARTED,
+                          CRASH_WATCHDOG},
+    [FAULT_HARD_FAULT] = {"hard-fault", PIL_DO_HARD_FAULT, SUPERVISOR_FAULT_RESTARTED,
+                          CRASH_BUS_FAULT},
+    [FAULT_STACK] = {"stack-overflow", PIL_DO_OVERFLOW_STACK, SUPERVISOR_FAULT_RESTARTED,
+                     CRASH_MEMORY_FAULT},
+    [FAULT_ASSERTION] = {"assertion", PIL_DO_ASSERT, SUPERVISOR_FAULT_RESTARTED, CRASH_ASSERTION},
+    [FAULT_PARAMETERS] = {"bad-parameters", 0, SUPERVISOR_FAULT_PARAMETERS, CRASH_NONE},
+};
+
+struct options {
+    struct walk_options walk;
+    const char *image;
+    uint32_t steps;
+    enum sensor_preset_kind sensors;
+    uint64_t seed;
+    enum fault fault;
+    uint32_t fault_step;
+    uint64_t corrupt_frame;
+    const char *log_path, *costs_path;
+    bool json;
+    bool quiet;
+};
+
+struct session {
+    struct options options;
+    struct loop_config config;
+    struct loop *loop;
+    struct emulator emulator;
+    struct pil_bridge bridge;
+    struct walk_record record;
+    struct output_file log, costs;
+    bool reached, fell, fault_began;
+    char trouble[256];
+    double wall_s;
+};
+
+/* ---- command line ------------------------------------------------------------- */
+
+enum {
+    KEY_IMAGE = 0x200,
+    KEY_STEPS,
+    KEY_SENSORS,
+    KEY_SEED,
+    KEY_FAULT,
+    KEY_FAULT_STEP,
+    KEY_CORRUPT,
+    KEY_LOG,
+    KEY_COSTS
+};
+
+static const struct argp_option option_list[] = {
+    {0, 0, 0, 0, "The run:", 2},
+    {"image", KEY_IMAGE, "ELF", 0, "what the emulator runs (build/arm/afo-mps2-an386.elf)", 0},
+    {"steps", KEY_STEPS, "N", 0, "walk this many steps (200)", 0},
+    {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
+    {"seed", KEY_SEED, "N", 0, "seed of all noise (1)", 0},
+    {"fault", KEY_FAULT, "NAME", 0,
+     "emergency-stop, lost-sensor, lost-drive, hang, stalled-supervisor, hard-fault, "
+     "stack-overflow, assertion or bad-parameters",
+     0},
+    {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
+    {"corrupt", KEY_CORRUPT, "N", 0, "flip a bit of the image's N-th frame: must be noticed", 0},
+    {0, 0, 0, 0, "What comes out:", 3},
+    {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
+    {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 0},
+    {"json", 'j', 0, 0, "one JSON object on standard output", 0},
+    {"quiet", 'q', 0, 0, "no report", 0},
+    {0}};
+
+static void take_fault(struct options *options, const char *name, struct argp_state *state)
+{
+    for (int i = 0; i < FAULT_COUNT; i++) {
+        if (strcmp(name, faults[i].name) == 0) {
+            options->fault = (enum fault)i;
+            return;
+        }
+    }
+    argp_error(state, "--fault: \"%s\" is unknown", name);
+}
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct options *options = state->input;
+
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->walk;
+        return 0;
+    case KEY_IMAGE:
+        options->image = text;
+        return 0;
+    case KEY_STEPS:
+        options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 100000);
+        return 0;
+    case KEY_SENSORS:
+        if (!sensor_preset_from_name(text, &options->sensors)) {
+            argp_error(state, "--sensors: \"%s\" is unknown", text);
+        }
+        return 0;
+    case KEY_SEED:
+        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
+        return 0;
+    case KEY_FAULT:
+        take_fault(options, text, state);
+        return 0;
+    case KEY_FAULT_STEP:
+        options->fault_step = (uint32_t)option_whole(state, "--fault-step", text, 0, 100000);
+        return 0;
+    case KEY_CORRUPT:
+        options->corrupt_frame = option_whole(state, "--corrupt", text, 1, UINT64_MAX);
+        return 0;
+    case KEY_LOG:
+        options->log_path = text;
+        return 0;
+    case KEY_COSTS:
+        options->costs_path = text;
+        return 0;
+    case 'j':
+        options->json = true;
+        return 0;
+    case 'q':
+        options->quiet = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        argp_error(state, "unexpected argument \"%s\"", text);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
+static const struct argp parser = {
+    option_list,
+    take,
+    NULL,
+    "Walks with the flashed object code on an emulated Cortex-M4F and compares every frame it "
+    "sends with the host's build.\vExit status: 0 walked (or reached the safe state after --fault) "
+    "and no frame differed, 1 not, 2 usage.",
+    children,
+    NULL,
+    NULL};
+
+/* ---- preparing ------------------------------------------------------------------ */
+
+static int complain(const char *message)
+{
+    fprintf(stderr, "afo-pil: %s\n", message);
+    return -1;
+}
+
+static int start_image(struct session *session)
+{
+    uint8_t nv[SETTINGS_IMAGE_BYTES];
+    struct settings settings;
+    char message[512] = "";
+
+    settings_of_rig(&settings, &session->loop->rig, session->config.desired_speed_rad_s, true);
+    if (settings_image(&settings, nv) != 0) {
+        return complain("the settings do not fit the parameter memory");
+    }
+    if (session->options.fault == FAULT_PARAMETERS) {
+        nv[100] ^= 0x10; /* one bit: its CRC must tell */
+        session->bridge.comparing = false;
+    }
+    if (emulator_start(&session->emulator, session->options.image, nv, sizeof nv, message,
+                       sizeof message) != 0) {
+        return complain(message);
+    }
+    return pil_bridge_greet(&session->bridge) == 0
+               ? 0
+               : complain("the image does not answer (is qemu-system-arm installed?)");
+}
+
+static int prepare(struct session *session)
+{
+    const struct options *options = &session->options;
+    struct subject subject;
+    struct control_params params;
+    double speed_rad_s;
+    char message[LOOP_MESSAGE_MAX] = "";
+
+    if (walk_options_resolve(&options->walk, &subject, &params, &speed_rad_s, message) != 0 ||
+        loop_configure(&session->config, &subject, &params, speed_rad_s, options->sensors,
+                       options->seed, message) != 0) {
+        return complain(message);
+    }
+    if ((options->log_path != NULL &&
+         output_file_open(&session->log, options->log_path, message, sizeof message) != 0) ||
+        (options->costs_path != NULL &&
+         output_file_open(&session->costs, options->costs_path, message, sizeof message) != 0)) {
+        return complain(message);
+    }
+    pil_bridge_init(&session->bridge, &session->emulator);
+    session->bridge.corrupt_frame = options->corrupt_frame;
+    session->bridge.costs = session->costs.stream;
+    session->config.wrap_bus = pil_bridge_wrap;
+    session->config.wrap_context = &session->bridge;
+    session->loop = calloc(1, sizeof *session->loop);
+    if (session->loop == NULL || !walk_record_init(&session->record, options->steps, 0.0)) {
+        return complain("out of memory");
+    }
+    if (loop_init(session->loop, &session->config, session->log.stream, message) != 0) {
+        return complain(message);
+    }
+    return start_image(session);
+}
+
+/* ---- walking --------------------------------------------------------------------- */
+
+static void begin_fault(struct session *session)
+{
+    session->fault_began = true;
+    session->bridge.inputs = faults[session->options.fault].input;
+    if (session->options.fault == FAULT_LOST_SENSOR) {
+        sim_bus_connect(&session->loop->bus, PORT_SENSOR_LEFT, false);
+    } else if (session->options.fault == FAULT_LOST_DRIVE) {
+        sim_bus_connect(&session->loop->bus, PORT_DRIVE_LEFT, false);
+    }
+    if (session->options.fault == FAULT_EMERGENCY_STOP) {
+        session->loop->rig.stop_pressed = true; /* the host's task presses along */
+    }
+}
+
+static void tick(struct session *session)
+{
+    loop_tick(session->loop);
+    (void)walk_record_take(&session->record, session->loop);
+    if (session->bridge.dead) { /* the image restarts: the bus is without SYNC meanwhile */
+        session->bridge.inputs &= (uint32_t)PIL_EMERGENCY_STOP;
+        for (int i = 0; i < DEAD_TICKS; i++) {
+            loop_tick(session->loop);
+        }
+        pil_bridge_revive(&session->bridge);
+    }
+}
+
+static void walk(struct session *session)
+{
+    const struct options *options = &session->options;
+    uint64_t last_progress = 0, patience;
+    uint32_t seen = 0;
+
+    for (;;) {
+        tick(session);
+        const struct walk_record *record = &session->record;
+        if (session->bridge.failed) {
+            snprintf(session->trouble, sizeof session->trouble, "the emulator is gone or silent");
+            return;
+        }
+        if (record->count != seen) {
+            seen = record->count;
+            last_progress = session->loop->tick;
+        }
+        if (options->fault != FAULT_NONE &&
+            (seen >= options->fault_step || options->fault == FAULT_PARAMETERS)) {
+            return;
+        }
+        if (plant_fault(&session->loop->nodes.plant) != WALK_FAULT_NONE) {
+            session->fell = true;
+            snprintf(session->trouble, sizeof session->trouble, "fell: %s",
+                     walk_fault_name(plant_fault(&session->loop->nodes.plant)));
+            return;
+        }
+        if (seen >= options->steps && (record->rows[options->steps - 1].measured ||
+                                       session->loop->tick - last_progress > RECORD_DELAY_TICKS)) {
+            session->reached = true;
+            return;
+        }
+        patience = seen == 0 ? FIRST_STEP_TICKS : STEP_TICKS;
+        if (session->loop->tick - last_progress > patience) {
+            snprintf(session->trouble, sizeof session->trouble, "no step within %d s",
+                     (int)(patience / 1000));
+            return;
+        }
+    }
+}
+
+/* True when both springs are unloaded and no motor is under torque. */
+static bool is_safe(const struct session *session)
+{
+    bool safe = true;
+
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct sea_output sea;
+        plant_sea_output(&session->loop->nodes.plant, (enum side)side, &sea);
+        safe = safe && fabs(sea.position_m) <= 0.005 * session->config.subject.leg_length_m;
+    }
+    return safe;
+}
+
+static void fail(struct session *session)
+{
+    const struct fault_kind *kind = &faults[session->options.fault];
+    const struct pil_bridge *bridge = &session->bridge;
+
+    if (session->trouble[0] != '\0') {
+        return;
+    }
+    begin_fault(session);
+    for (int i = 0; i < AFTER_FAULT_TICKS && !session->bridge.failed; i++) {
+        tick(session);
+    }
+    if (bridge->failed) {
+        snprintf(session->trouble, sizeof session->trouble, "the emulator is gone or silent");
+    } else if (bridge->fault != (uint8_t)kind->latched) {
+        snprintf(session->trouble, sizeof session->trouble, "it says \"%s\" instead of \"%s\"",
+                 supervisor_fault_name((enum supervisor_fault)bridge->fault),
+                 supervisor_fault_name(kind->latched));
+    } else if (bridge->state != SUPERVISOR_FAULT) {
+        snprintf(session->trouble, sizeof session->trouble, "it ends in state %u", bridge->state);
+    } else if (bridge->hello.crash.cause != (uint32_t)kind->crash) {
+        snprintf(session->trouble, sizeof session->trouble, "it left crash record %u instead of %u",
+                 (unsigned)bridge->hello.crash.cause, (unsigned)kind->crash);
+    } else if (!is_safe(session)) {
+        snprintf(session->trouble, sizeof session->trouble, "a spring is still loaded");
+    } else {
+        session->reached = true;
+    }
+}
+
+/* ---- reporting -------------------------------------------------------------------- */
+
+static void print_difference(FILE *stream, const struct pil_difference *difference)
+{
+    const struct can_msg *frames[2] = {&difference->host, &difference->image};
+
+    fprintf(stream, "first difference: tick %u, frame %u%s\n", difference->tick, difference->place,
+            difference->missing ? ", missing from the image"
+            : difference->extra ? ", only from the image"
+                                : "");
+    for (int i = 0; i < 2; i++) {
+        fprintf(stream, "  %s %03X#", i == 0 ? "host " : "image", (unsigned)frames[i]->id);
+        for (int j = 0; j < frames[i]->length; j++) {
+            fprintf(stream, "%02X", frames[i]->data[j]);
+        }
+        fputc('\n', stream);
+    }
+}
+
+static double mean_instructions(const struct pil_bridge *bridge)
+{
+    return bridge->answer.sequence > 0
+               ? (double)bridge->total_instructions / (double)bridge->answer.sequence
+               : 0.0;
+}
+
+static void print_json(const struct session *session)
+{
+    const struct pil_bridge *bridge = &session->bridge;
+    const struct crash_record *crash = &bridge->hello.crash;
+
+    printf("{\"good\": %s, \"steps\": %u, \"fell\": %s, \"trouble\": \"%s\", \"ticks\": %llu, "
+           "\"compared_frames\": %llu, \"differences\": %llu, \"worst_tick_instructions\": %u, "
+           "\"worst_tick\": %u, \"mean_tick_instructions\": %.0f, \"stack_unused_bytes\": %u, "
+           "\"starts\": %u, \"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, "
+           "\"crash_pc\": %u, \"crash_count\": %u, \"black_box_state\": %u, \"build_id\": %u, "
+           "\"wall_s\": %.1f}\n",
+           session->reached && bridge->differences == 0 ? "true" : "false", session->record.count,
+           session->fell ? "true" : "false", session->trouble,
+           (unsigned long long)session->loop->tick, (unsigned long long)bridge->compared,
+           (unsigned long long)bridge->differences, bridge->worst_instructions, bridge->worst_tick,
+           mean_instructions(bridge), bridge->stack_unused, bridge->starts, bridge->state,
+           supervisor_fault_name((enum supervisor_fault)bridge->fault), (unsigned)crash->cause,
+           (unsigned)crash->pc, (unsigned)crash->count, (unsigned)bridge->hello.black_box_state,
+           (unsigned)bridge->hello.build_id, session->wall_s);
+}
+
+static void print_report(const struct session *session)
+{
+    const struct pil_bridge *bridge = &session->bridge;
+
+    printf("%u steps on the emulated Cortex-M4F, %llu ticks in %.1f s\n", session->record.count,
+           (unsigned long long)session->loop->tick, session->wall_s);
+    printf("frames compared with the host's build: %llu, different: %llu\n",
+           (unsigned long long)bridge->compared, (unsigned long long)bridge->differences);
+    printf("instructions of a tick: %u at worst (tick %u), %.0f on average\n",
+           bridge->worst_instructions, bridge->worst_tick, mean_instructions(bridge));
+    printf("thread stack never used: %u bytes\n", bridge->stack_unused);
+    if (session->options.fault != FAULT_NONE) {
+        printf("after \"%s\": latched \"%s\", crash record %u, springs %s\n",
+               faults[session->options.fault].name,
+               supervisor_fault_name((enum supervisor_fault)bridge->fault),
+               (unsigned)bridge->hello.crash.cause, is_safe(session) ? "unloaded" : "LOADED");
+    }
+    if (session->trouble[0] != '\0') {
+        printf("trouble: %s\n", session->trouble);
+    }
+    if (bridge->differences > 0) {
+        print_difference(stdout, &bridge->first);
+    }
+}
+
+static double now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int run(struct session *session)
+{
+    const double start_s = now_s();
+    char message[OUTPUT_PATH_MAX + 256];
+
+    if (prepare(session) != 0) {
+        return EXIT_USAGE;
+    }
+    walk(session);
+    if (session->options.fault != FAULT_NONE) {
+        fail(session);
+    }
+    session->wall_s = now_s() - start_s;
+    if ((session->log.stream != NULL &&
+         output_file_commit(&session->log, message, sizeof message) != 0) ||
+        (session->costs.stream != NULL &&
+         output_file_commit(&session->costs, message, sizeof message) != 0)) {
+        complain(message);
+        return EXIT_BAD;
+    }
+    if (session->options.json) {
+        print_json(session);
+    } else if (!session->options.quiet) {
+        print_report(session);
+    }
+    return session->reached && session->bridge.differences == 0 ? EXIT_GOOD : EXIT_BAD;
+}
+
+int main(int argc, char **argv)
+{
+    static struct session session;
+    int status;
+
+    session.options = (struct options){.image = "build/arm/afo-mps2-an386.elf",
+                                       .steps = 200,
+                                       .sensors = SENSORS_17BIT,
+                                       .seed = 1,
+                                       .fault_step = 5};
+    session.emulator = (struct emulator){.to_image = -1, .from_image = -1};
+    option_identity("afo-pil");
+    walk_options_init(&session.options.walk);
+    if (argp_parse(&parser, argc, argv, 0, NULL, &session.options) != 0) {
+        return EXIT_USAGE;
+    }
+    status = run(&session);
+    emulator_stop(&session.emulator);
+    output_file_discard(&session.log);
+    output_file_discard(&session.costs);
+    walk_record_free(&session.record);
+    if (session.loop != NULL) {
+        loop_free(session.loop);
+        free(session.loop);
+    }
+    return status;
+}
