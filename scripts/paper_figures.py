@@ -98,7 +98,7 @@ def figure5(data, folder):
              label=r"started 0.3 along the eigenvector of $\lambda$ = 0")
     angle, rate = (data["recovery"][0][key] for key in ("swing_angle_rad", "swing_rate_rad_s"))
     axes.plot(angle, rate, "o", color=UNSTABLE, ms=5)
-    axes.legend(fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 0.25))
+    axes.legend(fontsize=7, loc="center")
     save(figure, folder, "figure05")
 
 
