@@ -100,25 +100,24 @@ static int foretell(const struct predictive_law *law, real r0_m, struct apex *ne
     return -next->stance_rate_rad_s * law->walker.time_unit_s >= SLOWEST_UNITS;
 }
 
-/* Tries one candidate; true when it is the best so far. */
-static bool try_candidate(struct predictive_law *law, const struct gait_branch *branch, real r0_m)
+/* Tries one candidate and keeps it if it is the best so far. Returns its cost, negative for none. */
+static real try_candidate(struct predictive_law *law, const struct gait_branch *branch, real r0_m)
 {
     struct apex next;
     if (!foretell(law, r0_m, &next)) {
-        return false;
+        return REAL(-1.0);
     }
     const struct apex expected = {next.stance_rate_rad_s + law->bias[0],
                                   next.swing_angle_rad + law->bias[1],
                                   next.swing_rate_rad_s + law->bias[2]};
     const real cost =
         gait_branch_distance(branch, &law->target, law->target_speed_rad_s, &expected, r0_m);
-    if (!(law->best_cost < REAL(0.0) || cost < law->best_cost)) {
-        return false;
+    if (law->best_cost < REAL(0.0) || cost < law->best_cost) {
+        law->best_cost = cost;
+        law->r0_m = r0_m;
+        law->predicted = next;
     }
-    law->best_cost = cost;
-    law->r0_m = r0_m;
-    law->predicted = next;
-    return true;
+    return cost;
 }
 
 /* Candidates over the range, spaced by the square: the faster the gait the more r0 it bears. */
@@ -171,12 +170,17 @@ static void to_strike(struct predictive_law *law)
     }
 }
 
+/* A round of refinement about the best so far. */
+static void begin_round(struct predictive_law *law)
+{
+    law->middle_m = law->r0_m;
+    law->cost_at[1] = law->best_cost;
+}
+
 /* The whole range, one candidate a call; true when it is done. */
 static bool spread(struct predictive_law *law, const struct gait_branch *branch)
 {
-    if (try_candidate(law, branch, spread_candidate(law, law->index))) {
-        law->answered = true;
-    }
+    (void)try_candidate(law, branch, spread_candidate(law, law->index));
     law->index++;
     if (law->index < PREDICTIVE_COARSE) {
         return false;
@@ -189,26 +193,51 @@ static bool spread(struct predictive_law *law, const struct gait_branch *branch)
     law->index = 0;
     law->grid_m = REAL(0.5) * spread_gap(law, law->r0_m);
     law->stage = PREDICTIVE_REFINE;
+    begin_round(law);
     return true;
 }
 
-/* Beside the best on both sides, then at half the width. */
+static real try_inside(struct predictive_law *law, const struct gait_branch *branch, real r0_m)
+{
+    const bool inside = r0_m >= law->request.r0_low_m && r0_m <= law->request.r0_high_m;
+    return inside ? try_candidate(law, branch, r0_m) : REAL(-1.0);
+}
+
+/* The vertex of the parabola through the round's three costs; costs near the least are one. */
+static void try_vertex(struct predictive_law *law, const struct gait_branch *branch)
+{
+    const real *c = law->cost_at;
+    const real bend = c[0] - REAL(2.0) * c[1] + c[2];
+    if (c[0] < REAL(0.0) || c[2] < REAL(0.0) || !(bend > REAL(0.0))) {
+        return;
+    }
+    const real shift = real_clamp(REAL(0.5) * (c[0] - c[2]) / bend, REAL(-2.0), REAL(2.0));
+    (void)try_inside(law, branch, law->middle_m + shift * law->grid_m);
+}
+
+/* Above the best, below it, at the vertex; then closer. */
 static bool refine(struct predictive_law *law, const struct gait_branch *branch)
 {
-    const bool above = (law->index & 1) == 0;
-    const real r0_m = law->r0_m + (above ? law->grid_m : -law->grid_m);
-    const bool inside = r0_m >= law->request.r0_low_m && r0_m <= law->request.r0_high_m;
-    const bool better = inside && try_candidate(law, branch, r0_m);
-    /* A better one ends this width: its other neighbour is known or will be met at half the width. */
-    law->index = (int16_t)(law->index + (above && better ? 2 : 1));
-    if ((law->index & 1) == 0) {
-        law->grid_m *= REAL(0.5);
+    const real before_m = law->r0_m;
+    switch (law->index % 3) {
+    case 0:
+        law->cost_at[2] = try_inside(law, branch, law->middle_m + law->grid_m);
+        break;
+    case 1:
+        law->cost_at[0] = try_inside(law, branch, law->middle_m - law->grid_m);
+        break;
+    default:
+        try_vertex(law, branch);
+        law->grid_m *= REAL(0.25);
+        begin_round(law);
+        break;
     }
-    if (law->index >= 2 * PREDICTIVE_HALVINGS) {
+    law->index++;
+    if (law->index >= 3 * PREDICTIVE_ROUNDS) {
         predictive_law_finish(law);
         return true;
     }
-    return better;
+    return law->r0_m != before_m;
 }
 
 bool predictive_law_work(struct predictive_law *law, const struct gait_branch *branch)

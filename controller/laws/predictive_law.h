@@ -32,8 +32,9 @@
 
 enum {
     PREDICTIVE_COARSE = 16, /* candidates over the whole range, closer together where r0 is small */
-    PREDICTIVE_HALVINGS = 7,
-    PREDICTIVE_UNITS = 2 + PREDICTIVE_COARSE + 2 * PREDICTIVE_HALVINGS, /* bound of units a step */
+    PREDICTIVE_ROUNDS =
+        4, /* of refinement: both sides of the best, then the vertex of the parabola */
+    PREDICTIVE_UNITS = 2 + PREDICTIVE_COARSE + 3 * PREDICTIVE_ROUNDS, /* bound of units a step */
     PREDICTIVE_DISTRUST = 12
 };
 
@@ -68,11 +69,13 @@ struct predictive_law {
     real r0_m;                   /* the best so far */
     real best_cost;              /* NEGATIVE while no candidate has survived */
     real grid_m;                 /* present width of the refinement */
-    int16_t index;               /* of the next candidate in its stage */
-    bool answered;               /* r0_m came from the search */
-    struct apex predicted;       /* next apex, without bias; valid if has_prediction */
-    bool has_prediction;         /* predicted belongs to the push-off that was given last */
-    real bias[3];                /* measured minus predicted apex, filtered */
+    real middle_m;               /* about which this round refines */
+    real cost_at[3];           /* below, at and above the middle; NEGATIVE = none survives there */
+    int16_t index;             /* of the next candidate in its stage */
+    bool answered;             /* r0_m came from the search */
+    struct apex predicted;     /* next apex, without bias; valid if has_prediction */
+    bool has_prediction;       /* predicted belongs to the push-off that was given last */
+    real bias[3];              /* measured minus predicted apex, filtered */
     uint8_t surprises;         /* counts up by 3 on a wrong prediction, down by 1 on a right one */
     uint32_t steps, fallbacks; /* answers given, and of these by the caller's first answer */
 };

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "sim_host/laws/laws_main.h"
 #include "sim_host/observe/gains.h"
 #include "sim_host/study/command.h"
 
@@ -17,6 +18,7 @@ static const struct {
     {"basin", command_basin, "where from the walker finds its gait"},
     {"gain", command_gain, "eigenvalues under the step law, and the best gain"},
     {"map", command_map, "iterate the return map from a state"},
+    {"laws", laws_main, "the laws that choose the push-off, beside each other"},
     {"observer-gains", command_observer_gains, "the model observer's gains, as C"},
 };
 

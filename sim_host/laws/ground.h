@@ -1,0 +1,22 @@
+/* Mean steps to failure on uneven ground by the transfer operator (Byl, Tedrake 2009: Metastable walking
+ * machines): apex states are gathered into cells as they are reached, one representative a cell; every
+ * cell's transitions under the distribution of the ground make a sparse stochastic matrix with "fallen" as
+ * its absorbing state. The quasi-stationary distribution gives the chance to fall per step. */
+#ifndef SIM_HOST_LAWS_GROUND_H
+#define SIM_HOST_LAWS_GROUND_H
+
+#include "sim_host/laws/laws.h"
+
+struct ground_operator_result {
+    double
+        mean_steps; /* to failure, from the quasi-stationary distribution; INFINITY if no cell fails */
+    int cells;
+    bool full; /* more cells were reached than there is room for: the result is a guess */
+};
+
+/* The law on its own (no learning from step to step: each answer from a fresh law at that cell) at a gait
+ * of speed_rad_s, foothold heights N(0, rise_rms leg lengths). Returns 0, or -1 without memory. */
+int ground_operator(const struct laws_bench *bench, double speed_rad_s, double rise_rms,
+                    struct ground_operator_result *result);
+
+#endif

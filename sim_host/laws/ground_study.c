@@ -1,0 +1,114 @@
+/* Uneven ground: every foothold lies higher or lower than the one before by N(0, sigma). Mean steps to
+ * failure counted directly, and by the transfer operator, which also serves where nothing falls any more. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "sim_host/laws/ground.h"
+#include "sim_host/laws/session.h"
+#include "sim_host/study/pool.h"
+
+enum { DEFAULT_WALKS = 10, MAP_STEPS = 300, CHAIN_STEPS = 200 };
+static const double sizes_mm[] = {1.0, 2.0, 5.0, 10.0, 20.0}; /* on a leg of 1 m */
+static const double speeds[] = {0.4, 0.6, 0.8};
+enum { SIZES = sizeof sizes_mm / sizeof sizes_mm[0], SPEEDS = sizeof speeds / sizeof speeds[0] };
+
+struct cell_result {
+    long steps;
+    int falls, failed;
+    struct ground_operator_result operator;
+};
+
+struct study {
+    const struct laws_options *options;
+    int walks;
+    struct cell_result cell[ENTRANTS][SPEEDS][SIZES];
+};
+
+/* The ramp makes no difference at one speed. */
+static bool wanted(const struct study *study, int e)
+{
+    return study->options->entrant[e] && e != ENTRANT_RAMP;
+}
+
+static void compute(void *context, int i)
+{
+    struct study *study = (struct study *)context;
+    const int e = i / (SPEEDS * SIZES), v = i / SIZES % SPEEDS, s = i % SIZES;
+    struct cell_result *cell = &study->cell[e][v][s];
+    const double speed = speeds[v] * laws_speed_unit(study->options), rise = 0.001 * sizes_mm[s];
+    struct session_result *result = malloc(sizeof *result);
+    if (result == NULL) {
+        cell->failed = 1;
+        return;
+    }
+    for (int w = 0; w < study->walks && wanted(study, e) && !cell->failed; w++) {
+        const struct session_config config = {.entrant = (enum laws_entrant)e,
+                                              .from_rad_s = speed,
+                                              .to_rad_s = speed,
+                                              .steps =
+                                                  study->options->chain ? CHAIN_STEPS : MAP_STEPS,
+                                              .rise_rms = rise,
+                                              .seed = study->options->seed + (uint64_t)w};
+        cell->failed = session_run(study->options, &config, result) != 0;
+        cell->steps += result->steps + (result->fell ? 1 : 0);
+        cell->falls += result->fell ? 1 : 0;
+    }
+    if (wanted(study, e) && !study->options->chain && !cell->failed) {
+        const struct laws_bench bench = laws_entrant_bench(study->options, (enum laws_entrant)e);
+        cell->failed = ground_operator(&bench, speed, rise, &cell->operator) != 0;
+    }
+    free(result);
+}
+
+static void print(const struct study *study, int e, int v, FILE *csv)
+{
+    printf("  %-13s %.1f rad/s:", laws_entrant_names[e], speeds[v]);
+    for (int s = 0; s < SIZES; s++) {
+        const struct cell_result *c = &study->cell[e][v][s];
+        const double direct = c->falls > 0 ? (double)c->steps / c->falls : (double)INFINITY;
+        if (c->falls > 0) {
+            printf(" %9.1f", direct);
+        } else {
+            printf(" >%8ld", c->steps);
+        }
+        if (!study->options->chain) {
+            printf(" (%8.3g%s)", c->operator.mean_steps, c->operator.full ? "!" : "");
+        }
+        if (csv != NULL) {
+            fprintf(csv, "%s,%.1f,%g,%ld,%d,%.6g,%d,%d\n", laws_entrant_names[e], speeds[v],
+                    sizes_mm[s], c->steps, c->falls, c->operator.mean_steps, c->operator.cells,
+                    c->operator.full);
+        }
+    }
+    printf("\n");
+}
+
+int laws_ground(const struct laws_options *options)
+{
+    bool failed;
+    FILE *csv = laws_csv(options, "ground",
+                         "law,speed_rad_s,sigma_mm,steps,falls,operator_steps,cells,full", &failed);
+    struct study *study = calloc(1, sizeof *study);
+    failed = failed || study == NULL;
+    if (!failed) {
+        study->options = options;
+        study->walks = options->samples > 0 ? options->samples : DEFAULT_WALKS;
+        const struct pool_jobs jobs = {
+            0, ENTRANTS * SPEEDS * SIZES, options->threads, study, compute, laws_take};
+        failed = pool_run(&jobs) != 1;
+        printf("  mean steps to failure on footholds of sigma 1, 2, 5, 10, 20 mm on a leg of 1 m;\n"
+               "  counted over %d walks of at most %d steps%s\n",
+               study->walks, options->chain ? CHAIN_STEPS : MAP_STEPS,
+               options->chain ? "" : " (by the transfer operator; ! = mesh too small)");
+    }
+    for (int e = 0; e < ENTRANTS && !failed; e++) {
+        for (int v = 0; v < SPEEDS && wanted(study, e); v++) {
+            print(study, e, v, csv);
+            for (int s = 0; s < SIZES; s++) {
+                failed = failed || study->cell[e][v][s].failed;
+            }
+        }
+    }
+    free(study);
+    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+}

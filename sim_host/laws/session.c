@@ -1,0 +1,179 @@
+#include "sim_host/laws/session.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "sim_host/host/loop.h"
+#include "sim_host/plant/rng.h"
+
+static double slope_at(const struct session_config *config, int step)
+{
+    if (config->slope_ramp_rad <= 0.0) {
+        return config->slope_rad;
+    }
+    const double gone = config->slope_ramp_rad * (step + 1);
+    return fabs(config->slope_rad) < gone ? config->slope_rad : copysign(gone, config->slope_rad);
+}
+
+/* ---- on the map ------------------------------------------------------------------------- */
+
+static int run_on_map(const struct laws_options *options, const struct session_config *config,
+                      struct session_result *result)
+{
+    struct laws_bench bench = laws_entrant_bench(options, config->entrant);
+    struct laws_walk walk;
+    struct rng rng;
+    double apex[3];
+    if (config->truth != NULL) {
+        bench.truth = subject_gait_walker(config->truth);
+    }
+    rng_init(&rng, config->seed, 71);
+    const double r0_m = laws_bench_gait(&bench, config->from_rad_s, apex);
+    laws_walk_start(&bench, &walk, apex, r0_m, config->from_rad_s);
+    for (int k = 0; k < config->steps; k++) {
+        double seen[3];
+        for (int i = 0; i < 3; i++) {
+            seen[i] = walk.apex[i] * (1.0 + config->noise_rms * rng_normal(&rng));
+        }
+        const double rise = config->rise_rms * rng_normal(&rng);
+        const int fault =
+            laws_walk_step(&bench, &walk, config->to_rad_s, seen, slope_at(config, k), rise);
+        result->fallbacks += walk.law.fell_back ? 1 : 0;
+        if (fault != 0) {
+            result->fell = true;
+            result->reason = laws_fault_name(fault);
+            return 0;
+        }
+        result->speed_rad_s[k] = -walk.apex[0];
+        result->r0_m[k] = walk.r0_m;
+        result->step_length_m[k] = walk.stride.step_length_m;
+        result->steps = k + 1;
+    }
+    return 0;
+}
+
+/* ---- through the chain ------------------------------------------------------------------ */
+
+/* What the last tick brought: the plant's apexes and finished steps. The first apex is the start. */
+static void take_events(struct loop *loop, struct session_result *result, int *apexes)
+{
+    struct walk *walk = &loop->nodes.plant.walk;
+    struct walk_event event;
+    struct walk_step step;
+    while (walk_next_event(walk, &event)) {
+        if (event.kind == WALK_EVENT_FAULT) {
+            result->fell = true;
+            result->reason = walk_fault_name(walk->fault);
+        } else if (event.kind == WALK_EVENT_APEX) {
+            if (*apexes > 0 && *apexes <= SESSION_STEPS_MAX) {
+                result->speed_rad_s[*apexes - 1] = event.value;
+                result->steps = *apexes;
+            }
+            (*apexes)++;
+        }
+    }
+    while (walk_next_step(walk, &step)) {
+        const int k = *apexes - 1;
+        if (k >= 0 && k < SESSION_STEPS_MAX) {
+            result->r0_m[k] = step.precompression_m;
+            result->step_length_m[k] = step.step_length_m;
+        }
+    }
+}
+
+static int start_chain(const struct laws_options *options, const struct session_config *config,
+                       struct loop *loop, double *heights_m)
+{
+    char message[LOOP_MESSAGE_MAX];
+    struct laws_bench bench = laws_entrant_bench(options, config->entrant);
+    struct loop_config loop_config;
+    struct rng rng;
+    double apex[3];
+    const struct subject *body = config->truth != NULL ? config->truth : &options->subject;
+    bench.params.start_r0_m = (real)laws_bench_gait(&bench, config->from_rad_s, apex);
+    if (loop_configure(&loop_config, body, &bench.params, config->to_rad_s, options->sensors,
+                       config->seed, message) != 0) {
+        fprintf(stderr, "afo-study laws: %s\n", message);
+        return -1;
+    }
+    if (config->rise_rms > 0.0) {
+        rng_init(&rng, config->seed, 71);
+        for (int i = 0; i <= SESSION_STEPS_MAX; i++) {
+            const double rise = i == 0 ? 0.0 : config->rise_rms * rng_normal(&rng);
+            heights_m[i] = (i > 0 ? heights_m[i - 1] : 0.0) + rise * body->leg_length_m;
+        }
+        loop_config.plant.heights_m = heights_m;
+        loop_config.plant.heights_count = SESSION_STEPS_MAX + 1;
+    }
+    if (loop_init(loop, &loop_config, NULL, message) != 0) {
+        fprintf(stderr, "afo-study laws: %s\n", message);
+        return -1;
+    }
+    return 0;
+}
+
+static int run_on_chain(const struct laws_options *options, const struct session_config *config,
+                        struct session_result *result)
+{
+    struct loop *loop = malloc(sizeof *loop);
+    double *heights_m = malloc((SESSION_STEPS_MAX + 1) * sizeof *heights_m);
+    int status = -1;
+    if (loop == NULL || heights_m == NULL) {
+        fprintf(stderr, "afo-study laws: out of memory\n");
+    } else if (start_chain(options, config, loop, heights_m) == 0) {
+        const uint64_t ticks_max = 6000u + 3000u * (uint64_t)config->steps;
+        uint32_t step_number = 0;
+        int apexes = 0;
+        status = 0;
+        for (uint64_t t = 0; t < ticks_max && !result->fell && result->steps < config->steps; t++) {
+            loop_tick(loop);
+            take_events(loop, result, &apexes);
+            const struct controller *controller = &loop->rig.task.controller;
+            if (controller->last_step.number != step_number) {
+                step_number = controller->last_step.number;
+                result->fallbacks += controller->law.fell_back ? 1 : 0;
+            }
+            loop->nodes.plant.walk.params.slope_rad = slope_at(config, apexes);
+        }
+        if (!result->fell && result->steps < config->steps) {
+            result->fell = true;
+            result->reason = "stopped";
+        }
+        loop_free(loop);
+    }
+    free(heights_m);
+    free(loop);
+    return status;
+}
+
+int session_run(const struct laws_options *options, const struct session_config *config,
+                struct session_result *result)
+{
+    result->fell = false;
+    result->steps = 0;
+    result->fallbacks = 0;
+    result->reason = "";
+    return options->chain ? run_on_chain(options, config, result)
+                          : run_on_map(options, config, result);
+}
+
+int session_settled(const struct session_result *result, double target_rad_s, double share)
+{
+    int settled = 0;
+    for (int k = 0; k < result->steps; k++) {
+        if (fabs(result->speed_rad_s[k] - target_rad_s) > share * target_rad_s) {
+            settled = k + 1;
+        }
+    }
+    return settled + 1;
+}
+
+double session_mean_speed(const struct session_result *result, int over)
+{
+    const int first = result->steps > over ? result->steps - over : 0;
+    double sum = 0.0;
+    for (int k = first; k < result->steps; k++) {
+        sum += result->speed_rad_s[k];
+    }
+    return result->steps > first ? sum / (result->steps - first) : 0.0;
+}

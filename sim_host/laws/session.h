@@ -1,0 +1,42 @@
+/* One walk under one law, on the return map or through the whole chain: the same question to both. */
+#ifndef SIM_HOST_LAWS_SESSION_H
+#define SIM_HOST_LAWS_SESSION_H
+
+#include "sim_host/laws/laws.h"
+
+enum { SESSION_STEPS_MAX = 4000 };
+
+struct session_config {
+    enum laws_entrant entrant;
+    const struct subject *truth; /* the body that walks; NULL: the one the law believes */
+    double from_rad_s;           /* start: the steady gait of this speed */
+    double to_rad_s;             /* wanted from the first step on */
+    int steps;                   /* 1..SESSION_STEPS_MAX */
+    double slope_rad;            /* reached by slope_ramp_rad a step; > 0 uphill */
+    double slope_ramp_rad;
+    double rise_rms;  /* of each foothold against the one before, leg lengths, normal */
+    double noise_rms; /* map only: of the apex state seen, relative */
+    uint64_t seed;
+};
+
+struct session_result {
+    bool fell;
+    int steps;          /* apexes reached after the first */
+    int fallbacks;      /* steps at which the predictive law answered by eq. (16) */
+    const char *reason; /* of the fall */
+    double speed_rad_s[SESSION_STEPS_MAX];
+    double r0_m[SESSION_STEPS_MAX];
+    double step_length_m[SESSION_STEPS_MAX];
+};
+
+/* Runs it. Returns 0, or -1 after a message when the walk could not even be set up. */
+int session_run(const struct laws_options *options, const struct session_config *config,
+                struct session_result *result);
+
+/* Steps until the speed stays within `share` of target to the end; result->steps + 1 if it never does. */
+int session_settled(const struct session_result *result, double target_rad_s, double share);
+
+/* Mean of the last `over` speeds (fewer when there are fewer). */
+double session_mean_speed(const struct session_result *result, int over);
+
+#endif

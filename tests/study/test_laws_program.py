@@ -1,0 +1,73 @@
+"""afo-study laws from the outside: what the comparison must show, and its bad input."""
+import csv
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo-study"
+
+
+def laws(*arguments, status=0):
+    run = subprocess.run([PROGRAM, "laws", *map(str, arguments)], capture_output=True, text=True,
+                         check=False, timeout=900)
+    assert run.returncode == status, run.stderr
+    return run
+
+
+def rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def check_jumps(jumps):
+    assert len(jumps) == 81
+    for jump in jumps:
+        way = f"{jump['from_rad_s']} to {jump['to_rad_s']}"
+        assert jump["fell"] == "0", way
+        assert jump["settled"] == "1", way
+        allowed = 12 if jump["to_rad_s"] < jump["from_rad_s"] else 40
+        assert int(jump["steps"]) <= allowed, f"{way}: {jump['steps']} steps"
+
+
+def test_predictive_takes_every_jump_on_the_map(tmp_path):
+    laws("jumps", "--law", "predictive", "--out", tmp_path)
+    check_jumps(rows(tmp_path / "laws-jumps.csv"))
+
+
+@pytest.mark.long
+def test_predictive_takes_every_jump_through_the_chain_with_14_bit_sensors(tmp_path):
+    laws("jumps", "--law", "predictive", "--chain", "--sensors", "14bit", "--out", tmp_path)
+    check_jumps(rows(tmp_path / "laws-jumps-chain.csv"))
+
+
+def test_equation_16_falls_on_jumps_and_its_basin_is_a_needle(tmp_path):
+    laws("jumps", "--law", "proportional", "--out", tmp_path)
+    fell = [jump for jump in rows(tmp_path / "laws-jumps.csv") if jump["fell"] == "1"]
+    assert len(fell) > 60
+    laws("basin", "--samples", 1000, "--out", tmp_path, "--law", "predictive")
+    shares = {row["speed_rad_s"]: int(row["reached"]) / 1000
+              for row in rows(tmp_path / "laws-basin.csv")}
+    # the probe's two strides ahead reached 63 % at 0.6 rad/s, eq. (16) 0.3 %
+    assert all(share > 0.55 for share in shares.values()), shares
+
+
+def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
+    one = laws("basin", "--samples", 300, "--law", "dlqr", "--threads", 1).stdout
+    three = laws("basin", "--samples", 300, "--law", "dlqr", "--threads", 3).stdout
+    assert one == three
+
+
+@pytest.mark.parametrize("arguments", [
+    [], ["nonsense"], ["jumps", "--law", "magic"], ["jumps", "--sensors", "3bit"],
+    ["jumps", "--samples", "0"], ["jumps", "basin"],
+    ["jumps", "--subject", "/no/such/file"]])
+def test_usage_errors(arguments):
+    assert laws(*arguments, status=2).stderr
+
+
+def test_an_output_that_cannot_be_written_is_an_error():
+    assert "cannot write" in laws("sensitivity", "--law", "dlqr", "--out", "/no/such/directory",
+                                  status=1).stderr
