@@ -22,7 +22,7 @@
 
 /* A stride differing more than this from the mean starts a new mean. */
 #define STRIDE_CHANGE_SHARE REAL(0.3)
-#define STRIDE_MEAN_GAIN REAL(0.4)
+#define STRIDE_MEAN_GAIN REAL(0.5)
 #define STRIDE_LONGEST_S REAL(4.0)
 
 static uint32_t ticks_from_seconds(real seconds)
@@ -198,30 +198,32 @@ static void watch_apex(struct gait_observer *observer, const struct control_para
 
 /* ---- the stride's clock ------------------------------------------------------- */
 
-static void strike_clock(struct stride_clock *clock, const struct gait_event *strike)
+/* A stride of either leg has ended: both go at one pace, so the newer one tells more. */
+static void strike_clock(struct gait_observer *observer, const struct gait_event *strike)
 {
+    struct stride_clock *clock = &observer->clock[strike->side];
     const real stride_s = seconds_since(strike->tick, clock->strike_tick) - strike->before_tick_s +
                           clock->strike_before_s;
-    if (!clock->started || stride_s > STRIDE_LONGEST_S) {
-        clock->stride_s = REAL(0.0);
-    } else if (real_abs(stride_s - clock->stride_s) > STRIDE_CHANGE_SHARE * clock->stride_s) {
-        clock->stride_s = stride_s;
-    } else {
-        clock->stride_s += STRIDE_MEAN_GAIN * (stride_s - clock->stride_s);
+    const real mean = observer->stride_s;
+    if (clock->started && stride_s <= STRIDE_LONGEST_S) {
+        const bool anew = real_abs(stride_s - mean) > STRIDE_CHANGE_SHARE * mean;
+        observer->stride_s = anew ? stride_s : mean + STRIDE_MEAN_GAIN * (stride_s - mean);
     }
     clock->started = true;
     clock->strike_tick = strike->tick;
     clock->strike_before_s = strike->before_tick_s;
 }
 
-static real stride_share(const struct stride_clock *clock, uint32_t tick)
+static real stride_share(const struct gait_observer *observer, enum side side, uint32_t tick)
 {
-    if (!clock->started || !(clock->stride_s > REAL(0.0))) {
+    const struct stride_clock *clock = &observer->clock[side];
+    if (!clock->started || !(observer->stride_s > REAL(0.0))) {
         return REAL(-1.0);
     }
     const real since_s = seconds_since(tick, clock->strike_tick) + clock->strike_before_s;
-    return since_s > STRIDE_LONGEST_S ? REAL(-1.0)
-                                      : real_clamp(since_s / clock->stride_s, REAL(0.0), REAL(1.0));
+    return since_s > STRIDE_LONGEST_S
+               ? REAL(-1.0)
+               : real_clamp(since_s / observer->stride_s, REAL(0.0), REAL(1.0));
 }
 
 /* ---- supports ----------------------------------------------------------------- */
@@ -230,7 +232,7 @@ static void strike(struct gait_observer *observer, const struct control_params *
                    enum side landed, uint32_t tick, real age_s)
 {
     report(&observer->state, params, GAIT_HEEL_STRIKE, landed, tick, age_s);
-    strike_clock(&observer->clock[landed], &observer->state.event[GAIT_HEEL_STRIKE]);
+    strike_clock(observer, &observer->state.event[GAIT_HEEL_STRIKE]);
     enter_phase(observer, PHASE_DOUBLE_SUPPORT, side_other(landed), tick);
 }
 
@@ -378,6 +380,6 @@ void gait_observer_update(struct gait_observer *observer, const struct control_p
     watch_apex(observer, params, SIDE_RIGHT, tick);
     observer->state.strike_near = strike_near(observer, params);
     for (int side = 0; side < SIDE_COUNT; side++) {
-        observer->state.stride_share[side] = stride_share(&observer->clock[side], tick);
+        observer->state.stride_share[side] = stride_share(observer, (enum side)side, tick);
     }
 }

@@ -47,7 +47,6 @@ struct apex_work {
 struct stride_clock {
     uint32_t strike_tick; /* of the newest heel strike */
     real strike_before_s; /* it lies this long before that tick */
-    real stride_s;        /* running mean of the stride time; 0 = none measured yet */
     bool started;
 };
 
@@ -64,6 +63,7 @@ struct gait_observer {
     struct apex_judge judge;
     struct apex_work work;
     struct stride_clock clock[SIDE_COUNT];
+    real stride_s; /* running mean of both legs' stride times; 0 = none measured yet */
     uint32_t last_apex_tick;
     real yardstick_rad_s; /* running mean of the apex speed; 0 = none yet */
     struct gait_state state;
