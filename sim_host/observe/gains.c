@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "controller/observer_gains.h"
+#include "sim_host/observe/commands.h"
 
 #define PAPER_RATE_S 3.131557120667717 /* sqrt(g / l) of the paper's walker, 1/s */
 

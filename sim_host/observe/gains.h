@@ -23,7 +23,4 @@ struct gain_assumptions gain_assumptions_default(void);
 void gain_schedule(const struct gain_assumptions *assumptions, double spring, double density,
                    const double *since, int count, double (*gain)[2]);
 
-/* `afo-study observer-gains`: prints controller/observer_gains.c. */
-int command_observer_gains(int argc, char **argv);
-
 #endif

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "sim_host/laws/laws_main.h"
-#include "sim_host/observe/gains.h"
+#include "sim_host/observe/commands.h"
 #include "sim_host/study/command.h"
 
 static const struct {
@@ -19,6 +19,7 @@ static const struct {
     {"gain", command_gain, "eigenvalues under the step law, and the best gain"},
     {"map", command_map, "iterate the return map from a state"},
     {"laws", laws_main, "the laws that choose the push-off, beside each other"},
+    {"observe", command_observe, "how well the controller knows the gait, and what it costs"},
     {"observer-gains", command_observer_gains, "the model observer's gains, as C"},
 };
 
