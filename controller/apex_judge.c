@@ -8,6 +8,11 @@
 #define VALUE_ERROR REAL(1.5)
 #define SLOPE_ERROR REAL(4.33)
 
+/* Slow noise averages as if one sample in so many counted; and whatever the noise, the
+ * fit is not taken to be worse than a share of the speed. */
+#define SLOW_SAMPLES REAL(40.0)
+#define SLOPE_MOST_SHARE REAL(0.025)
+
 /* The mean difference is first trusted as if this many steps had found none. */
 #define BIAS_PRIOR_STEPS 8u
 #define BIAS_MEAN_STEPS 48u
@@ -17,6 +22,8 @@
 #define ERRORS_ALLOWED REAL(3.5)
 #define CHANGE_SHARE REAL(0.1)
 #define VALUE_SHARE REAL(0.001)
+
+#define BIAS_MOST_SHARE REAL(0.04)
 
 #define TRUST_RISE REAL(0.25)
 
@@ -48,8 +55,8 @@ static real agreement(real off, real tolerance)
 
 struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
                                        const struct apex_estimate *fit,
-                                       const struct apex_estimate *model, real noise_rad,
-                                       uint32_t window_ticks)
+                                       const struct apex_estimate *model,
+                                       const struct apex_noise *noise, uint32_t window_ticks)
 {
     struct apex_estimate believed = *fit;
     believed.confidence = REAL(0.0);
@@ -59,7 +66,12 @@ struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
     }
     const real window_s = (real)window_ticks * CONTROL_PERIOD_S;
     const real root = real_sqrt(REAL(2.0) * (real)window_ticks);
-    const real slope_error = SLOPE_ERROR * noise_rad / (window_s * root);
+    const real noise_rad =
+        real_sqrt(noise->white_rad2 +
+                  SLOW_SAMPLES * (noise->slow_rad2 > REAL(0.0) ? noise->slow_rad2 : REAL(0.0)));
+    const real white_slope_error = SLOPE_ERROR * noise_rad / (window_s * root);
+    const real slope_most = SLOPE_MOST_SHARE * real_abs(fit->stance_rate_rad_s);
+    const real slope_error = white_slope_error < slope_most ? white_slope_error : slope_most;
     /* The swing angle is read at the crossing, whose own error counts by the swing's rate. */
     const real angle_error = VALUE_ERROR * noise_rad / root;
     const real relative = real_abs(fit->swing_rate_rad_s / fit->stance_rate_rad_s);
@@ -79,9 +91,17 @@ struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
                                VALUE_SHARE * real_abs(of_fit[0]);
         const real here = agreement(off, tolerance);
         agreed = here < agreed ? here : agreed;
-        of_model[i] -= significant(*bias, error[i] * real_sqrt(REAL(0.5) * gain));
+        real *scatter2 = &judge->scatter2[side][i];
+        if (steps == 0) {
+            *scatter2 = error[i] * error[i];
+        }
+        of_model[i] -= significant(*bias, real_sqrt(REAL(0.5) * gain * *scatter2));
+        *scatter2 += gain * (off * off - *scatter2);
         *bias += gain * off;
     }
+    /* A model that is so far off is of another body, however steadily. */
+    const real foreign = agreement(judge->bias[side][0], BIAS_MOST_SHARE * real_abs(of_fit[0]));
+    agreed = foreign < agreed ? foreign : agreed;
     judge->learned[side] = steps < BIAS_MEAN_STEPS ? steps + 1 : steps;
     const real risen = judge->trust + TRUST_RISE;
     judge->trust = agreed < risen ? agreed : risen;

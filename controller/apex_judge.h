@@ -22,19 +22,26 @@
 enum { APEX_VALUES = 3 }; /* stance rate, swing angle, swing rate */
 
 struct apex_judge {
-    real bias[SIDE_COUNT][APEX_VALUES]; /* model minus fit, per stance leg */
-    uint32_t learned[SIDE_COUNT];       /* steps behind the bias */
-    real trust;                         /* 0..1, follows the agreement */
+    real bias[SIDE_COUNT][APEX_VALUES];     /* mean of model minus fit, per stance leg */
+    real scatter2[SIDE_COUNT][APEX_VALUES]; /* mean square of what differs from it */
+    uint32_t learned[SIDE_COUNT];           /* steps behind the bias */
+    real trust;                             /* 0..1, follows the agreement */
 };
 
 void apex_judge_init(struct apex_judge *judge);
 
+/* Of an angle sample, mean squares. */
+struct apex_noise {
+    real white_rad2;
+    real slow_rad2; /* that which stays for some ten samples; not below 0 */
+};
+
 /* One apex of leg `side`: the fit's estimate, the model's (NULL = it has none), the
- * noise of an angle sample (RMS, rad) and the fit's half width in ticks. Returns what
+ * sensors' noise as measured and the fit's half width in ticks. Returns what
  * to believe; its confidence is the model's share. Constant cost. */
 struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
                                        const struct apex_estimate *fit,
-                                       const struct apex_estimate *model, real noise_rad,
-                                       uint32_t window_ticks);
+                                       const struct apex_estimate *model,
+                                       const struct apex_noise *noise, uint32_t window_ticks);
 
 #endif

@@ -126,9 +126,9 @@ static void report_apex(struct gait_observer *observer, const struct control_par
                                       work->swing_fit.rate_rad_s, REAL(0.0)};
     const struct apex_estimate model = {work->state[STANCE_RATE], work->state[SWING_ANGLE],
                                         work->state[SWING_RATE], REAL(1.0)};
-    state->apex =
-        apex_judge_decide(&observer->judge, work->side, &fit, work->modelled ? &model : NULL,
-                          real_sqrt(observer->model.noise_rad2), observer->window_ticks);
+    const struct apex_noise noise = {observer->model.noise_rad2, observer->model.slow_rad2};
+    state->apex = apex_judge_decide(&observer->judge, work->side, &fit,
+                                    work->modelled ? &model : NULL, &noise, observer->window_ticks);
     const real before_s = work->fit.before_tick_s +
                           state->apex.confidence * (work->model_before_s - work->fit.before_tick_s);
     report(state, params, GAIT_APEX, work->side, tick,

@@ -7,8 +7,8 @@
 
 /* A prediction this far off, for so long, is not the model's error but another body,
  * a support from outside or a stumble. */
-#define GROSS_RAD REAL(0.03)
-#define GROSS_TICKS 10
+#define GROSS_RAD REAL(0.015)
+#define GROSS_TICKS 15
 
 /* At a strike on level ground theta_s + theta_n is 0, which the state knows better
  * than the detection; further off, the ground was not level. */
@@ -94,12 +94,28 @@ static void correct(struct model_observer *observer, const real gain[2], int ang
     observer->state[rate] += gain[1] * per_tick / observer->walker.time_unit_s * error_rad;
 }
 
-/* White noise shows in the differences of successive errors: twice its square. */
-static void watch_noise(struct model_observer *observer, enum side side, real error_rad)
+static void approach(real *mean, real value)
 {
-    const real change = error_rad - observer->error_before_rad[side];
-    observer->error_before_rad[side] = error_rad;
-    observer->noise_rad2 += NOISE_GAIN * (REAL(0.5) * change * change - observer->noise_rad2);
+    *mean += NOISE_GAIN * (value - *mean);
+}
+
+/* Noise shows in the differences of errors, twice its square: white noise already from
+ * one tick to the next; over some more, before the model's own error has changed, slow
+ * noise too. */
+static void watch_noise(struct model_observer *observer, enum side side, uint32_t tick,
+                        real error_rad)
+{
+    real *kept = observer->error_rad[side];
+    const real last = error_rad - kept[(tick - 1) % MODEL_SLOW_TICKS];
+    const real oldest = error_rad - kept[tick % MODEL_SLOW_TICKS];
+    if (observer->errors > 0) {
+        approach(&observer->noise_rad2, REAL(0.5) * last * last);
+    }
+    if (observer->errors >= MODEL_SLOW_TICKS) {
+        const real slow = REAL(0.5) * oldest * oldest - observer->noise_rad2;
+        approach(&observer->slow_rad2, slow);
+    }
+    kept[tick % MODEL_SLOW_TICKS] = error_rad;
 }
 
 static void advance_single(struct model_observer *observer, const struct controller_input *input)
@@ -112,12 +128,13 @@ static void advance_single(struct model_observer *observer, const struct control
     const real swing_off = input->leg[swing].leg_angle_rad - observer->state[SWING_ANGLE];
     if (input->leg[stance].age_ticks == 0) {
         correct(observer, stance_gain, STANCE_ANGLE, STANCE_RATE, stance_off);
-        watch_noise(observer, stance, stance_off);
     }
     if (input->leg[swing].age_ticks == 0) {
         correct(observer, swing_gain, SWING_ANGLE, SWING_RATE, swing_off);
-        watch_noise(observer, swing, swing_off);
     }
+    watch_noise(observer, stance, input->tick, stance_off);
+    watch_noise(observer, swing, input->tick, swing_off);
+    observer->errors++;
     const bool gross = real_abs(stance_off) > GROSS_RAD || real_abs(swing_off) > GROSS_RAD;
     observer->off_ticks = gross ? observer->off_ticks + 1 : 0;
     if (observer->off_ticks >= GROSS_TICKS || !all_finite(observer->state, SINGLE_SUPPORT_STATES)) {
@@ -241,6 +258,7 @@ static void enter_single(struct model_observer *observer, enum side stance, uint
     observer->since_tick = tick;
     observer->knot = 0;
     observer->off_ticks = 0;
+    observer->errors = 0;
 }
 
 void model_observer_lift_off(struct model_observer *observer, uint32_t tick, real rest_m)

@@ -30,7 +30,8 @@
 
 enum model_phase { MODEL_LOST = 0, MODEL_SINGLE = 1, MODEL_DOUBLE = 2 };
 
-enum { MODEL_HISTORY = 64 }; /* ticks; a power of two above the longest age of a strike */
+enum { MODEL_SLOW_TICKS = 32 }; /* a power of two */
+enum { MODEL_HISTORY = 64 };    /* ticks; a power of two above the longest age of a strike */
 
 struct model_observer {
     struct walker walker;
@@ -44,8 +45,12 @@ struct model_observer {
     uint32_t since_tick;                                /* of the single support */
     uint32_t knot;      /* of observer_gains, rising with the time since lift-off */
     uint32_t off_ticks; /* in a row with a gross disagreement */
-    real noise_rad2;    /* mean square of the sensors' angle noise, estimated */
-    real error_before_rad[SIDE_COUNT];
+    /* Mean squares of the angles' noise, estimated: white, and slow: what changes within
+     * MODEL_SLOW_TICKS beyond that. */
+    real noise_rad2;
+    real slow_rad2;
+    real error_rad[SIDE_COUNT][MODEL_SLOW_TICKS]; /* measured minus predicted, by tick */
+    uint32_t errors;                              /* ticks of this single support in error_rad */
 };
 
 /* Lost at first. *params must be valid; parameters that make no walker leave the

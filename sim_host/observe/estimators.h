@@ -6,11 +6,11 @@
 #include <stdbool.h>
 
 struct naive_estimator {
-    double before_rad;        /* last sample */
-    double in[2], out[2];     /* of the filter, newest first */
-    double b[3], a[2];        /* its coefficients */
-    double plain_rad_s;       /* forward speed at the last crossing of the raw angle */
-    double filtered_rad_s;    /* and of the filtered angle */
+    double before_rad;     /* last sample */
+    double in[2], out[2];  /* of the filter, newest first */
+    double b[3], a[2];     /* its coefficients */
+    double plain_rad_s;    /* forward speed at the last crossing of the raw angle */
+    double filtered_rad_s; /* and of the filtered angle */
     int started;
 };
 

@@ -32,23 +32,13 @@ enum what {
     CASES
 };
 
-static const char *const names[CASES] = {"as the parameters say",
-                                         "controller's l 10 % short",
-                                         "controller's l 10 % long",
-                                         "controller's M 10 % light",
-                                         "controller's M 10 % heavy",
-                                         "controller's m 10 % light",
-                                         "controller's m 10 % heavy",
-                                         "controller's k 10 % soft",
-                                         "controller's k 10 % stiff",
-                                         "one leg 1 % longer",
-                                         "2 degrees uphill",
-                                         "2 degrees downhill",
-                                         "ground uneven, 1 mm RMS",
-                                         "both sensors off by 5 mrad",
-                                         "sensors off by 5 and -5 mrad",
-                                         "0.5 mrad of noise below 5 Hz",
-                                         "5 % of the samples lost"};
+static const char *const names[CASES] = {
+    "as the parameters say",        "controller's l 10 % short",  "controller's l 10 % long",
+    "controller's M 10 % light",    "controller's M 10 % heavy",  "controller's m 10 % light",
+    "controller's m 10 % heavy",    "controller's k 10 % soft",   "controller's k 10 % stiff",
+    "one leg 1 % longer",           "2 degrees uphill",           "2 degrees downhill",
+    "ground uneven, 1 mm RMS",      "both sensors off by 5 mrad", "sensors off by 5 and -5 mrad",
+    "0.5 mrad of noise below 5 Hz", "5 % of the samples lost"};
 
 /* A leg that is longer stands, so to say, in a hollow: the ground under it lower by the
  * difference, under the other not. */
@@ -111,19 +101,19 @@ static void change(enum what what, struct loop_config *config)
     }
 }
 
-int observe_mismatch(int steps, int settle)
+static int run_all(enum law_mode law, int steps, int settle)
 {
     const int settled = settle + (int)((MISMATCH_SPEED_RAD_S - 0.407) / 0.005);
     char message[LOOP_MESSAGE_MAX];
-    printf("Closed loop, eq. (16), to %.2f rad/s, 17-bit sensors, one count of noise, 2 ms late; the\n"
+    printf("Closed loop, %s, to %.2f rad/s, 17-bit sensors, one count of noise, 2 ms late; the\n"
            "walker, ground or sensors differ from what the controller is told.\n\n"
            "                                      apex speed, observer    swing at apex   model's"
            "   apexes          true speed\n"
            "                                    rms %%  mean %%  worst %%    mrad  mrad/s     share"
            "  false missed    mean  spread\n",
-           MISMATCH_SPEED_RAD_S);
+           law == LAW_PROPORTIONAL ? "eq. (16)" : "predictive law", MISMATCH_SPEED_RAD_S);
     for (int what = NOTHING; what < CASES; what++) {
-        const struct observe_case want = {MISMATCH_SPEED_RAD_S, SENSORS_17BIT, 1.0, 0.002, 1};
+        const struct observe_case want = {MISMATCH_SPEED_RAD_S, SENSORS_17BIT, 1.0, 0.002, 1, law};
         struct loop_config config;
         struct observed_walk w;
         if (observe_configure(&want, &config, message) != 0) {
@@ -154,4 +144,11 @@ int observe_mismatch(int steps, int settle)
         fflush(stdout);
     }
     return 0;
+}
+
+int observe_mismatch(int steps, int settle)
+{
+    const int status = run_all(LAW_PROPORTIONAL, steps, settle);
+    printf("\n");
+    return status != 0 ? status : run_all(LAW_PREDICTIVE, steps, settle);
 }

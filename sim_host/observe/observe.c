@@ -50,6 +50,8 @@ int observe_configure(const struct observe_case *want, struct loop_config *confi
     double speed;
     walk_options_init(&options);
     options.speed_rad_s = want->speed_rad_s;
+    options.law_given = true;
+    options.law = want->law;
     if (walk_options_resolve(&options, &subject, &params, &speed, message) != 0 ||
         loop_configure(config, &subject, &params, speed, want->sensors, want->seed, message) != 0) {
         return -1;
@@ -68,7 +70,8 @@ static void print_cost(double speed_rad_s, const struct speed_errors *errors)
 {
     struct noisy_walk walk;
     const double scatter = sqrt(fmax(0.0, errors->rms * errors->rms - errors->mean * errors->mean));
-    if (errors->count == 0 || noisy_map_walk(speed_rad_s, 0.042, scatter, MAP_STRIDES, 1, &walk) != 0) {
+    if (errors->count == 0 ||
+        noisy_map_walk(speed_rad_s, 0.042, scatter, MAP_STRIDES, 1, &walk) != 0) {
         printf(" %11s", "-");
     } else if (walk.fell) {
         printf("  falls%5d", walk.walked);
@@ -79,13 +82,14 @@ static void print_cost(double speed_rad_s, const struct speed_errors *errors)
 
 static void print_header(void)
 {
-    printf("Closed loop, eq. (16), the paper's walker over bus, nodes and SEA; the controller's apex\n"
-           "speed against the plant's. \"plain\": the difference of the two samples around the\n"
-           "crossing; \"butterw.\": of the same through a second-order 10 Hz low-pass. Delays: mean\n"
-           "time from the event until the controller reports it. Law: RMS spread of the apex speed\n"
-           "on the ideal return map with this scatter of the measured speed, over %d strides, or\n"
-           "the strides until it falls.\n\n",
-           MAP_STRIDES);
+    printf(
+        "Closed loop, eq. (16), the paper's walker over bus, nodes and SEA; the controller's apex\n"
+        "speed against the plant's. \"plain\": the difference of the two samples around the\n"
+        "crossing; \"butterw.\": of the same through a second-order 10 Hz low-pass. Delays: mean\n"
+        "time from the event until the controller reports it. Law: RMS spread of the apex speed\n"
+        "on the ideal return map with this scatter of the measured speed, over %d strides, or\n"
+        "the strides until it falls.\n\n",
+        MAP_STRIDES);
     printf("                               observer          plain  butterw.   swing at apex"
            "      delay, ms             law: spread of the speed\n"
            "  sensor noise late speed   rms %%  worst %%    rms %%     rms %%    mrad   mrad/s"
@@ -131,10 +135,14 @@ static int print_case(const struct observe_case *want, const char *name, int ste
 int command_observe(int argc, char **argv)
 {
     static const struct argp parser = {
-        table, parse, 0,
+        table,
+        parse,
+        0,
         "Walks in closed loop and compares what the controller knew of the gait with the truth, "
         "over resolution, noise, latency and speed.",
-        0, 0, 0};
+        0,
+        0,
+        0};
     static const struct {
         enum sensor_preset_kind kind;
         const char *name;
@@ -153,8 +161,8 @@ int command_observe(int argc, char **argv)
             for (int l = 0; l < 3; l++) {
                 for (int v = 0; v < 3; v++) {
                     const int off_middle = (n != 1) + (l != 1) + (v != 1);
-                    const struct observe_case want = {speeds[v], sensors[s].kind, noises[n],
-                                                      latencies[l], 1};
+                    const struct observe_case want = {
+                        speeds[v], sensors[s].kind, noises[n], latencies[l], 1, LAW_PROPORTIONAL};
                     if ((options.full || off_middle <= 1) &&
                         print_case(&want, sensors[s].name, options.steps) != 0) {
                         return 1;

@@ -10,6 +10,7 @@ struct observe_case {
     enum sensor_preset_kind sensors;
     double noise_counts, latency_s;
     uint64_t seed;
+    enum law_mode law;
 };
 
 /* Fills *config for the case. Returns 0, or -1 with the reason in message. */

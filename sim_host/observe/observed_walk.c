@@ -170,7 +170,8 @@ static void finish(struct session *session)
     if (session->counted > 0) {
         const double mean = session->sum / session->counted;
         walk->mean_speed_rad_s = mean;
-        walk->speed_spread = sqrt(fmax(0.0, session->squares / session->counted - mean * mean)) / mean;
+        walk->speed_spread =
+            sqrt(fmax(0.0, session->squares / session->counted - mean * mean)) / mean;
     }
     walk->steps = session->passed;
 }

@@ -6,8 +6,8 @@
 #include <stdint.h>
 
 struct noisy_walk {
-    double spread;  /* RMS deviation of the true apex speed from its mean, as a share */
-    int walked;     /* strides before a fault, at most those asked for */
+    double spread; /* RMS deviation of the true apex speed from its mean, as a share */
+    int walked;    /* strides before a fault, at most those asked for */
     int fell;
 };
 
