@@ -181,6 +181,7 @@ test-long: ## what takes longer than `make test` may: tests marked long
 	$(Q)scripts/run-tests --build build --python --long
 
 bench: ## how fast it is, as ratios measured side by side
+	$(Q)scripts/setup bench
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/bench $(BUILD)
 	$(Q)scripts/bench-strides $(BUILD)

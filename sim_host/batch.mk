@@ -1,5 +1,19 @@
 # The speed measurements' comparisons use libraries where they are installed; without them they say so.
-HAVE_HEADER = $(shell printf '\#include <$(1)>\n' | $(CC) -E -x c - >/dev/null 2>&1 && echo yes)
+HAVE_HEADER = $(shell printf '\043include <$(1)>\n' | $(CC) -E -x c - >/dev/null 2>&1 && echo yes)
 $(BUILD)/afo-bench-cvode: private LDLIBS_SIM += $(if $(call HAVE_HEADER,cvode/cvode.h),\
         -lsundials_cvode -lsundials_nvecserial -lsundials_generic)
 $(BUILD)/afo-bench-gsl: private LDLIBS_SIM += $(if $(call HAVE_HEADER,gsl/gsl_odeiv2.h),-lgsl -lgslcblas)
+
+# Long work under mpirun, where MPI is installed. Only programs that run chunks come to need its library.
+MPI_INCLUDES := $(shell mpicc --showme:incdirs 2>/dev/null)
+ifneq ($(MPI_INCLUDES),)
+$(BUILD)/f64/sim_host/batch/chunks_mpi.o: private CFLAGS_ALL += -DBATCH_HAVE_MPI $(MPI_INCLUDES:%=-isystem %)
+LDLIBS_SIM += -Wl,--as-needed $(shell mpicc --showme:libdirs 2>/dev/null | sed 's/[^ ]\+/-L&/g') \
+        $(shell mpicc --showme:libs 2>/dev/null | sed 's/[^ ]\+/-l&/g') -Wl,--no-as-needed
+endif
+
+.PHONY: atlas
+atlas: ## where a walker walks: the basin as a volume, the plane of push-off and stiffness (long; resumes)
+	$(Q)scripts/setup bench
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)scripts/bench-atlas $(BUILD)
