@@ -12,7 +12,7 @@ enum speed_table_result speed_table_check(const struct speed_table *table)
         return SPEED_TABLE_BAD_GRID;
     }
     real below = REAL(0.0);
-    for (uint16_t i = 0; i < table->count; i++) {
+    for (uint32_t i = 0; i < table->count; i++) {
         const real speed = table->speed_rad_s[i];
         if (!(speed > below) || !real_is_finite(speed)) {
             return SPEED_TABLE_NOT_RISING;

@@ -18,7 +18,7 @@
 enum { SPEED_TABLE_MAX = 64 };
 
 struct speed_table {
-    uint16_t count;                    /* 4..SPEED_TABLE_MAX used entries */
+    uint32_t count;                    /* 4..SPEED_TABLE_MAX used entries; 32 bits: no padding */
     real r0_min_m;                     /* r0 of entry 0, > 0 */
     real r0_step_m;                    /* > 0 */
     real speed_rad_s[SPEED_TABLE_MAX]; /* forward apex speed, strictly rising */

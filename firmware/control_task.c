@@ -27,11 +27,6 @@ static void count(uint32_t *counter)
     }
 }
 
-static uint64_t now_ns(const struct control_task *task)
-{
-    return (uint64_t)task->tick * (TICK_PERIOD_US * UINT64_C(1000));
-}
-
 int control_task_init(struct control_task *task, const struct control_task_config *config)
 {
     const int verdict = control_params_validate(config->params);
@@ -137,19 +132,23 @@ static void configure_nodes(struct control_task *task)
     network_clear_booted(&task->network);
     for (unsigned i = 0; i < NETWORK_NODES && setup->node == 0; i++) {
         if (task->network.node[i].state != NMT_UNKNOWN && (task->configured & (1u << i)) == 0) {
-            node_setup_start(setup, &task->config.setup, task->network.node[i].id, now_ns(task));
+            node_setup_start(setup, &task->config.setup, task->network.node[i].id, task->now_ns);
             network_command(&task->config.bus, NMT_ENTER_PRE_OPERATIONAL, setup->node);
         }
     }
     if (setup->node == 0 || setup->failure.verdict != SETUP_DONE) {
         return;
     }
-    const enum setup_verdict verdict = node_setup_poll(setup, &task->config.bus, now_ns(task));
+    const enum setup_verdict verdict = node_setup_poll(setup, &task->config.bus, task->now_ns);
     if (verdict == SETUP_DONE) {
         task->configured = (uint8_t)(task->configured | 1u << network_index(setup->node));
+        controller_node_setup_done(&task->node, setup->node);
         setup->node = 0;
     } else if (verdict < SETUP_DONE) {
         controller_node_report_setup(&task->node, &setup->failure);
+        if (verdict == SETUP_SILENT) {
+            setup->node = 0; /* a frame may have been lost: from the start again */
+        }
     }
 }
 
@@ -168,6 +167,7 @@ static unsigned run_tick(struct control_task *task)
 {
     struct controller_input input;
     task->tick++;
+    task->now_ns += TICK_PERIOD_US * UINT64_C(1000);
     task->emergency_stop = emergency_stop_is_pressed(&task->config.stop);
     collect_input(task, &input);
     controller_update(&task->controller, &input, &task->output);
@@ -179,7 +179,7 @@ static unsigned run_tick(struct control_task *task)
     network_update(&task->network, &task->config.bus, task->configured);
     show_counters(task);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
-                           now_ns(task));
+                           task->now_ns);
     sea_drives_age(&task->config.drives);
     leg_sensors_age(&task->sensors);
     return CONTROL_TASK_TICKED | CONTROL_TASK_BUS_ALIVE | CONTROL_TASK_SUPERVISED |
@@ -202,8 +202,8 @@ static void take_frame(struct control_task *task, const struct can_msg *message)
     if (!leg_sensors_receive(&task->sensors, message) &&
         !sea_drives_receive(&task->config.drives, message) &&
         !network_receive(&task->network, message) &&
-        !node_setup_receive(&task->setup, message, now_ns(task)) &&
-        !controller_node_receive(&task->node, message, now_ns(task))) {
+        !node_setup_receive(&task->setup, message, task->now_ns) &&
+        !controller_node_receive(&task->node, message, task->now_ns)) {
         count(&task->counters.foreign_frames);
         return;
     }

@@ -64,7 +64,8 @@ struct control_task {
     struct controller controller;
     struct controller_output output; /* of the last tick */
     struct control_task_counters counters;
-    uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet */
+    uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet; wraps after 49 days */
+    uint64_t now_ns;      /* since the task's start, in periods of SYNC; does not wrap */
     uint8_t configured;   /* bit i: node i of the network is set up */
     uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
     bool emergency_stop;  /* as used in the last tick, and as sent */

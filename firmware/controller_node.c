@@ -1,5 +1,7 @@
 #include "firmware/controller_node.h"
 
+#include <assert.h>
+
 #include "firmware/version.h"
 #include "hal/bytes.h"
 #include "hal/canopen/co_defs.h"
@@ -12,6 +14,13 @@ enum { TPDO_STEP = 0, TPDO_STATE = 1, INDEX_COMMANDS = 0x2000, INDEX_PARAMS = 0x
 #define R0_UNITS_PER_METRE 100000.0f
 #define EMERGENCY_STOP_BIT 0x80u
 #define RIGHT_BIT 0x80u
+
+/* The parameters' own bytes, before the pointer and what aligns it. */
+#define PARAMS_OWN_BYTES (offsetof(struct control_params, table) + sizeof(struct speed_table))
+static_assert(PARAMS_OWN_BYTES == sizeof(float) * (CONTROL_PARAM_COUNT + 3 + SPEED_TABLE_MAX) &&
+                  sizeof(struct gait_branch) ==
+                      sizeof(float) * (5 + GAIT_BRANCH_MAX * (9 + GAIT_BRANCH_COSTS)),
+              "the parameters' checksum covers no padding, whose bytes nobody defines");
 
 static const struct co_dictionary dictionary_template = {controller_object_table, 0, NULL};
 
@@ -84,7 +93,7 @@ static uint32_t writing(void *context, const struct co_entry *entry, const uint8
 /* Over values and tables, not over where they lie: the same on every machine. */
 static uint32_t crc_of(const struct control_params *params)
 {
-    const uint32_t crc = crc32_update(CRC32_INIT, params, offsetof(struct control_params, branch));
+    const uint32_t crc = crc32_update(CRC32_INIT, params, PARAMS_OWN_BYTES);
     return params->branch != NULL ? crc32_update(crc, params->branch, sizeof *params->branch) : crc;
 }
 
@@ -268,4 +277,12 @@ void controller_node_report_setup(struct controller_node *node, const struct set
                                (uint8_t)(failure->index >> 8), failure->sub,
                                objects->refused_verdict};
     co_device_raise(&node->device, CONTROLLER_EMCY_SETUP_REFUSED, CO_ERROR_GENERIC, vendor);
+}
+
+void controller_node_setup_done(struct controller_node *node, uint8_t which)
+{
+    if (node->objects.refused_node == which) {
+        node->objects.refused_node = 0;
+        co_device_clear(&node->device, CONTROLLER_EMCY_SETUP_REFUSED);
+    }
 }

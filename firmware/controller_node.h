@@ -100,4 +100,7 @@ enum { CONTROLLER_CRC_BYTES = 16 };
 /* A node was refused at start: raises the emergency and keeps the reason. */
 void controller_node_report_setup(struct controller_node *node, const struct setup_failure *failure);
 
+/* A node is set up: takes back what was said about it, if it had been refused. */
+void controller_node_setup_done(struct controller_node *node, uint8_t which);
+
 #endif

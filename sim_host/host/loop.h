@@ -30,6 +30,9 @@ enum loop_fault {
     LOOP_FAULT_COUNT = 4
 };
 
+/* Its name on the command line and in reports. */
+const char *loop_fault_name(enum loop_fault fault);
+
 struct loop_config {
     struct subject subject;
     struct control_params params;
@@ -60,7 +63,6 @@ struct loop {
     bool fault_active;
     FILE *log;          /* candump -L, or NULL */
     uint64_t logged_frames;
-    bool log_failed;
 };
 
 /* Subject, its parameters and the sensors to a full config: plant by the subject's

@@ -13,6 +13,10 @@ int output_file_open(struct output_file *file, const char *path, char *message, 
         snprintf(message, size, "output path is too long");
         return -1;
     }
+    if (path[0] == '\0' || path[strlen(path) - 1] == '/') {
+        snprintf(message, size, "cannot write \"%s\": that is no file name", path);
+        return -1;
+    }
     snprintf(file->path, sizeof file->path, "%s", path);
     snprintf(file->temporary, sizeof file->temporary, "%s.%ld.part", path, (long)getpid());
     const bool exists = stat(path, &status) == 0;
@@ -22,7 +26,9 @@ int output_file_open(struct output_file *file, const char *path, char *message, 
     } else if (exists && access(path, W_OK) != 0) {
         /* errno says why: a write-protected file is not replaced either */
     } else {
-        file->stream = fopen(file->direct ? file->path : file->temporary, "w");
+        /* "x": two outputs under one name would share the temporary file. */
+        file->stream = fopen(file->direct ? file->path : file->temporary,
+                             file->direct ? "w" : "wx");
     }
     if (file->stream == NULL) {
         snprintf(message, size, "cannot write %s: %s", path, strerror(errno));

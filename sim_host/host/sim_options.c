@@ -21,15 +21,13 @@ enum {
     KEY_REAL_TIME
 };
 
-static const char *const fault_names[LOOP_FAULT_COUNT] = {"none", "cut-drives", "never-armed",
-                                                          "swapped"};
-
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The walk:", 2},
-    {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200)", 0},
-        {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
+    {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200; a recording: all)", 0},
+    {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
     {"wearer", KEY_WEARER, "FILE.csv", 0, "recorded walking in the walker's place", 0},
-    {"column", KEY_COLUMN, "ROLE=NAME", 0, "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
+    {"column", KEY_COLUMN, "ROLE=NAME", 0,
+     "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
     {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
@@ -46,13 +44,26 @@ static const struct argp_option option_list[] = {
 static void take_fault(struct argp_state *state, struct sim_options *options, const char *name)
 {
     for (int i = 0; i < LOOP_FAULT_COUNT; i++) {
-        if (strcmp(name, fault_names[i]) == 0) {
+        if (strcmp(name, loop_fault_name((enum loop_fault)i)) == 0) {
             options->fault = (enum loop_fault)i;
             return;
         }
     }
     argp_error(state, "--fault: \"%s\" is unknown, allowed is none, cut-drives, never-armed, swapped",
                name);
+}
+
+enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
+
+/* An option that would do nothing is a mistake of the caller's, not a wish. */
+static void check_used(struct argp_state *state, const struct sim_options *options)
+{
+    if (options->wearer_path == NULL && options->format_given) {
+        argp_error(state, "--column and --rate describe the recording of --wearer");
+    }
+    if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
+        argp_error(state, "--fault-step needs --fault NAME");
+    }
 }
 
 static void check_together(struct argp_state *state, const struct sim_options *options)
@@ -63,6 +74,11 @@ static void check_together(struct argp_state *state, const struct sim_options *o
     if (options->ticks && options->csv_path == NULL) {
         argp_error(state, "--ticks needs --csv FILE");
     }
+    if (options->csv_path != NULL && options->log_path != NULL &&
+        strcmp(options->csv_path, options->log_path) == 0) {
+        argp_error(state, "--csv and --log name the same file, %s", options->csv_path);
+    }
+    check_used(state, options);
 }
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -99,12 +115,14 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->wearer_path = text;
         break;
     case KEY_COLUMN:
+        options->format_given = true;
         if (!wearer_options_column(&options->wearer_format, text)) {
             argp_error(state, "--column: \"%s\" is not ROLE=NAME with one of the roles %s", text,
                        wearer_options_roles);
         }
         break;
     case KEY_RATE:
+        options->format_given = true;
         options->wearer_format.sample_rate_hz = option_number(state, "--rate", text, 20.0, 5000.0);
         break;
     case KEY_FAULT:
@@ -136,22 +154,28 @@ static error_t take(int key, char *text, struct argp_state *state)
 
 void sim_options_parse(struct sim_options *options, int argc, char **argv)
 {
-    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {0}};
+    static const struct argp_child children[] = {
+        {&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {0}};
     static const struct argp parser = {
         option_list, take, 0,
         "Walks the simulated walker in closed loop over an in-process CAN bus.\v"
         "Exit status: 0 walked, 1 fell or stopped by a fault, 2 wrong usage or input.",
         children, 0, 0};
-    *options = (struct sim_options){.steps = 200,
-                                    .sensors = SENSORS_17BIT,
+    *options = (struct sim_options){.sensors = SENSORS_17BIT,
                                     .sensors_name = "17bit",
                                     .seed = 1,
-                                    .fault_step = 10};
+                                    .fault_step = UINT32_MAX};
     walk_options_init(&options->walk);
     sensor_options_init(&options->sensor);
     option_identity("afo-sim");
     wearer_format_default(&options->wearer_format);
     if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
         exit(2);
+    }
+    if (options->steps == 0) {
+        options->steps = options->wearer_path != NULL ? UINT32_MAX : DEFAULT_STEPS;
+    }
+    if (options->fault_step == UINT32_MAX) {
+        options->fault_step = DEFAULT_FAULT_STEP;
     }
 }

@@ -11,7 +11,7 @@
 
 struct sim_options {
     struct walk_options walk;
-    uint32_t steps;
+    uint32_t steps; /* UINT32_MAX: to the recording's end */
     enum sensor_preset_kind sensors;
     const char *sensors_name;
     uint64_t seed;
@@ -20,6 +20,7 @@ struct sim_options {
     const char *log_path;
     const char *wearer_path;
     struct wearer_format wearer_format;
+    bool format_given; /* some of wearer_format is not the default */
     struct sensor_options sensor;
     enum loop_fault fault;
     uint32_t fault_step;

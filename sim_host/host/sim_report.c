@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "firmware/version.h"
+#include "sim_host/host/law_name.h"
 #include "sim_host/host/wearer_report.h"
 
 static const char *side_name(enum side side)
@@ -51,6 +52,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     json_string(stream, loop->config.subject.name);
     fprintf(stream, ", \"sensors\": \"%s\", \"seed\": %llu", options->sensors_name,
             (unsigned long long)options->seed);
+    fprintf(stream, ", \"law\": \"%s\"", law_name_of((enum law_mode)loop->config.params.law));
     fprintf(stream, ", \"fell\": %s, \"fault\": ", outcome->fell ? "true" : "false");
     if (outcome->fault[0] != '\0') {
         json_string(stream, outcome->fault);
@@ -192,15 +194,42 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
     if (params->law == (real)LAW_WEARER) {
         fprintf(stream, "  law        wearer: r0* = %g m, v* = their own mean\n",
                 (double)params->start_r0_m);
-    } else if (options->walk.open_loop) {
+    } else if (params->law == (real)LAW_OPEN_LOOP) {
         fprintf(stream, "  law        off: constant precompression r0 = %g m\n",
                 (double)params->open_loop_r0_m);
-    } else {
+    } else if (params->law == (real)LAW_PROPORTIONAL) {
         fprintf(stream, "  law        eq. (16) with kp = %.4g m per rad/s, to %g rad/s\n",
                 (double)params->kp_m_s_rad, loop->config.desired_speed_rad_s);
+    } else {
+        fprintf(stream, "  law        %s, to %g rad/s\n", law_name_of((enum law_mode)params->law),
+                loop->config.desired_speed_rad_s);
     }
     fprintf(stream, "  sensors    %s, seed %llu\n", options->sensors_name,
             (unsigned long long)options->seed);
+    if (loop->config.fault != LOOP_FAULT_NONE) {
+        fprintf(stream, "  fault      %s after step %u%s\n", loop_fault_name(loop->config.fault),
+                loop->config.fault_step, loop->fault_active ? "" : ": not reached");
+    }
+}
+
+/* Why a walk did not begin: the node that was refused, by what and by how much. */
+static void refused_node(FILE *stream, const struct controller_objects *objects)
+{
+    static const char *const verdicts[] = {"", "is not as the subject says", "refused the access",
+                                           "does not answer"};
+    const unsigned verdict = objects->refused_verdict;
+    if (objects->refused_node == 0 || verdict == 0 ||
+        verdict >= sizeof verdicts / sizeof verdicts[0]) {
+        return;
+    }
+    fprintf(stream, "  set-up     node %u: object %04X:%02X %s (expected %u, found %u)\n",
+            objects->refused_node, objects->refused_index, objects->refused_sub, verdicts[verdict],
+            objects->refused_expected, objects->refused_found);
+}
+
+static const char *plural(uint32_t count)
+{
+    return count == 1 ? "" : "s";
 }
 
 void sim_report_text(FILE *stream, const struct sim_options *options, const struct loop *loop,
@@ -211,10 +240,12 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
     fputs("\n", stream);
     what_was_asked(stream, options, loop);
     if (outcome->fault[0] != '\0') {
-        fprintf(stream, "  outcome    %s after %u steps: %s\n", outcome->fell ? "FELL" : "STOPPED",
-                record->count, outcome->fault);
+        fprintf(stream, "  outcome    %s after %u step%s: %s\n",
+                outcome->fell ? "FELL" : "STOPPED", record->count, plural(record->count),
+                outcome->fault);
+        refused_node(stream, &loop->rig.task.node.objects);
     } else {
-        fprintf(stream, "  outcome    walked %u steps\n", record->count);
+        fprintf(stream, "  outcome    walked %u step%s\n", record->count, plural(record->count));
     }
     if (record->count > 0) {
         step_lines(stream, record);

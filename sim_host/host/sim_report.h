@@ -11,7 +11,6 @@
 struct sim_outcome {
     bool fell;
     char fault[128]; /* "" = none; what ended the walk, in words */
-    bool reached;    /* all the steps asked for, or the whole recording */
     double wall_s;
 };
 

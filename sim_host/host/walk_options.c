@@ -128,8 +128,8 @@ static void override(struct subject *subject, const char *name, double value)
 static int check_speed(const struct control_params *params, double speed, char *message)
 {
     const struct speed_table *table = &params->table;
-    const double low = (double)table->speed_rad_s[0];
-    const double high = (double)table->speed_rad_s[table->count - 1];
+    const double low = (double)speed_table_speed(table, params->r0_min_m);
+    const double high = (double)speed_table_speed(table, params->r0_max_m);
     if (speed >= low && speed <= high) {
         return 0;
     }
@@ -137,6 +137,16 @@ static int check_speed(const struct control_params *params, double speed, char *
              "--speed %g is out of range: this subject's steady gaits go from %.4g to %.4g rad/s",
              speed, low, high);
     return -1;
+}
+
+/* Puts the subject's file before a message about its numbers. */
+static void name_file(const char *path, char *message)
+{
+    char reason[SUBJECT_MESSAGE_MAX];
+    if (path != NULL) {
+        snprintf(reason, sizeof reason, "%s", message);
+        snprintf(message, SUBJECT_MESSAGE_MAX, "%.300s: %.400s", path, reason);
+    }
 }
 
 int walk_options_resolve(const struct walk_options *options, struct subject *subject,
@@ -160,6 +170,7 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
         override(subject, "open_loop_r0_m", options->r0_m);
     }
     if (subject_control_params(subject, params, message) != 0) {
+        name_file(options->subject_path, message);
         return -1;
     }
     *desired_speed_rad_s = (double)speed_table_speed(&params->table, params->start_r0_m);

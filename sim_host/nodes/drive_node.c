@@ -11,6 +11,7 @@ enum {
     MODE_CYCLIC_SYNCHRONOUS_POSITION = 8,
     SUPPORTS_CYCLIC_SYNCHRONOUS_POSITION = 1 << 7,
     ENCODER_INCREMENTS = 65536,
+    COARSE_ENCODER_INCREMENTS = 1024, /* below ENCODER_INCREMENTS counts a metre */
     FOLLOWING_TIMEOUT_MS = 100,
     TARGET_TIMEOUT_MS = 50,
     OPTION_UNLOAD = 1,
@@ -93,12 +94,15 @@ static void default_objects(struct drive_node *node)
     objects->limit_max = node_round_i32(config->stroke_m * (double)config->counts_per_m);
     objects->max_speed =
         (uint32_t)node_round_i32(config->max_speed_m_per_s * (double)config->counts_per_m);
-    objects->encoder_increments = ENCODER_INCREMENTS;
+    /* One turn is at most a metre or so, for the feed in nanometres to fit its object. */
+    objects->encoder_increments = config->counts_per_m >= ENCODER_INCREMENTS
+                                      ? ENCODER_INCREMENTS
+                                      : COARSE_ENCODER_INCREMENTS;
     objects->encoder_revolutions = 1;
     objects->gear_motor = 1;
     objects->gear_shaft = 1;
     objects->feed =
-        (uint32_t)node_round_i32(ENCODER_INCREMENTS * 1e9 / (double)config->counts_per_m);
+        (uint32_t)node_round_i32(objects->encoder_increments * 1e9 / (double)config->counts_per_m);
     objects->feed_revolutions = 1;
     objects->interpolation_value = 1;
     objects->interpolation_exponent = -3;

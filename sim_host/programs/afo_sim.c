@@ -118,8 +118,11 @@ static void show_progress(const struct session *session, bool last)
     if (record->count == 0) {
         return;
     }
-    fprintf(stderr, "\r  step %u of %u, %.4f rad/s ", record->count, session->options.steps,
-            record->rows[record->count - 1].apex_speed_rad_s);
+    fprintf(stderr, "\r  step %u", record->count);
+    if (session->options.steps != UINT32_MAX) {
+        fprintf(stderr, " of %u", session->options.steps);
+    }
+    fprintf(stderr, ", %.4f rad/s ", record->rows[record->count - 1].apex_speed_rad_s);
     if (last) {
         fputs("\r                                                  \r", stderr);
     }
@@ -142,17 +145,15 @@ static bool is_over(struct session *session, uint64_t last_progress_tick)
         judge_fall(session, fault);
         return true;
     }
-    if (session->options.wearer_path != NULL) {
-        struct plant_truth truth;
-        plant_truth(&loop->nodes.plant, &truth);
-        session->outcome.reached = truth.finished;
-        return truth.finished;
-    }
     if (record->count >= session->options.steps &&
         (record->rows[session->options.steps - 1].measured ||
          loop->tick - last_progress_tick > RECORD_DELAY_TICKS)) {
-        session->outcome.reached = true;
         return true;
+    }
+    if (session->options.wearer_path != NULL) { /* may stand still as long as they like */
+        struct plant_truth truth;
+        plant_truth(&loop->nodes.plant, &truth);
+        return truth.finished;
     }
     const uint64_t patience = record->count == 0 ? FIRST_STEP_TICKS : STEP_TICKS;
     if (loop->tick - last_progress_tick > patience) {
@@ -162,6 +163,12 @@ static bool is_over(struct session *session, uint64_t last_progress_tick)
         return true;
     }
     return false;
+}
+
+static bool output_failed(const struct session *session)
+{
+    return (session->csv.stream != NULL && ferror(session->csv.stream)) ||
+           (session->log.stream != NULL && ferror(session->log.stream));
 }
 
 static void walk(struct session *session)
@@ -195,6 +202,11 @@ static void walk(struct session *session)
             snprintf(session->outcome.fault, sizeof session->outcome.fault, "interrupted");
             break;
         }
+        if (output_failed(session)) { /* finish() says which and why */
+            snprintf(session->outcome.fault, sizeof session->outcome.fault,
+                     "an output could not be written");
+            break;
+        }
     } while (!is_over(session, last_progress_tick));
     session->outcome.wall_s = now_s() - start_s;
     if (progress) {
@@ -215,12 +227,27 @@ static void name_controller_fault(struct session *session)
 
 /* ---- reporting ------------------------------------------------------------- */
 
+/* A walk that was broken off leaves no file that looks like a whole one. The file
+ * that cannot be written itself is left to its commit, which knows the reason. */
+static void discard_unfinished(struct output_file *file)
+{
+    if (file->stream == NULL || ferror(file->stream)) {
+        return;
+    }
+    fprintf(stderr, "afo-sim: the walk was broken off, %s is not written\n", file->path);
+    output_file_discard(file);
+}
+
 static int finish(struct session *session)
 {
     const struct sim_options *options = &session->options;
     char message[OUTPUT_PATH_MAX + 256];
     int status = session->outcome.fell || session->outcome.fault[0] != '\0' ? EXIT_FELL : EXIT_WALKED;
 
+    if (interrupted || output_failed(session)) {
+        discard_unfinished(&session->csv);
+        discard_unfinished(&session->log);
+    }
     if (session->csv.stream != NULL) {
         if (!options->ticks) {
             sim_report_csv(session->csv.stream, &session->record,
@@ -290,6 +317,8 @@ int main(int argc, char **argv)
     static struct session session;
     signal(SIGINT, on_interrupt);
     signal(SIGTERM, on_interrupt);
+    signal(SIGHUP, on_interrupt);
+    signal(SIGPIPE, SIG_IGN); /* a reader that went away is a write error like others */
     sim_options_parse(&session.options, argc, argv);
     const int status = run(&session);
     output_file_discard(&session.csv);

@@ -29,12 +29,14 @@ enum gait_curve_error {
     GAIT_CURVE_OK = 0,
     GAIT_CURVE_BAD_WALKER = -1, /* a parameter out of range */
     GAIT_CURVE_BAD_GRID =
-        -2,              /* r0 outside GAIT_CURVE_FLOOR..0.4 leg lengths, or fewer than one point */
+        -2,              /* r0 outside GAIT_CURVE_FLOOR..GAIT_CURVE_CEILING leg lengths, or fewer than one point */
     GAIT_CURVE_LOST = -3 /* the branch could not be followed to this walker or this far */
 };
 
 /* Slowest push-off served, in leg lengths: below it the speed goes to zero with the square root of r0. */
 #define GAIT_CURVE_FLOOR 0.002
+/* Longest push-off served, in leg lengths: beyond every gait of the paper. */
+#define GAIT_CURVE_CEILING 0.4
 
 /* The walker of the paper. */
 struct gait_walker gait_walker_of_paper(void);

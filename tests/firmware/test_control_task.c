@@ -251,6 +251,59 @@ START_TEST(parameters_out_of_range_are_refused)
 }
 END_TEST
 
+/* 49.7 days after its start the tick counter wraps; nothing else may notice. */
+START_TEST(the_tick_counter_may_wrap)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 110, 0x0227);
+    b.task.tick = UINT32_MAX - 50;
+    b.task.controller.supervisor.since_tick += UINT32_MAX - 50 - 110;
+    for (int i = 0; i < 10; i++) {
+        fake_bus_clear(&b.fake);
+        run_ticks(&b, 100, 0x0227);
+        ck_assert_uint_eq(fake_bus_count(&b.fake, 0x710), 1); /* the drives' consumers wait for it */
+        ck_assert_uint_eq(fake_bus_count(&b.fake, 0x290), 1);
+        ck_assert_uint_eq(fake_bus_count(&b.fake, 0x090), 0);
+        ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+    }
+    ck_assert_uint_lt(b.task.tick, 2000);
+}
+END_TEST
+
+/* A drive that says 402 to every question, or nothing. */
+static void run_setup(struct bench *b, int ticks, bool answers)
+{
+    for (int i = 0; i < ticks; i++) {
+        fake_bus_clear(&b->fake);
+        put(b, 0x701, 1, 127);
+        put_own_sync(b);
+        (void)control_task_poll(&b->task);
+        const struct can_msg *request = fake_bus_last(&b->fake, 0x601);
+        if (request != NULL && answers) {
+            uint64_t answer = UINT64_C(402) << 32; /* the profile, as 0x1000 says it */
+            memcpy(&answer, request->data, 4);
+            answer = (answer & ~UINT64_C(0xFF)) | (request->data[0] == 0x40 ? 0x43 : 0x60);
+            put(b, 0x581, 8, answer);
+        }
+    }
+}
+
+START_TEST(a_lost_answer_at_set_up_is_asked_for_again)
+{
+    struct bench b;
+    start(&b);
+    b.task.config.configure_nodes = true;
+    run_setup(&b, 1, false); /* the first question is lost */
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x601));
+    run_setup(&b, SETUP_TIMEOUT_MS + 3, false);
+    ck_assert_uint_eq(b.task.node.objects.refused_node, 1);
+    ck_assert_uint_eq(b.task.node.objects.refused_verdict, 3);
+    run_setup(&b, SETUP_TIMEOUT_MS + 10, true);
+    ck_assert_uint_eq(b.task.node.objects.refused_index, 0x1017); /* past the question that was lost */
+}
+END_TEST
+
 START_TEST(a_poll_is_bounded)
 {
     struct bench b;
@@ -274,6 +327,8 @@ int main(void)
     tcase_add_test(tests, emergency_stop_is_obeyed_and_told);
     tcase_add_test(tests, a_lost_frame_is_bridged_a_lost_sensor_is_not);
     tcase_add_test(tests, parameters_out_of_range_are_refused);
+    tcase_add_test(tests, the_tick_counter_may_wrap);
+    tcase_add_test(tests, a_lost_answer_at_set_up_is_asked_for_again);
     tcase_add_test(tests, a_poll_is_bounded);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

@@ -407,6 +407,20 @@ START_TEST(the_scaling_can_be_read_back)
 }
 END_TEST
 
+START_TEST(a_coarse_scaling_fits_its_objects_too)
+{
+    const uint32_t counts_per_m[] = {1000, 20000, 65535, 65536, 13107200, 100000000};
+    for (unsigned i = 0; i < sizeof counts_per_m / sizeof counts_per_m[0]; i++) {
+        struct drive_node other;
+        struct drive_node_config config = node.config;
+        config.counts_per_m = counts_per_m[i];
+        ck_assert_int_eq(drive_node_init(&other, &config, node.device.bus, 0), 0);
+        assert_close(other.objects.encoder_increments * 1e9 / other.objects.feed, counts_per_m[i], 0,
+                     1e-6);
+    }
+}
+END_TEST
+
 START_TEST(slow_values_come_every_hundred_syncs)
 {
     bench_nmt(&bench, 1);
@@ -456,6 +470,7 @@ int main(void)
     tcase_add_test(tcase, a_stuck_motor_is_a_following_error);
     tcase_add_test(tcase, a_wrong_mode_is_refused_and_the_mode_is_shown);
     tcase_add_test(tcase, the_scaling_can_be_read_back);
+    tcase_add_test(tcase, a_coarse_scaling_fits_its_objects_too);
     tcase_add_test(tcase, slow_values_come_every_hundred_syncs);
     tcase_add_test(tcase, an_rpdo_of_a_wrong_length_is_told_and_the_short_one_not_used);
     suite_add_tcase(suite, tcase);

@@ -2,10 +2,13 @@
 import csv
 import json
 import re
+import signal
+import subprocess
+import time
 
 import pytest
 
-from afo import ROOT, STEP_COLUMNS, TICK_COLUMNS, run
+from afo import ROOT, SIM, STEP_COLUMNS, TICK_COLUMNS, run
 
 SHORT = ("--speed", "0.42", "--steps", "8", "--sensors", "ideal", "--quiet")
 
@@ -141,6 +144,14 @@ def test_same_seed_same_log_other_seed_other_log(tmp_path):
     (["--wearer", "/no/such/file.csv"], ["/no/such/file.csv"]),
     (["--csv", "/no/such/folder/x.csv"], ["/no/such/folder/x.csv"]),
     (["--log", "/no/such/folder/x.log"], ["/no/such/folder/x.log"]),
+    (["--csv", ""], ["no file name"]),
+    (["--csv", "folder/"], ["folder/", "no file name"]),
+    (["--csv", "same", "--log", "same"], ["--csv", "--log", "same file"]),
+    (["--fault-step", "3"], ["--fault-step", "--fault"]),
+    (["--rate", "100"], ["--rate", "--wearer"]),
+    (["--column", "time="], ["--column", "--wearer"]),
+    (["--open-loop", "--r0", "0.35"], ["0.35", "allows"]),
+    (["--start-r0", "0.5"], ["0.5", "allow"]),
 ])
 def test_bad_arguments(arguments, words):
     done = run("--steps", "5", *arguments)
@@ -191,6 +202,35 @@ def test_a_key_given_twice_is_refused(tmp_path):
     assert '"M"' in done.stderr and "twice" in done.stderr
 
 
+@pytest.mark.parametrize("old,new,words", [
+    ("k = 100 ", "k = 100000 ", ['"k"', "allowed", "56.2 to 625"]),
+    ("k = 100 ", "k = 20 ", ['"k"', "allowed", "56.2 to 625"]),
+    ("stroke_max_m = 0.35", "stroke_max_m = 0.01", ["0.01", "SEA"]),
+    ("[sea]", "[controller]\nr0_max_m = 0.39\n[sea]", ["0.39", "stroke_max_m", "0.35"]),
+    ("[sea]", "[controller]\nkp_m_s_rad = 0.1\nkp_m_s_rad = 0.2\n[sea]", ["kp_m_s_rad", "twice"]),
+    ("[sea]", "[drive]\nprotocol = cia402\nprotocol = mit\n[sea]", ["twice"]),
+    ("counts_per_m = 13107200", "counts_per_m = 1000", ["counts_per_m", "30000"]),
+])
+def test_numbers_that_do_not_fit_together_are_refused(tmp_path, old, new, words):
+    """Each alone may be in range; the file is named and what would be allowed."""
+    path = tmp_path / "bad.ini"
+    assert old in paper_subject()
+    path.write_text(paper_subject().replace(old, new, 1))
+    done = run(*SHORT, "--subject", path)
+    assert done.returncode == 2
+    for word in ("bad.ini", *words):
+        assert word in done.stderr, done.stderr
+
+
+def test_a_speed_beyond_the_actuator_is_refused(tmp_path):
+    """0.8 rad/s takes 0.17 m of spring, which this stroke does not have."""
+    path = tmp_path / "short.ini"
+    path.write_text(paper_subject().replace("stroke_max_m = 0.35", "stroke_max_m = 0.1", 1))
+    done = run("--speed", "0.8", "--steps", "5", "--subject", path)
+    assert done.returncode == 2
+    assert re.search(r"from 0\.12\d+ to 0\.5[89]\d+ rad/s", done.stderr), done.stderr
+
+
 @pytest.mark.parametrize("key", ["M", "m", "l", "k"])
 def test_a_subject_without_a_body_is_refused(tmp_path, key):
     """What is missing is not filled in from somebody else's body."""
@@ -223,3 +263,36 @@ def test_a_full_disk_is_noticed():
     done = run(*SHORT, "--csv", "/dev/full", "--ticks")
     assert done.returncode == 2
     assert "/dev/full" in done.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interrupted_walk_leaves_no_partial_file(tmp_path, number):
+    (tmp_path / "steps.csv").write_text("the old one\n")
+    with subprocess.Popen([SIM, "--steps", "1000000", "--quiet", "--csv", tmp_path / "steps.csv",
+                           "--log", tmp_path / "walk.log"], stderr=subprocess.PIPE, text=True) as walk:
+        time.sleep(0.5)
+        walk.send_signal(number)
+        _, said = walk.communicate(timeout=30)
+    assert walk.returncode == 1
+    assert "steps.csv" in said and "walk.log" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["steps.csv"]
+    assert (tmp_path / "steps.csv").read_text() == "the old one\n"
+
+
+def test_a_reader_that_goes_away_ends_the_walk(tmp_path):
+    """And the log, which would be a part only, does not appear."""
+    with subprocess.Popen([SIM, "--steps", "1000000", "--quiet", "--ticks", "--csv", "/dev/stdout", "--log",
+                           tmp_path / "walk.log"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as walk:
+        walk.stdout.readline()
+        walk.stdout.close()
+        said = walk.stderr.read()
+        assert walk.wait(timeout=30) == 2
+    assert "/dev/stdout" in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_report_names_law_and_fault():
+    done = run("--speed", "0.42", "--steps", "1", "--law", "dlqr", "--fault", "swapped", "--fault-step", "50")
+    assert "dlqr" in done.stdout and "eq. (16)" not in done.stdout
+    assert re.search(r"swapped after step 50: not reached", done.stdout)
+    assert "walked 1 step\n" in done.stdout
