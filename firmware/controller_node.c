@@ -105,17 +105,31 @@ static void written(void *context, const struct co_entry *entry)
     }
 }
 
+/* The next bytes of what crc_of covers, from `at` on: at most `most` of them. */
+static const uint8_t *covered(const struct control_params *params, size_t at, size_t most,
+                              size_t *count)
+{
+    const bool own = at < PARAMS_OWN_BYTES;
+    const uint8_t *bytes = own ? (const uint8_t *)params + at
+                               : (const uint8_t *)params->branch + (at - PARAMS_OWN_BYTES);
+    const size_t left = own ? PARAMS_OWN_BYTES - at
+                            : PARAMS_OWN_BYTES + sizeof *params->branch - at;
+    *count = left < most ? left : most;
+    return bytes;
+}
+
 bool controller_node_params_corrupt(struct controller_node *node)
 {
-    const size_t size = sizeof node->objects.params;
+    const struct control_params *params = &node->objects.params;
+    const size_t size =
+        PARAMS_OWN_BYTES + (params->branch != NULL ? sizeof *params->branch : 0);
     if (node->crc_at == 0) {
         node->crc_so_far = CRC32_INIT;
         node->crc_expected = node->objects.params_crc;
     }
-    const size_t left = size - node->crc_at;
-    const size_t part = left < CONTROLLER_CRC_BYTES ? left : CONTROLLER_CRC_BYTES;
-    node->crc_so_far =
-        crc32_update(node->crc_so_far, (const uint8_t *)&node->objects.params + node->crc_at, part);
+    size_t part;
+    const uint8_t *bytes = covered(params, node->crc_at, CONTROLLER_CRC_BYTES, &part);
+    node->crc_so_far = crc32_update(node->crc_so_far, bytes, part);
     node->crc_at = (uint16_t)(node->crc_at + part);
     if (node->crc_at == size) {
         node->crc_at = 0;

@@ -92,7 +92,7 @@ void controller_node_update(struct controller_node *node, const struct controlle
 
 /* Once a tick: carries the CRC of the parameters in force CONTROLLER_CRC_BYTES further and
  * compares at their end. True when the last comparison failed: memory has changed by
- * itself. One round takes sizeof(struct control_params) / CONTROLLER_CRC_BYTES ticks; about
+ * itself. One round takes the parameters' and their tables' bytes / CONTROLLER_CRC_BYTES ticks; about
  * 20 instructions a byte. */
 bool controller_node_params_corrupt(struct controller_node *node);
 enum { CONTROLLER_CRC_BYTES = 16 };
