@@ -291,8 +291,14 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
         setup->under_way = false;
         if (result == CO_SDO_ABORTED) {
             const uint32_t code = setup->client.abort_code;
+            if (code == CO_ABORT_TIMEOUT && ++setup->timeouts < SETUP_TRIES) {
+                begin_transfer(setup, &step, now_ns);
+                (void)co_sdo_client_poll(&setup->client, bus, now_ns);
+                return SETUP_BUSY;
+            }
             return fail(setup, code == CO_ABORT_TIMEOUT ? SETUP_SILENT : SETUP_ABORTED, &step, code);
         }
+        setup->timeouts = 0;
         if (finish_step(setup, &step) < SETUP_DONE) {
             return setup->failure.verdict;
         }

@@ -31,7 +31,7 @@ enum setup_verdict {
     SETUP_DONE = 0,
     SETUP_DIFFERS = -1, /* found is not expected */
     SETUP_ABORTED = -2, /* the node refused the transfer: found is its abort code */
-    SETUP_SILENT = -3   /* no answer within SETUP_TIMEOUT_MS */
+    SETUP_SILENT = -3   /* no answer within SETUP_TIMEOUT_MS, SETUP_TRIES times */
 };
 
 /* What was wrong; valid when the verdict is negative. */
@@ -44,7 +44,7 @@ struct setup_failure {
     uint32_t found;
 };
 
-enum { SETUP_TIMEOUT_MS = 100, SETUP_SCALING_VALUES = 6 };
+enum { SETUP_TIMEOUT_MS = 100, SETUP_TRIES = 3, SETUP_SCALING_VALUES = 6 };
 
 struct node_setup {
     const struct node_setup_config *config; /* the caller's */
@@ -52,6 +52,7 @@ struct node_setup {
     struct setup_failure failure;
     uint16_t step;
     uint8_t node;
+    uint8_t timeouts;  /* of the transfer under way: one lost frame is no refusal */
     bool reading_back; /* the value of this step was written, now it is read */
     bool under_way;    /* a transfer is with the client */
     uint32_t scaling[SETUP_SCALING_VALUES]; /* 0x608F, 0x6091, 0x6092 as read */

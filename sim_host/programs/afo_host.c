@@ -27,6 +27,7 @@ struct options {
     const char *interface;
     uint32_t steps; /* 0 = until stopped */
     bool real_time;
+    bool auto_reset; /* on a bench: clear a latched fault by itself */
     bool quiet;
     bool json;
 };
@@ -41,6 +42,7 @@ struct host {
     struct pacer pacer;
     uint64_t lost_cycles; /* cycles that went on without an answer */
     uint32_t steps;
+    uint32_t faults; /* times that a fault was latched */
     bool refusal_told;
     enum supervisor_state told_state;
 };
@@ -55,11 +57,17 @@ static void on_signal(int number)
 
 /* ---- options --------------------------------------------------------------- */
 
+enum { KEY_AUTO_RESET = 0x100 };
+
 static const struct argp_option option_list[] = {
     {"can", 'c', "IFACE", 0, "CAN interface, such as can0 or vcan0 (required)", 2},
     {"steps", 'n', "N", 0, "stop after N steps (default: until interrupted)", 2},
     {"real-time", 'r', 0, 0,
      "SYNC every millisecond by the clock (default: lock-step, as fast as the nodes answer)", 2},
+    {"auto-reset", KEY_AUTO_RESET, 0, 0,
+     "clear a latched fault once all nodes are back and still (on a bench only: never with a "
+     "wearer)",
+     2},
     {"json", 'j', 0, 0, "one JSON object on standard output at the end", 2},
     {"quiet", 'q', 0, 0, "only errors", 2},
     {0}};
@@ -79,6 +87,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case 'r':
         options->real_time = true;
+        break;
+    case KEY_AUTO_RESET:
+        options->auto_reset = true;
         break;
     case 'j':
         options->json = true;
@@ -173,6 +184,9 @@ static void tell(struct host *host)
                    : "");
         fflush(stdout);
     }
+    if (task->output.state != host->told_state && task->output.state == SUPERVISOR_FAULT) {
+        host->faults++;
+    }
     host->told_state = task->output.state;
 }
 
@@ -229,6 +243,10 @@ static void run(struct host *host)
             host->lost_cycles++;
         }
         tell(host);
+        if (host->options.auto_reset && task->output.state == SUPERVISOR_FAULT &&
+            network_all_operational(&task->network)) {
+            task->node.objects.reset_requested = 1; /* obeyed at standstill only */
+        }
         if (host->options.steps > 0 && host->steps >= host->options.steps) {
             stop_wanted = 1;
         }
@@ -274,13 +292,13 @@ static void report_json(const struct host *host)
     const struct can_bus bus = task->config.bus;
     can_bus_get_status(&bus, &status);
     printf("{\"steps\": %u, \"ticks\": %u, \"lost_cycles\": %llu, \"late_answers\": %u, "
-           "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, "
+           "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
            "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
            "\"error_frames\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
            host->steps, task->tick, (unsigned long long)host->lost_cycles,
            task->counters.late_answers, (double)task->controller.last_step.measured_speed_rad_s,
            (double)task->controller.last_step.r0_m, (int)task->output.state,
-           (int)task->output.fault, status.tx_frames, status.rx_frames, status.tx_refused,
+           (int)task->output.fault, host->faults, status.tx_frames, status.rx_frames, status.tx_refused,
            status.rx_overflow, status.error_frames, (unsigned long long)host->pacer.missed,
            1e-3 * (double)host->pacer.worst_late_ns);
 }

@@ -109,6 +109,30 @@ START_TEST(a_silent_node_is_named)
 }
 END_TEST
 
+/* Loses every 17th answer of the drive. */
+static struct sim_bus_fault lose_some(void *context, const struct can_msg *message, unsigned sender,
+                                      uint64_t time_ns)
+{
+    unsigned *answers = context;
+    struct sim_bus_fault fault = {.kind = SIM_BUS_FAULT_NONE};
+    (void)sender;
+    (void)time_ns;
+    if (message->id == 0x581 && ++*answers % 17 == 0) {
+        fault.kind = SIM_BUS_FAULT_DROP;
+    }
+    return fault;
+}
+
+START_TEST(lost_frames_delay_but_do_not_refuse)
+{
+    unsigned answers = 0;
+    start();
+    sim_bus_set_fault_hook(&b.bus, lose_some, &answers);
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+    ck_assert_uint_ge(answers, 34);
+}
+END_TEST
+
 START_TEST(nothing_is_sent_after_a_refusal)
 {
     start();
@@ -131,6 +155,7 @@ int main(void)
     tcase_add_test(tests, another_scaling_is_refused_with_both_values);
     tcase_add_test(tests, another_kind_of_device_is_refused);
     tcase_add_test(tests, a_silent_node_is_named);
+    tcase_add_test(tests, lost_frames_delay_but_do_not_refuse);
     tcase_add_test(tests, nothing_is_sent_after_a_refusal);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
