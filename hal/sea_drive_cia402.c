@@ -6,6 +6,7 @@
 /* Controlwords, object 0x6040 (CiA 402-2, table of device control commands). */
 enum {
     CONTROLWORD_DISABLE_VOLTAGE = 0x00,
+    CONTROLWORD_QUICK_STOP = 0x02,
     CONTROLWORD_SHUTDOWN = 0x06,
     CONTROLWORD_SWITCH_ON = 0x07,
     CONTROLWORD_ENABLE_OPERATION = 0x0F,
@@ -162,18 +163,19 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
     const enum cia402_state state = state_of(axis->statusword);
     const bool was_resetting = axis->resetting;
     axis->resetting = false;
-    if (axis->age_ticks == UINT16_MAX) {
-        return CONTROLWORD_DISABLE_VOLTAGE;
-    }
     if (state == CIA402_FAULT) {
         /* The reset acts on the rising edge: the bit must go away in between. */
         axis->resetting = wish->clear_fault && !was_resetting;
         return axis->resetting ? CONTROLWORD_FAULT_RESET : CONTROLWORD_DISABLE_VOLTAGE;
     }
+    if (state == CIA402_QUICK_STOP) {
+        /* It unloads and then leaves this state by itself; to disable the voltage
+         * before would let a loaded spring drive the motor. */
+        return CONTROLWORD_QUICK_STOP;
+    }
     if (!wish->enable) {
-        return state == CIA402_SWITCH_ON_DISABLED || state == CIA402_QUICK_STOP
-                   ? CONTROLWORD_DISABLE_VOLTAGE
-                   : CONTROLWORD_SHUTDOWN;
+        return state == CIA402_SWITCH_ON_DISABLED ? CONTROLWORD_DISABLE_VOLTAGE
+                                                  : CONTROLWORD_SHUTDOWN;
     }
     switch (state) {
     case CIA402_READY:
@@ -181,8 +183,6 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
     case CIA402_SWITCHED_ON:
     case CIA402_ENABLED:
         return CONTROLWORD_ENABLE_OPERATION;
-    case CIA402_QUICK_STOP:
-        return CONTROLWORD_DISABLE_VOLTAGE;
     default:
         return CONTROLWORD_SHUTDOWN;
     }
@@ -192,6 +192,9 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum leg leg,
                                          const struct sea_drive_wish *wish,
                                          const struct can_bus *bus)
 {
+    if (axis->age_ticks == UINT16_MAX) {
+        return CAN_OK; /* whatever it is doing, it knows better than we */
+    }
     const uint16_t controlword = next_controlword(axis, wish);
     const bool armed = wish->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
     return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
@@ -203,16 +206,20 @@ static enum can_result command(void *context, const struct sea_drive_wish *wish,
     struct cia402_drives *drives = (struct cia402_drives *)context;
     struct can_msg targets = {.id = FRAME_DRIVE_TARGETS, .length = FRAME_BYTES_DRIVE_TARGETS};
     enum can_result first_failure = CAN_OK;
+    bool known = true; /* a target for a drive that was never heard would be a guess */
 
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
+        known = known && axis->age_ticks != UINT16_MAX;
         const bool follows = wish[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
         const int32_t target = follows
                                    ? counts_from_metres(&axis->config, wish[leg].precompression_m)
                                    : axis->position_counts;
         bytes_put_u32(targets.data + 4 * leg, (uint32_t)target);
     }
-    first_failure = can_bus_send(bus, &targets);
+    if (known) {
+        first_failure = can_bus_send(bus, &targets);
+    }
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const enum can_result result =
             send_axis_command(&drives->axis[leg], (enum leg)leg, &wish[leg], bus);

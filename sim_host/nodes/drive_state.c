@@ -142,6 +142,12 @@ static bool is_at_zero(const struct drive_node *node)
     return distance(node->objects.position_actual, 0) <= (uint32_t)node->objects.limit_max / 100;
 }
 
+/* Slow enough to lose torque: a motor in motion would coast past its zero. */
+static bool is_still(const struct drive_node *node)
+{
+    return distance(node->objects.velocity_actual, 0) <= node->objects.unload_rate / 200;
+}
+
 /* No kick: a target that is far from where the motor stands is refused. */
 static void enable_operation(struct drive_node *node)
 {
@@ -285,7 +291,7 @@ void drive_state_supervise(struct drive_node *node, uint64_t now_ns)
         node->unloading_since_ns = now_ns + 1;
     }
     const bool too_long = now_ns - (node->unloading_since_ns - 1) > UNLOADING_LIMIT_NS;
-    if (is_at_zero(node) || too_long) {
+    if ((is_at_zero(node) && is_still(node)) || too_long) {
         enter(node, node->after_unloading);
     }
 }

@@ -20,7 +20,7 @@ enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 #define ANSWER_TIMEOUT_NS UINT64_C(250000000)
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
 /* A stop that was asked for must have unloaded the springs by then. */
-enum { STOP_TICKS = 3000 };
+enum { STOP_TICKS = 3000, SILENT_CYCLES = 40 };
 
 struct options {
     struct walk_options walk;
@@ -224,6 +224,7 @@ static void run(struct host *host)
 {
     struct control_task *task = &host->rig.task;
     uint32_t stop_ticks = 0;
+    uint32_t silent_cycles = 0;
     if (host->options.real_time) {
         pacer_start(&host->pacer, TICK_NS);
     }
@@ -243,8 +244,9 @@ static void run(struct host *host)
             host->lost_cycles++;
         }
         tell(host);
-        if (host->options.auto_reset && task->output.state == SUPERVISOR_FAULT &&
-            network_all_operational(&task->network)) {
+        const bool stuck = task->output.state == SUPERVISOR_FAULT ||
+                           task->output.state == SUPERVISOR_INIT; /* a drive's own fault */
+        if (host->options.auto_reset && stuck && network_all_operational(&task->network)) {
             task->node.objects.reset_requested = 1; /* obeyed at standstill only */
         }
         if (host->options.steps > 0 && host->steps >= host->options.steps) {
@@ -253,8 +255,8 @@ static void run(struct host *host)
         if (stop_wanted) {
             task->node.objects.walk_requested = 0;
             stop_ticks++;
-            if (has_stopped(task) && stop_ticks > 10) {
-                break;
+            if ((has_stopped(task) && stop_ticks > 10) || silent_cycles > SILENT_CYCLES) {
+                break; /* unloaded and off, or nobody left to tell */
             }
         }
     }

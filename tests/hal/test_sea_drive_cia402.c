@@ -71,7 +71,7 @@ START_TEST(way_to_enabled_and_back)
     b.wish[LEG_LEFT].enable = false;
     ck_assert_int_eq(controlword_for(&b, 0x0227), 0x06);
     ck_assert_int_eq(controlword_for(&b, 0x0221), 0x06);
-    ck_assert_int_eq(controlword_for(&b, 0x0207), 0x00); /* quick stop: disable voltage */
+    ck_assert_int_eq(controlword_for(&b, 0x0207), 0x02); /* quick stop: let it unload */
 }
 END_TEST
 
@@ -125,6 +125,23 @@ START_TEST(no_kick_target_is_the_position_until_enabled)
     ck_assert_int_eq(target_of(&b, 1), -500 - 50000); /* reversed axis with its own zero */
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 0); /* not armed before enabled */
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x302)->data[4], 1);
+}
+END_TEST
+
+START_TEST(no_target_before_both_positions_are_known)
+{
+    struct bench b;
+    start(&b);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.05f, true, false, false};
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    answer(&b, 0x181, 0x0227, 700000);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 0);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x302), 0);
+    answer(&b, 0x182, 0x0240, 5);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 1);
+    ck_assert_int_eq(target_of(&b, 1), 5);
 }
 END_TEST
 
@@ -212,6 +229,7 @@ int main(void)
     tcase_add_test(tests, fault_reset_is_an_edge_and_only_on_demand);
     tcase_add_test(tests, states_are_read_as_the_standard_spells_them);
     tcase_add_test(tests, no_kick_target_is_the_position_until_enabled);
+    tcase_add_test(tests, no_target_before_both_positions_are_known);
     tcase_add_test(tests, positions_scale_and_saturate);
     tcase_add_test(tests, commands_go_out_on_change_and_now_and_then);
     tcase_add_test(tests, a_refused_frame_is_sent_again);
