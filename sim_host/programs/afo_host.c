@@ -243,6 +243,7 @@ static void run(struct host *host)
             !host->options.real_time) {
             host->lost_cycles++;
         }
+        silent_cycles = control_task_cycle_complete(task) ? 0 : silent_cycles + 1;
         tell(host);
         const bool stuck = task->output.state == SUPERVISOR_FAULT ||
                            task->output.state == SUPERVISOR_INIT; /* a drive's own fault */
