@@ -97,6 +97,23 @@ static const char *node_name(unsigned node)
     }
 }
 
+/* Who listens: a node's own identifiers end in its number (CiA 301, predefined
+ * connection set), except where two nodes share a frame. */
+static const char *receivers(const struct frame *frame)
+{
+    const unsigned own = frame->id & 0x7Fu;
+    if (frame->id == FRAME_NMT || frame->id == FRAME_HEARTBEAT_CONTROLLER) {
+        return "DriveLeft,DriveRight,SensorLeft,SensorRight";
+    }
+    if (frame->id == FRAME_DRIVE_TARGETS) {
+        return "DriveLeft,DriveRight";
+    }
+    if (own != frame->node) {
+        return node_name(own);
+    }
+    return frame->node == NODE_CONTROLLER ? "Tool" : "Controller";
+}
+
 static void write_frame(FILE *stream, const struct frame *frame)
 {
     fprintf(stream, "BO_ %u %s: %u %s\n", frame->id, frame->name, frame->bytes,
@@ -104,8 +121,9 @@ static void write_frame(FILE *stream, const struct frame *frame)
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
         const struct signal *signal = &signals[i];
         if (strcmp(signal->frame, frame->name) == 0) {
-            fprintf(stream, " SG_ %s : %u|%u@1%s (%s,0) [0|0] \"%s\" Vector__XXX\n", signal->name,
-                    signal->start, signal->bits, signal->sign, signal->factor, signal->unit);
+            fprintf(stream, " SG_ %s : %u|%u@1%s (%s,0) [0|0] \"%s\" %s\n", signal->name,
+                    signal->start, signal->bits, signal->sign, signal->factor, signal->unit,
+                    receivers(frame));
         }
     }
     fputc('\n', stream);
