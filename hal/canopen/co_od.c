@@ -162,6 +162,18 @@ uint32_t co_od_check(const struct co_entry *entry, const uint8_t *bytes, unsigne
     return length < entry->size ? CO_ABORT_TOO_SHORT : check_limits(entry, bytes);
 }
 
+static void put_bits(uint8_t *value, unsigned size, uint32_t bits)
+{
+    const uint16_t bits16 = (uint16_t)bits;
+    if (size == 1) {
+        *value = (uint8_t)bits;
+    } else if (size == 2) {
+        memcpy(value, &bits16, sizeof bits16);
+    } else { /* 24-bit values live in 32 bits */
+        memcpy(value, &bits, sizeof bits);
+    }
+}
+
 uint32_t co_od_store(const struct co_entry *entry, void *base, const uint8_t *bytes,
                      unsigned length)
 {
@@ -175,19 +187,6 @@ uint32_t co_od_store(const struct co_entry *entry, void *base, const uint8_t *by
         memset(value + length, 0, entry->size - length);
         return CO_ABORT_NONE;
     }
-    const int64_t number = co_od_number(entry, bytes);
-    const uint32_t bits = (uint32_t)number;
-    const uint16_t bits16 = (uint16_t)bits;
-    switch (entry->size) {
-    case 1:
-        *value = (uint8_t)bits;
-        break;
-    case 2:
-        memcpy(value, &bits16, sizeof bits16);
-        break;
-    default:
-        memcpy(value, &bits, sizeof bits);
-        break;
-    }
+    put_bits(value, entry->size, (uint32_t)co_od_number(entry, bytes));
     return CO_ABORT_NONE;
 }

@@ -409,6 +409,7 @@ static bool fetch(struct socketcan_bus *bus)
     struct iovec parts[SOCKETCAN_RX_BATCH];
     struct mmsghdr headers[SOCKETCAN_RX_BATCH];
     memset(headers, 0, sizeof headers);
+    memset(controls, 0, sizeof controls);
     for (unsigned i = 0; i < SOCKETCAN_RX_BATCH; i++) {
         parts[i] = (struct iovec){.iov_base = &frames[i], .iov_len = sizeof frames[i]};
         headers[i].msg_hdr = (struct msghdr){.msg_iov = &parts[i],
