@@ -5,6 +5,24 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define WITH_ADDRESS_SANITIZER 1
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+#define WITH_ADDRESS_SANITIZER 1
+#endif
+
+bool in_vcan_is_possible(void)
+{
+#ifdef WITH_ADDRESS_SANITIZER
+    return if_nametoindex("vcan0") != 0;
+#else
+    return true;
+#endif
+}
+
 void in_vcan_or_restart(char *const *argv)
 {
     static char script[] = "scripts/vcan-guest";

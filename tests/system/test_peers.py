@@ -71,3 +71,18 @@ def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
                                            ("Precompression", "r0_m", 1e-5)):
             assert values[signal] == pytest.approx(float(row[column]), abs=0.51 * resolution)
         assert bool(values["RightSide"]) == (row["side"] == "right")
+
+
+def test_canplayer_plays_a_log_of_ours_and_candump_writes_the_same(tmp_path):
+    log, part, back = tmp_path / "walk.log", tmp_path / "part.log", tmp_path / "back.log"
+    done = run("--steps", 2, "--log", log, "--quiet")
+    assert done.returncode == 0, done.stderr
+    lines = log.read_text().splitlines()[:2000]
+    part.write_text("".join(line + "\n" for line in lines))
+    in_guest(f"""
+        candump -L -r 16777216 -n {len(lines)} -T 5000 vcan0 >{back} & dump=$!
+        sleep 0.5
+        canplayer -t -I {part} vcan0=can0
+        wait $dump""", 60)
+    frames = [line.split(" ")[2] for line in lines]
+    assert [line.split(" ")[2] for line in back.read_text().splitlines()] == frames
