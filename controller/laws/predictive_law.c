@@ -15,8 +15,9 @@
 /* The motor's loop settles, and the node samples, behind its reference. */
 #define MOTOR_MARGIN_S REAL(0.02)
 /* Learning of the bias, and what counts as a wrong prediction: 1/sqrt(l/g), beyond the bias. */
-#define BIAS_GAIN REAL(0.25)
-#define SURPRISE_UNITS REAL(0.03)
+#define BIAS_GAIN_STEADY REAL(0.35) /* the error has the sign of the one before: a slope, a wrong mass */
+#define BIAS_GAIN_RANDOM REAL(0.08) /* it has not: uneven ground, noise */
+#define SURPRISE_UNITS REAL(0.1)
 #define SURPRISES_MAX 30
 
 int predictive_law_init(struct predictive_law *law, const struct walker_params *params)
@@ -44,21 +45,23 @@ static void learn(struct predictive_law *law, const struct apex *measured)
         law->surprises = law->surprises > 0 ? (uint8_t)(law->surprises - 1) : law->surprises;
         return;
     }
-    const real difference[3] = {
-        measured->stance_rate_rad_s - law->predicted.stance_rate_rad_s,
-        measured->swing_angle_rad - law->predicted.swing_angle_rad,
-        measured->swing_rate_rad_s - law->predicted.swing_rate_rad_s,
+    const real error[3] = {
+        measured->stance_rate_rad_s - law->predicted.stance_rate_rad_s - law->bias[0],
+        measured->swing_angle_rad - law->predicted.swing_angle_rad - law->bias[1],
+        measured->swing_rate_rad_s - law->predicted.swing_rate_rad_s - law->bias[2],
     };
-    const real surprise = real_abs(difference[0] - law->bias[0]) * law->walker.time_unit_s;
-    if (surprise > SURPRISE_UNITS) {
+    if (real_abs(error[0]) * law->walker.time_unit_s > SURPRISE_UNITS) {
         law->surprises = law->surprises > SURPRISES_MAX - 3 ? (uint8_t)SURPRISES_MAX
                                                             : (uint8_t)(law->surprises + 3);
     } else if (law->surprises > 0) {
         law->surprises--;
     }
+    const bool steady = error[0] * law->last_error > REAL(0.0);
+    const real gain = steady ? BIAS_GAIN_STEADY : BIAS_GAIN_RANDOM;
     for (int i = 0; i < 3; i++) {
-        law->bias[i] += BIAS_GAIN * (difference[i] - law->bias[i]);
+        law->bias[i] += gain * error[i];
     }
+    law->last_error = error[0];
 }
 
 void predictive_law_begin(struct predictive_law *law, const struct gait_branch *branch,

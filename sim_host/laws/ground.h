@@ -15,8 +15,10 @@ struct ground_operator_result {
 };
 
 /* The law on its own (no learning from step to step: each answer from a fresh law at that cell) at a gait
- * of speed_rad_s, foothold heights N(0, rise_rms leg lengths). Returns 0, or -1 without memory. */
-int ground_operator(const struct laws_bench *bench, double speed_rad_s, double rise_rms,
-                    struct ground_operator_result *result);
+ * of speed_rad_s, rises uniform within +- rise_most leg
+ * lengths, as a plateau or else as the incline that rises so much on a step of step_share leg
+ * lengths. Returns 0, or -1 without memory. */
+int ground_operator(const struct laws_bench *bench, double speed_rad_s, double rise_most,
+                    double step_share, bool plateau, struct ground_operator_result *result);
 
 #endif

@@ -3,34 +3,28 @@
 
 #include "sim_host/laws/ground.h"
 
-enum { CELLS_MAX = 15000, TABLE_SIZE = 131072, DRAWS = 33, ITERATIONS = 2000, FALLEN = -1 };
-#define DRAW_LIMIT 4.8 /* standard deviations */
-
+enum { CELLS_MAX = 12000, TABLE_SIZE = 131072, DRAWS = 21, ITERATIONS = 2000, FALLEN = -1 };
 /* Size of a cell in the paper's units: small against the basin (0.1 and more), large against 1e-6. */
-static const double cell_size[3] = {0.008, 0.004, 0.03};
+static const double cell_size[3] = {0.016, 0.008, 0.06};
 
 struct mesh {
     const struct laws_bench *bench;
-    double speed_rad_s, rise_rms, unit;
-    double (*apex)[3];  /* of each cell's representative */
-    int (*next)[DRAWS]; /* cell after each draw of the ground */
-    int64_t *key;       /* of cells */
-    int *slot;          /* hash table: cell + 1, 0 = empty */
-    double weight[DRAWS], draw[DRAWS];
+    double speed_rad_s, unit;
+    double (*apex)[3];                    /* of each cell's representative */
+    int (*next)[DRAWS];                   /* cell after each draw of the ground */
+    int64_t *key;                         /* of cells */
+    int *slot;                            /* hash table: cell + 1, 0 = empty */
+    double slope_rad[DRAWS], rise[DRAWS]; /* equally likely */
     int cells;
     bool full;
 };
 
-static void set_draws(struct mesh *mesh)
+static void set_draws(struct mesh *mesh, double most, double step_share, bool plateau)
 {
-    double sum = 0.0;
     for (int i = 0; i < DRAWS; i++) {
-        mesh->draw[i] = DRAW_LIMIT * (2.0 * i / (DRAWS - 1) - 1.0);
-        mesh->weight[i] = exp(-0.5 * mesh->draw[i] * mesh->draw[i]);
-        sum += mesh->weight[i];
-    }
-    for (int i = 0; i < DRAWS; i++) {
-        mesh->weight[i] /= sum;
+        const double rise = most * (2.0 * i + 1.0 - DRAWS) / DRAWS;
+        mesh->rise[i] = plateau ? rise : 0.0;
+        mesh->slope_rad[i] = plateau ? 0.0 : atan(rise / step_share);
     }
 }
 
@@ -90,8 +84,8 @@ static void explore(struct mesh *mesh)
         for (int i = 0; i < DRAWS; i++) {
             struct laws_stride stride;
             const int fault =
-                laws_stride(&mesh->bench->truth, mesh->bench->accuracy, mesh->apex[cell], r0_m, 0.0,
-                            mesh->rise_rms * mesh->draw[i], &stride);
+                laws_stride(&mesh->bench->truth, mesh->bench->accuracy, mesh->apex[cell], r0_m,
+                            mesh->slope_rad[i], mesh->rise[i], &stride);
             mesh->next[cell][i] = fault == 0 ? cell_of(mesh, stride.next) : FALLEN;
         }
     }
@@ -111,7 +105,7 @@ static double fall_chance(const struct mesh *mesh, double *p, double *q)
         }
         for (int i = 0; i < mesh->cells; i++) {
             for (int k = 0; k < DRAWS && p[i] > 0.0; k++) {
-                const double flow = p[i] * mesh->weight[k];
+                const double flow = p[i] / DRAWS;
                 if (mesh->next[i][k] == FALLEN) {
                     fallen += flow;
                 } else {
@@ -132,10 +126,10 @@ static double fall_chance(const struct mesh *mesh, double *p, double *q)
     return chance;
 }
 
-int ground_operator(const struct laws_bench *bench, double speed_rad_s, double rise_rms,
-                    struct ground_operator_result *result)
+int ground_operator(const struct laws_bench *bench, double speed_rad_s, double rise_most,
+                    double step_share, bool plateau, struct ground_operator_result *result)
 {
-    struct mesh mesh = {.bench = bench, .speed_rad_s = speed_rad_s, .rise_rms = rise_rms};
+    struct mesh mesh = {.bench = bench, .speed_rad_s = speed_rad_s};
     mesh.unit = __builtin_sqrt(bench->truth.gravity_m_s2 / 9.80665 / bench->truth.leg_length_m);
     mesh.apex = calloc(CELLS_MAX, sizeof *mesh.apex);
     mesh.next = calloc(CELLS_MAX, sizeof *mesh.next);
@@ -145,7 +139,7 @@ int ground_operator(const struct laws_bench *bench, double speed_rad_s, double r
     const bool room = mesh.apex != NULL && mesh.next != NULL && mesh.key != NULL &&
                       mesh.slot != NULL && p != NULL && q != NULL;
     if (room) {
-        set_draws(&mesh);
+        set_draws(&mesh, rise_most, step_share, plateau);
         explore(&mesh);
         const double chance = fall_chance(&mesh, p, q);
         result->mean_steps = chance > 0.0 ? 1.0 / chance : (double)INFINITY;

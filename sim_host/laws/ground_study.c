@@ -1,5 +1,7 @@
-/* Uneven ground: every foothold lies higher or lower than the one before by N(0, sigma). Mean steps to
- * failure counted directly, and by the transfer operator, which also serves where nothing falls any more. */
+/* Uneven ground: every foothold lies higher or lower than the one before, uniformly within +- size, with
+ * straight ground from foothold to foothold, or with plateaus (on which the compass walker, having no foot to
+ * lift, also stubs its toe in mid-swing). Mean steps to failure counted directly, and by the transfer
+ * operator, which also serves where nothing falls any more. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,9 +10,14 @@
 #include "sim_host/study/pool.h"
 
 enum { DEFAULT_WALKS = 10, MAP_STEPS = 300, CHAIN_STEPS = 200 };
-static const double sizes_mm[] = {1.0, 2.0, 5.0, 10.0, 20.0}; /* on a leg of 1 m */
-static const double speeds[] = {0.4, 0.6, 0.8};
-enum { SIZES = sizeof sizes_mm / sizeof sizes_mm[0], SPEEDS = sizeof speeds / sizeof speeds[0] };
+static const double sizes_mm[] = {5.0, 10.0, 20.0}; /* on a leg of 1 m */
+static const double speeds[] = {0.6, 0.8, 1.0};
+enum {
+    SIZES = sizeof sizes_mm / sizeof sizes_mm[0],
+    SPEEDS = sizeof speeds / sizeof speeds[0],
+    KINDS = 2
+};
+static const char *const kinds[KINDS] = {"straight", "plateaus"};
 
 struct cell_result {
     long steps;
@@ -21,7 +28,7 @@ struct cell_result {
 struct study {
     const struct laws_options *options;
     int walks;
-    struct cell_result cell[ENTRANTS][SPEEDS][SIZES];
+    struct cell_result cell[ENTRANTS][KINDS][SPEEDS][SIZES];
 };
 
 /* The ramp makes no difference at one speed. */
@@ -33,8 +40,9 @@ static bool wanted(const struct study *study, int e)
 static void compute(void *context, int i)
 {
     struct study *study = (struct study *)context;
-    const int e = i / (SPEEDS * SIZES), v = i / SIZES % SPEEDS, s = i % SIZES;
-    struct cell_result *cell = &study->cell[e][v][s];
+    const int e = i / (KINDS * SPEEDS * SIZES), kind = i / (SPEEDS * SIZES) % KINDS,
+              v = i / SIZES % SPEEDS, s = i % SIZES;
+    struct cell_result *cell = &study->cell[e][kind][v][s];
     const double speed = speeds[v] * laws_speed_unit(study->options), rise = 0.001 * sizes_mm[s];
     struct session_result *result = malloc(sizeof *result);
     if (result == NULL) {
@@ -47,7 +55,8 @@ static void compute(void *context, int i)
                                               .to_rad_s = speed,
                                               .steps =
                                                   study->options->chain ? CHAIN_STEPS : MAP_STEPS,
-                                              .rise_rms = rise,
+                                              .rise_most = rise,
+                                              .plateau = kind == 1,
                                               .seed = study->options->seed + (uint64_t)w};
         cell->failed = session_run(study->options, &config, result) != 0;
         cell->steps += result->steps + (result->fell ? 1 : 0);
@@ -55,16 +64,22 @@ static void compute(void *context, int i)
     }
     if (wanted(study, e) && !study->options->chain && !cell->failed) {
         const struct laws_bench bench = laws_entrant_bench(study->options, (enum laws_entrant)e);
-        cell->failed = ground_operator(&bench, speed, rise, &cell->operator) != 0;
+        struct laws_stride stride;
+        double apex[3];
+        const double r0_m = laws_bench_gait(&bench, speed, apex);
+        (void)laws_stride(&bench.truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
+        cell->failed =
+            ground_operator(&bench, speed, rise, stride.step_length_m / bench.truth.leg_length_m,
+                            kind == 1, &cell->operator) != 0;
     }
     free(result);
 }
 
-static void print(const struct study *study, int e, int v, FILE *csv)
+static void print(const struct study *study, int e, int kind, int v, FILE *csv)
 {
-    printf("  %-13s %.1f rad/s:", laws_entrant_names[e], speeds[v]);
+    printf("  %-13s %-8s %.1f rad/s:", laws_entrant_names[e], kinds[kind], speeds[v]);
     for (int s = 0; s < SIZES; s++) {
-        const struct cell_result *c = &study->cell[e][v][s];
+        const struct cell_result *c = &study->cell[e][kind][v][s];
         const double direct = c->falls > 0 ? (double)c->steps / c->falls : (double)INFINITY;
         if (c->falls > 0) {
             printf(" %9.1f", direct);
@@ -75,9 +90,9 @@ static void print(const struct study *study, int e, int v, FILE *csv)
             printf(" (%8.3g%s)", c->operator.mean_steps, c->operator.full ? "!" : "");
         }
         if (csv != NULL) {
-            fprintf(csv, "%s,%.1f,%g,%ld,%d,%.6g,%d,%d\n", laws_entrant_names[e], speeds[v],
-                    sizes_mm[s], c->steps, c->falls, c->operator.mean_steps, c->operator.cells,
-                    c->operator.full);
+            fprintf(csv, "%s,%s,%.1f,%g,%ld,%d,%.6g,%d,%d\n", laws_entrant_names[e], kinds[kind],
+                    speeds[v], sizes_mm[s], c->steps, c->falls, c->operator.mean_steps,
+                    c->operator.cells, c->operator.full);
         }
     }
     printf("\n");
@@ -86,26 +101,27 @@ static void print(const struct study *study, int e, int v, FILE *csv)
 int laws_ground(const struct laws_options *options)
 {
     bool failed;
-    FILE *csv = laws_csv(options, "ground",
-                         "law,speed_rad_s,sigma_mm,steps,falls,operator_steps,cells,full", &failed);
+    FILE *csv =
+        laws_csv(options, "ground",
+                 "law,kind,speed_rad_s,size_mm,steps,falls,operator_steps,cells,full", &failed);
     struct study *study = calloc(1, sizeof *study);
     failed = failed || study == NULL;
     if (!failed) {
         study->options = options;
         study->walks = options->samples > 0 ? options->samples : DEFAULT_WALKS;
         const struct pool_jobs jobs = {
-            0, ENTRANTS * SPEEDS * SIZES, options->threads, study, compute, laws_take};
+            0, ENTRANTS * KINDS * SPEEDS * SIZES, options->threads, study, compute, laws_take};
         failed = pool_run(&jobs) != 1;
-        printf("  mean steps to failure on footholds of sigma 1, 2, 5, 10, 20 mm on a leg of 1 m;\n"
+        printf("  mean steps to failure on rises within +-5, 10, 20 mm on a leg of 1 m;\n"
                "  counted over %d walks of at most %d steps%s\n",
                study->walks, options->chain ? CHAIN_STEPS : MAP_STEPS,
                options->chain ? "" : " (by the transfer operator; ! = mesh too small)");
     }
     for (int e = 0; e < ENTRANTS && !failed; e++) {
-        for (int v = 0; v < SPEEDS && wanted(study, e); v++) {
-            print(study, e, v, csv);
+        for (int i = 0; i < KINDS * SPEEDS && wanted(study, e); i++) {
+            print(study, e, i / SPEEDS, i % SPEEDS, csv);
             for (int s = 0; s < SIZES; s++) {
-                failed = failed || study->cell[e][v][s].failed;
+                failed = failed || study->cell[e][i / SPEEDS][i % SPEEDS][s].failed;
             }
         }
     }

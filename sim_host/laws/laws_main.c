@@ -32,11 +32,13 @@ static const struct {
 } studies[] = {
     {"jumps", laws_jumps, true,
      "steps to settle after every jump of the command, 0.2 to 1.0 rad/s"},
+    {"limits", laws_limits, false, "the least possible for each jump, by exhaustive search"},
     {"basin", laws_basin, true, "share of a box of apex states from which the gait is reached"},
     {"ground", laws_ground, false, "uneven ground: mean steps to failure"},
     {"sensitivity", laws_sensitivity, true, "gait sensitivity norm to a step of the ground"},
     {"slope", laws_slope, true, "slopes of -4 to 4 degrees"},
     {"mismatch", laws_mismatch, true, "body and spring 10 % off what the law believes"},
+    {"push", laws_push, false, "largest impulse on the torso survived, at eight phases"},
     {"energy", laws_energy, true, "spring energy per metre, steady and with noisy sensing"},
 };
 #define STUDIES (sizeof studies / sizeof studies[0])

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "sim_host/host/loop.h"
 #include "sim_host/plant/rng.h"
@@ -15,6 +16,28 @@ static double slope_at(const struct session_config *config, int step)
     return fabs(config->slope_rad) < gone ? config->slope_rad : copysign(gone, config->slope_rad);
 }
 
+/* Ground between two footholds, drawn per step: an incline, or a plateau's height. */
+struct terrain {
+    struct rng rng;
+    double step_share; /* steady step length over leg length */
+};
+
+static void terrain_init(struct terrain *terrain, const struct laws_bench *bench,
+                         const struct session_config *config)
+{
+    struct laws_stride stride;
+    double apex[3];
+    const double r0_m = laws_bench_gait(bench, config->to_rad_s, apex);
+    (void)laws_stride(&bench->truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
+    terrain->step_share = stride.step_length_m / bench->truth.leg_length_m;
+    rng_init(&terrain->rng, config->seed, 71);
+}
+
+static double draw_rise(struct terrain *terrain, const struct session_config *config)
+{
+    return config->rise_most * (2.0 * rng_uniform(&terrain->rng) - 1.0);
+}
+
 /* ---- on the map ------------------------------------------------------------------------- */
 
 static int run_on_map(const struct laws_options *options, const struct session_config *config,
@@ -22,22 +45,31 @@ static int run_on_map(const struct laws_options *options, const struct session_c
 {
     struct laws_bench bench = laws_entrant_bench(options, config->entrant);
     struct laws_walk walk;
+    struct terrain terrain;
     struct rng rng;
     double apex[3];
     if (config->truth != NULL) {
         bench.truth = subject_gait_walker(config->truth);
     }
-    rng_init(&rng, config->seed, 71);
+    rng_init(&rng, config->seed, 72);
+    terrain_init(&terrain, &bench, config);
     const double r0_m = laws_bench_gait(&bench, config->from_rad_s, apex);
+    struct gait_point own; /* a body that differs starts in its own gait of this r0 */
+    if (config->truth != NULL &&
+        gait_curve(&bench.truth, r0_m, 0.0, 1, &own, NULL) == GAIT_CURVE_OK) {
+        memcpy(apex, own.apex, sizeof apex);
+    }
     laws_walk_start(&bench, &walk, apex, r0_m, config->from_rad_s);
     for (int k = 0; k < config->steps; k++) {
         double seen[3];
         for (int i = 0; i < 3; i++) {
             seen[i] = walk.apex[i] * (1.0 + config->noise_rms * rng_normal(&rng));
         }
-        const double rise = config->rise_rms * rng_normal(&rng);
+        const double rise = draw_rise(&terrain, config);
+        const double incline = config->plateau ? 0.0 : atan(rise / terrain.step_share);
         const int fault =
-            laws_walk_step(&bench, &walk, config->to_rad_s, seen, slope_at(config, k), rise);
+            laws_walk_step(&bench, &walk, config->to_rad_s, seen, slope_at(config, k) + incline,
+                           config->plateau ? rise : 0.0);
         result->fallbacks += walk.law.fell_back ? 1 : 0;
         if (fault != 0) {
             result->fell = true;
@@ -81,13 +113,35 @@ static void take_events(struct loop *loop, struct session_result *result, int *a
     }
 }
 
+/* Pushes once, when the share of the last stride's time has gone since the apex of that step. */
+struct pusher {
+    double apex_s, stride_s;
+    int apexes;
+    bool done;
+};
+
+static void maybe_push(struct pusher *pusher, const struct session_config *config,
+                       struct loop *loop, int apexes)
+{
+    const double now_s = loop->nodes.plant.walk.time_s;
+    if (apexes != pusher->apexes) {
+        pusher->stride_s = now_s - pusher->apex_s;
+        pusher->apex_s = now_s;
+        pusher->apexes = apexes;
+    }
+    if (config->push_Ns != 0.0 && !pusher->done && apexes == config->push_step &&
+        now_s >= pusher->apex_s + config->push_phase * pusher->stride_s) {
+        plant_push(&loop->nodes.plant, -config->push_Ns, 0.0); /* forward is -x */
+        pusher->done = true;
+    }
+}
+
 static int start_chain(const struct laws_options *options, const struct session_config *config,
-                       struct loop *loop, double *heights_m)
+                       struct loop *loop, struct terrain *terrain, double *heights_m)
 {
     char message[LOOP_MESSAGE_MAX];
     struct laws_bench bench = laws_entrant_bench(options, config->entrant);
     struct loop_config loop_config;
-    struct rng rng;
     double apex[3];
     const struct subject *body = config->truth != NULL ? config->truth : &options->subject;
     bench.params.start_r0_m = (real)laws_bench_gait(&bench, config->from_rad_s, apex);
@@ -96,10 +150,10 @@ static int start_chain(const struct laws_options *options, const struct session_
         fprintf(stderr, "afo-study laws: %s\n", message);
         return -1;
     }
-    if (config->rise_rms > 0.0) {
-        rng_init(&rng, config->seed, 71);
+    terrain_init(terrain, &bench, config);
+    if (config->plateau) {
         for (int i = 0; i <= SESSION_STEPS_MAX; i++) {
-            const double rise = i == 0 ? 0.0 : config->rise_rms * rng_normal(&rng);
+            const double rise = i == 0 ? 0.0 : draw_rise(terrain, config);
             heights_m[i] = (i > 0 ? heights_m[i - 1] : 0.0) + rise * body->leg_length_m;
         }
         loop_config.plant.heights_m = heights_m;
@@ -117,23 +171,31 @@ static int run_on_chain(const struct laws_options *options, const struct session
 {
     struct loop *loop = malloc(sizeof *loop);
     double *heights_m = malloc((SESSION_STEPS_MAX + 1) * sizeof *heights_m);
+    struct terrain terrain;
+    double incline = 0.0;
     int status = -1;
     if (loop == NULL || heights_m == NULL) {
         fprintf(stderr, "afo-study laws: out of memory\n");
-    } else if (start_chain(options, config, loop, heights_m) == 0) {
+    } else if (start_chain(options, config, loop, &terrain, heights_m) == 0) {
         const uint64_t ticks_max = 6000u + 3000u * (uint64_t)config->steps;
+        struct pusher pusher = {0.0, 0.0, 0, false};
         uint32_t step_number = 0;
         int apexes = 0;
         status = 0;
         for (uint64_t t = 0; t < ticks_max && !result->fell && result->steps < config->steps; t++) {
             loop_tick(loop);
+            const int before = apexes;
             take_events(loop, result, &apexes);
+            if (apexes != before && !config->plateau) {
+                incline = atan(draw_rise(&terrain, config) / terrain.step_share);
+            }
+            maybe_push(&pusher, config, loop, apexes);
             const struct controller *controller = &loop->rig.task.controller;
             if (controller->last_step.number != step_number) {
                 step_number = controller->last_step.number;
                 result->fallbacks += controller->law.fell_back ? 1 : 0;
             }
-            loop->nodes.plant.walk.params.slope_rad = slope_at(config, apexes);
+            loop->nodes.plant.walk.params.slope_rad = slope_at(config, apexes) + incline;
         }
         if (!result->fell && result->steps < config->steps) {
             result->fell = true;

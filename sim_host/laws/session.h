@@ -14,8 +14,14 @@ struct session_config {
     int steps;                   /* 1..SESSION_STEPS_MAX */
     double slope_rad;            /* reached by slope_ramp_rad a step; > 0 uphill */
     double slope_ramp_rad;
-    double rise_rms;  /* of each foothold against the one before, leg lengths, normal */
-    double noise_rms; /* map only: of the apex state seen, relative */
+    double
+        rise_most; /* each foothold against the one before: uniform within +- this, leg lengths */
+    bool
+        plateau; /* the ground ahead is level at the next foothold's height; else straight up to it */
+    double noise_rms;  /* map only: of the apex state seen, relative */
+    double push_Ns;    /* chain only: on the torso, > 0 forward; 0 = none */
+    double push_phase; /* 0..1 from an apex to the next */
+    int push_step;     /* apexes before it */
     uint64_t seed;
 };
 

@@ -160,7 +160,7 @@ START_TEST(wrong_predictions_hand_over_to_equation_16)
     step_law_init(&law, &p);
     int handed_over = 0;
     for (int k = 0; k < 20; k++) {
-        apex.stance_rate_rad_s = k % 2 ? -0.4f : -0.8f;
+        apex.stance_rate_rad_s = k % 2 ? -0.2f : -1.1f;
         (void)step_law_update(&law, &p, &apex, 0.6f);
         while (!law.is_final) {
             (void)step_law_work(&law, &p);
