@@ -128,13 +128,22 @@ static void override(struct subject *subject, const char *name, double value)
 static int check_speed(const struct control_params *params, double speed, char *message)
 {
     const struct speed_table *table = &params->table;
-    const double low = (double)speed_table_speed(table, params->r0_min_m);
-    const double high = (double)speed_table_speed(table, params->r0_max_m);
+    double low = (double)speed_table_speed(table, params->r0_min_m);
+    double high = (double)speed_table_speed(table, params->r0_max_m);
+    if (params->branch != NULL &&
+        (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
+         params->law == (real)LAW_PREDICTIVE)) { /* they serve what their branch covers */
+        const double first = (double)params->branch->speed_min_rad_s;
+        const double last =
+            first + (double)params->branch->speed_step_rad_s * (double)(params->branch->count - 1u);
+        low = first > low ? first : low;
+        high = last < high ? last : high;
+    }
     if (speed >= low && speed <= high) {
         return 0;
     }
     snprintf(message, SUBJECT_MESSAGE_MAX,
-             "--speed %g is out of range: this subject's steady gaits go from %.4g to %.4g rad/s",
+             "--speed %g is out of range: this law serves this subject from %.4g to %.4g rad/s",
              speed, low, high);
     return -1;
 }

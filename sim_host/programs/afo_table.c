@@ -1,13 +1,14 @@
 /* afo-table: prints the controller's table of the gait curve (r0 -> apex speed) as C source.
  *
- * The table of the paper's walker is committed under controller/tables/; the first line of the
- * output is the command that made it.
+ * Sim programs compute this table for each subject themselves; printed it serves a board
+ * without a host. The first line of the output is the command that made it.
  */
 #include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_host/host/walk_options.h"
 #include "sim_host/study/gait_curve.h"
 
 enum { POINTS_MAX = 64 };
@@ -141,11 +142,12 @@ int main(int argc, char **argv)
                                 parse,
                                 NULL,
                                 "Prints the gait curve of a walker as the C table the controller "
-                                "reads its push-off from.",
+                                "reads its push-off from.\v"
+                                "Exit status: 0 printed, 2 wrong usage or output not writable.",
                                 NULL,
                                 NULL,
                                 NULL};
-    argp_err_exit_status = 2;
+    option_identity("afo-table");
     argp_parse(&parser, argc, argv, ARGP_IN_ORDER, NULL, &options);
     const double l = options.walker.leg_length_m;
     const double first_m = options.from_share * l, last_m = options.to_share * l;
@@ -157,5 +159,9 @@ int main(int argc, char **argv)
         step_m = (knee - first_m) / knee_entry;
     }
     print_table(&options, step_m, knee_entry, argv);
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        fprintf(stderr, "afo-table: cannot write to standard output\n");
+        return 2;
+    }
     return EXIT_SUCCESS;
 }

@@ -152,6 +152,7 @@ def test_same_seed_same_log_other_seed_other_log(tmp_path):
     (["--column", "time="], ["--column", "--wearer"]),
     (["--open-loop", "--r0", "0.35"], ["0.35", "allows"]),
     (["--start-r0", "0.5"], ["0.5", "allow"]),
+    (["--speed", "1.18", "--law", "dlqr"], ["1.18", "this law"]),
 ])
 def test_bad_arguments(arguments, words):
     done = run("--steps", "5", *arguments)
