@@ -88,6 +88,7 @@ static error_t take(int key, char *text, struct argp_state *state)
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->walk;
         state->child_inputs[1] = &options->sensor;
+        state->child_inputs[2] = &options->ground;
         break;
     case KEY_STEPS:
         options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 10000000);
@@ -155,7 +156,7 @@ static error_t take(int key, char *text, struct argp_state *state)
 void sim_options_parse(struct sim_options *options, int argc, char **argv)
 {
     static const struct argp_child children[] = {
-        {&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {0}};
+        {&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {&ground_options_parser, 0, "", 4}, {0}};
     static const struct argp parser = {
         option_list, take, 0,
         "Walks the simulated walker in closed loop over an in-process CAN bus.\v"

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sim_host/host/ground_options.h"
 #include "sim_host/host/loop.h"
 #include "sim_host/host/sensor_options.h"
 #include "sim_host/host/walk_options.h"
@@ -22,6 +23,7 @@ struct sim_options {
     struct wearer_format wearer_format;
     bool format_given; /* some of wearer_format is not the default */
     struct sensor_options sensor;
+    struct ground_options ground;
     enum loop_fault fault;
     uint32_t fault_step;
     bool real_time; /* one tick a millisecond instead of as fast as it goes */

@@ -10,10 +10,10 @@
 
 enum {
     SPEEDS = 9,
-    PUSHES = 80,
-    NODES_MAX = 60000,
-    GRID_A = 700,
-    GRID_W = 700,
+    PUSHES = 48,
+    NODES_MAX = 20000,
+    GRID_A = 400,
+    GRID_W = 400,
     STEPS_MAX = 60,
     TAIL = 12
 };

@@ -79,6 +79,7 @@ static int prepare(struct session *session)
         return -1;
     }
     sensor_options_apply(&options->sensor, &session->config);
+    ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
     if (options->wearer_path != NULL) {
@@ -177,6 +178,7 @@ static void walk(struct session *session)
     const bool progress = !session->options.quiet && !session->options.json && isatty(STDERR_FILENO);
     uint64_t last_progress_tick = 0;
     uint32_t seen = 0;
+    bool pushed = false;
     const double start_s = now_s();
 
     if (session->options.real_time) {
@@ -186,6 +188,7 @@ static void walk(struct session *session)
         if (session->options.real_time) {
             (void)pacer_wait(&session->pacer);
         }
+        ground_options_tick(&session->options.ground, loop, &pushed);
         loop_tick(loop);
         const int event = walk_record_take(&session->record, loop);
         if (session->options.ticks) {

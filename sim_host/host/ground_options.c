@@ -1,0 +1,70 @@
+#include "sim_host/host/ground_options.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "sim_host/host/walk_options.h"
+
+enum { KEY_SLOPE = 0x600, KEY_TERRAIN, KEY_PUSH };
+
+#define RAD_PER_DEG 0.017453292519943295
+
+static const struct argp_option option_list[] = {
+    {0, 0, 0, 0, "Ground and pushes:", 1},
+    {"slope-deg", KEY_SLOPE, "DEG", 0,
+     "slope of the ground, uphill positive, reached by 0.05 a step", 0},
+    {"terrain-mm", KEY_TERRAIN, "MM", 0, "standard deviation of the footholds' heights, 0 to 100",
+     0},
+    {"push", KEY_PUSH, "NS@S", 0, "impulse on the torso in N s, forward positive, after S seconds",
+     0},
+    {0}};
+
+static void take_push(struct ground_options *options, const char *text, struct argp_state *state)
+{
+    char rest;
+    if (sscanf(text, "%lf@%lf%c", &options->push_Ns, &options->push_s, &rest) != 2 ||
+        !(options->push_Ns >= -1e4 && options->push_Ns <= 1e4) ||
+        !(options->push_s >= 0.0 && options->push_s <= 1e6)) {
+        argp_error(state, "--push: \"%s\" is not NEWTONSECONDS@SECONDS, as in 0.05@12.5", text);
+    }
+}
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct ground_options *options = (struct ground_options *)state->input;
+    switch (key) {
+    case KEY_SLOPE:
+        options->slope_deg = option_number(state, "--slope-deg", text, -20.0, 20.0);
+        return 0;
+    case KEY_TERRAIN:
+        options->terrain_mm = option_number(state, "--terrain-mm", text, 0.0, 100.0);
+        return 0;
+    case KEY_PUSH:
+        take_push(options, text, state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const struct argp ground_options_parser = {option_list, take, 0, 0, 0, 0, 0};
+
+void ground_options_apply(const struct ground_options *options, struct loop_config *config)
+{
+    config->plant.roughness_m = 0.001 * options->terrain_mm;
+}
+
+void ground_options_tick(const struct ground_options *options, struct loop *loop, bool *done)
+{
+    struct plant *plant = &loop->nodes.plant;
+    if (options->slope_deg != 0.0) {
+        const double most = GROUND_SLOPE_PER_STEP_DEG * (double)plant->walk.steps_written;
+        const double size = fabs(options->slope_deg) < most ? fabs(options->slope_deg) : most;
+        plant->walk.params.slope_rad = copysign(size, options->slope_deg) * RAD_PER_DEG;
+    }
+    if (!*done && options->push_Ns != 0.0 && plant->walk.phase != WALK_HELD &&
+        plant->walk.time_s >= options->push_s) {
+        plant_push(plant, -options->push_Ns, 0.0); /* forward is -x */
+        *done = true;
+    }
+}

@@ -1,0 +1,58 @@
+"""afo-sim's --law, --slope-deg, --terrain-mm and --push: what eq. (16) falls over, the predictive law takes."""
+import json
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo-sim"
+
+
+def walk(*arguments, status=None):
+    run = subprocess.run([PROGRAM, "--quiet", "--json", *map(str, arguments)], capture_output=True,
+                         text=True, check=False, timeout=300)
+    if status is not None:
+        assert run.returncode == status, run.stderr
+        return run
+    return json.loads(run.stdout)
+
+
+# start gait at 0.8 rad/s
+FAST = ("--start-r0", 0.1724, "--speed", 0.8)
+
+
+@pytest.mark.parametrize("what", [("--slope-deg", 1), ("--slope-deg", -1), ("--push", "0.05@6"),
+                                  ("--push", "-0.05@6"), ("--terrain-mm", 4)])
+def test_predictive_walks_where_equation_16_falls(what):
+    assert walk(*FAST, "--steps", 60, "--law", "proportional", *what)["fell"]
+    held = walk(*FAST, "--steps", 60, "--law", "predictive", *what)
+    assert not held["fell"], held["fault"]
+    if what[0] != "--terrain-mm":
+        assert held["apex_speed_rad_s"][-1] == pytest.approx(0.8, rel=0.02)
+
+
+def test_a_jump_of_the_command_through_the_chain():
+    up = walk("--law", "predictive", "--speed", 0.8, "--steps", 60, "--sensors", "14bit")
+    assert not up["fell"]
+    assert all(abs(v - 0.8) < 0.008 for v in up["apex_speed_rad_s"][40:])
+
+
+def test_the_laws_can_be_named_in_the_subject_file(tmp_path):
+    subject = tmp_path / "subject.ini"
+    body = "[walker]\nM = 1\nm = 0.01\nl = 1\nk = 100\ng = 9.80665\n"
+    subject.write_text(body + "[controller]\nlaw = predictive\n", encoding="utf-8")
+    options = ("--speed", 0.5, "--steps", 20)
+    by_file = walk("--subject", subject, *options)["r0_m"]
+    assert by_file == pytest.approx(walk("--law", "predictive", *options)["r0_m"], abs=1e-5)
+    assert by_file != pytest.approx(walk(*options)["r0_m"], abs=1e-3)
+    subject.write_text(body + "[controller]\nlaw = magic\n", encoding="utf-8")
+    assert "law" in walk("--subject", subject, status=2).stderr
+
+
+@pytest.mark.parametrize("arguments", [
+    ("--law", "magic"), ("--law", "open-loop"), ("--slope-deg", 45), ("--terrain-mm", -1),
+    ("--push", "0.1"), ("--push", "x@1"), ("--push", "0.1@-2"), ("--law", "dlqr", "--open-loop", "--r0", 0.05)])
+def test_bad_values_are_usage_errors(arguments):
+    assert walk(*arguments, status=2).stderr
