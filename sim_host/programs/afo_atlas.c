@@ -7,19 +7,21 @@
 #include <unistd.h>
 
 #include "sim_host/batch/atlas.h"
+#include "sim_host/batch/batch.h"
 
 static const char help[] =
     "usage: afo-atlas basin FILE [--points N] [--r0 M] [--strides N] [--threads N]\n"
     "       afo-atlas plane FILE [--points N] [--mass-ratio X] [--threads N]\n"
-    "basin: N^3 apexes of the paper's walker (default 128): forward speed 0.05..1.2 rad/s, swing angle\n"
-    "       -0.8..0.6 rad, swing rate -1..4 rad/s; a byte each: whole strides before the fall, or 255 (default r0\n"
+    "basin: N^3 apexes of the paper's walker (default 128): forward speed 0.05..2 rad/s, swing angle\n"
+    "       -0.8..1.2 rad, swing rate -1..4 rad/s; a byte each: whole strides before the fall, or 255 (default r0\n"
     "       0.05, 60 strides)\n"
     "plane: N x N (default 200) of r0/l 0.005..0.3 and k l/(M g) 3..30 for a walker of m/M = X (default 0.01, the\n"
     "       paper's; 0.0385 a 70 kg adult's); a byte each: 0 falls, 1..64 period, 255 none\n"
+    "--lanes 2, 4 or 8: vectors of that width (0: the widest; the results are the same).\n"
     "FILE is resumed when it is there; interrupt at will. mpirun -n R afo-atlas ... shares the work among ranks.\n";
 
 struct options {
-    int points, strides, threads;
+    int points, strides, threads, lanes;
     double push, mass_ratio;
 };
 
@@ -36,11 +38,8 @@ static int take(struct options *options, const char *name, const char *text)
     static const struct {
         const char *name;
         double low, high;
-    } known[] = {{"--points", 2, 20000},
-                 {"--strides", 1, 254},
-                 {"--threads", 0, 256},
-                 {"--r0", 0, 10},
-                 {"--mass-ratio", 0, 1}};
+    } known[] = {{"--points", 2, 20000}, {"--strides", 1, 254},  {"--threads", 0, 256},
+                 {"--r0", 0, 10},        {"--mass-ratio", 0, 1}, {"--lanes", 0, 8}};
     double number = 0.0;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         if (strcmp(name, known[i].name) != 0) {
@@ -63,8 +62,11 @@ static int take(struct options *options, const char *name, const char *text)
         case 3:
             options->push = number;
             break;
-        default:
+        case 4:
             options->mass_ratio = number;
+            break;
+        default:
+            options->lanes = (int)number;
         }
         return 1;
     }
@@ -89,7 +91,7 @@ int main(int argc, char **argv)
 {
     const int is_basin = argc > 2 && strcmp(argv[1], "basin") == 0;
     const int is_plane = argc > 2 && strcmp(argv[1], "plane") == 0;
-    struct options options = {is_basin ? 128 : 200, 60, 0, 0.05, 0.01};
+    struct options options = {is_basin ? 128 : 200, 60, 0, 0, 0.05, 0.01};
     if (!is_basin && !is_plane) {
         const int is_asked = argc > 1 && strcmp(argv[1], "--help") == 0;
         fputs(help, is_asked ? stdout : stderr);
@@ -100,6 +102,12 @@ int main(int argc, char **argv)
             return EXIT_FAILURE;
         }
     }
+    if (batch_use_lanes(options.lanes) != BATCH_OK) {
+        fputs(
+            "afo-atlas: --lanes must be 2, 4 or 8, and this processor must have them; 0: the widest\n",
+            stderr);
+        return EXIT_FAILURE;
+    }
     if (is_basin) {
         struct atlas_basin basin = {1.0,
                                     0.01,
@@ -108,8 +116,8 @@ int main(int argc, char **argv)
                                     9.80665,
                                     options.push,
                                     1e-6,
-                                    {0.05, 1.2, options.points},
-                                    {-0.8, 0.6, options.points},
+                                    {0.05, 2.0, options.points},
+                                    {-0.8, 1.2, options.points},
                                     {-1.0, 4.0, options.points},
                                     options.strides};
         return run(atlas_basin_job(&basin, argv[2]), &options);

@@ -133,7 +133,8 @@ static void report_peak(const struct bench_rows *rows, struct many *many)
         100.0 * rate / peak, 1e-9 * peak);
 }
 
-static double wall_s(const struct batch_job *job, int threads)
+/* Wall time of the fastest pass; *processor_s: least processor time of all threads, which a busy machine does not touch. */
+static double wall_s(const struct batch_job *job, int threads, double *processor_s)
 {
     const struct batch_settings settings = {0};
     double best = 1e30;
@@ -143,11 +144,14 @@ static double wall_s(const struct batch_job *job, int threads)
             job->items[i].strides = 0;
             job->items[i].fault = 0;
         }
+        const clock_t ticks = clock();
         clock_gettime(CLOCK_MONOTONIC, &before);
         batch_run_threads(&settings, job, threads);
         clock_gettime(CLOCK_MONOTONIC, &after);
         const double took = (double)(after.tv_sec - before.tv_sec) +
                             1e-9 * (double)(after.tv_nsec - before.tv_nsec);
+        const double processor = (double)(clock() - ticks) / CLOCKS_PER_SEC;
+        *processor_s = pass == 0 || processor < *processor_s ? processor : *processor_s;
         best = took < best ? took : best;
     }
     return best;
@@ -169,10 +173,12 @@ static void report_cores(const struct bench_rows *rows)
     }
     if (items != NULL) {
         const double strides = (double)job.strides * (double)count;
-        const double alone = wall_s(&job, 1), together = wall_s(&job, 0);
+        double one_s, all_s;
+        const double alone = wall_s(&job, 1, &one_s), together = wall_s(&job, 0, &all_s);
         printf(
-            "# the paper's gait at 1e-9: %.0f strides per second on one core, %.0f on %d (%.0f %% efficiency)\n",
-            strides / alone, strides / together, cores, 100.0 * alone / together / cores);
+            "# the paper's gait at 1e-9: %.0f strides per second on one core, %.0f on %d (%.0f %% efficiency by the wall clock, %.0f %% by processor time)\n",
+            strides / alone, strides / together, cores, 100.0 * alone / together / cores,
+            100.0 * one_s / all_s);
     }
     free(items);
 }
