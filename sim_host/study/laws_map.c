@@ -22,7 +22,7 @@ int laws_stride(const struct gait_walker *gait_walker, enum laws_accuracy accura
         settings = stride_settings_fixed(&walker, 0.08 * walker.time_unit_s);
         settings.phase_limit_s = 10.0 * walker.time_unit_s;
     }
-    result->fault = stride_on_ground(&walker, &settings, &from, r0_m, &ground, &r);
+    result->fault = (int)stride_on_ground(&walker, &settings, &from, r0_m, &ground, &r);
     result->next[0] = r.next.stance_rate_rad_s;
     result->next[1] = r.next.swing_angle_rad;
     result->next[2] = r.next.swing_rate_rad_s;

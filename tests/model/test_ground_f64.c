@@ -91,7 +91,7 @@ START_TEST(bad_ground_is_refused)
     const struct walker walker = paper_walker();
     const struct stride_settings settings = stride_settings_accurate(&walker);
     const struct apex from = {-0.407, -0.0596, 1.757};
-    const struct ground steep = {1.6, 0.0}, nothing = {0.0, NAN};
+    const struct ground steep = {1.6, 0.0}, nothing = {0.0, (real)NAN};
     struct stride_result r;
     ck_assert_int_eq(stride_on_ground(&walker, &settings, &from, 0.05, &steep, &r),
                      STRIDE_BAD_INPUT);
