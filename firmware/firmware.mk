@@ -48,10 +48,11 @@ firmware: $(NUCLEO).elf $(NUCLEO).bin $(NUCLEO).hex $(MPS2).elf ## images for th
 
 OPENOCD ?= openocd
 OPENOCD_BOARD := -f interface/stlink.cfg -f target/stm32g4x.cfg
-flash: $(NUCLEO).elf ## write the image to a NUCLEO-G474RE (openocd, else st-flash)
+flash: $(NUCLEO).elf $(NUCLEO).bin ## write the image to a NUCLEO-G474RE (openocd, else st-flash)
 	$(Q)if command -v $(OPENOCD) >/dev/null; then \
 	        $(OPENOCD) $(OPENOCD_BOARD) -c 'program $< verify reset exit'; \
-	else $(MAKE) --no-print-directory $(NUCLEO).bin && st-flash --reset write $(NUCLEO).bin 0x08000000; fi
+	elif command -v st-flash >/dev/null; then st-flash --reset write $(NUCLEO).bin 0x08000000; \
+	else echo 'flash: neither openocd nor st-flash is here (scripts/setup flash)' >&2; exit 1; fi
 
 debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; the watchdog stands still while it is halted
 	$(Q)gdb-multiarch $< -ex 'target extended-remote | $(OPENOCD) $(OPENOCD_BOARD) \
