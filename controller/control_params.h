@@ -55,6 +55,10 @@ enum body_kind {
     X(angle_hysteresis_rad, "rad", 0.0001, 0.2, "swing of an angle below which it is no event")     \
     X(body, "-", 0.0, 1.0, "0 = compass walker, 1 = person")                                        \
     X(sensor_latency_s, "s", 0.0, 0.02, "age of a leg sample at its SYNC; event times allow for it") \
+    X(angle_zero_left_rad, "rad", -0.2, 0.2, "what the left leg angle reads upright: zeroing.h")        \
+    X(angle_zero_right_rad, "rad", -0.2, 0.2, "the right one")                                      \
+    X(ankle_zero_left_m, "m", -0.03, 0.03, "what the left ankle reads with the heel down")          \
+    X(ankle_zero_right_m, "m", -0.03, 0.03, "the right one")                                        \
     X(sea_speed_max_m_s, "m/s", 0.001, 10.0, "speed limit of the SEA reference")                    \
     X(sea_acceleration_m_s2, "m/s^2", 0.01, 1000.0, "acceleration limit of the SEA reference")      \
     X(sea_tolerance_m, "m", 0.00001, 0.05, "the spring counts as loaded, or unloaded, within this") \

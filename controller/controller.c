@@ -224,11 +224,38 @@ static void command_drives(struct controller *controller, const struct controlle
     }
 }
 
+/* The sensors' offsets are looked for only while no spring can be under power. */
+static void find_zero(struct controller *controller, const struct controller_input *input,
+                      struct controller_output *output)
+{
+    struct zeroing *zeroing = &controller->zeroing;
+    if (supervisor_may_enable(controller->supervisor.state)) {
+        zeroing_stop(zeroing);
+    } else if (input->zero_requested) {
+        zeroing_start(zeroing);
+    }
+    const bool running = zeroing->state == ZEROING_RUNNING;
+    zeroing_update(zeroing, input->leg);
+    output->zeroing = zeroing->state;
+    output->new_zero = running && zeroing->state == ZEROING_DONE;
+}
+
+static void take_zero_off(const struct control_params *params, struct controller_input *values)
+{
+    values->leg[SIDE_LEFT].leg_angle_rad -= params->angle_zero_left_rad;
+    values->leg[SIDE_RIGHT].leg_angle_rad -= params->angle_zero_right_rad;
+    values->leg[SIDE_LEFT].ankle_extension_m -= params->ankle_zero_left_m;
+    values->leg[SIDE_RIGHT].ankle_extension_m -= params->ankle_zero_right_m;
+}
+
 void controller_update(struct controller *controller, const struct controller_input *input,
                        struct controller_output *output)
 {
     struct controller_input values = *input;
     *output = (struct controller_output){0};
+
+    find_zero(controller, input, output);
+    take_zero_off(controller->params, &values);
 
     checks_screen(&controller->checks, controller->params, &values);
     const struct checks_context context = {controller->supervisor.state, controller->request};

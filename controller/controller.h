@@ -15,6 +15,7 @@
 #include "controller/step_law.h"
 #include "controller/step_monitor.h"
 #include "controller/supervisor.h"
+#include "controller/zeroing.h"
 
 #define controller_init REAL_SYMBOL(controller_init)
 #define controller_update REAL_SYMBOL(controller_update)
@@ -29,6 +30,7 @@ struct controller {
     struct step_record pending_step; /* of the apex whose push-off the law still works on */
     struct checks checks;
     struct step_monitor steps;
+    struct zeroing zeroing;
     struct sea_request request[SIDE_COUNT]; /* of the last tick */
     real share; /* of the law's precompression that is given, 0..1: engaging ramps it */
     bool step_pending;
@@ -40,6 +42,9 @@ struct controller_output {
     enum supervisor_state state;
     enum supervisor_fault fault; /* latched */
     bool new_step;               /* last_step was written in this tick */
+    enum zeroing_state zeroing;
+    bool new_zero; /* controller->zeroing.mean was found in this tick: the caller is to put
+                      it into the parameters */
 };
 
 /* Prepares a controller that waits in SUPERVISOR_INIT. *params stays the

@@ -66,6 +66,7 @@ struct controller_input {
     bool parameters_corrupt;  /* their checksum is no longer that of the checked ones */
     bool walk_requested;      /* the operator's wish that the device assists */
     bool reset_requested;     /* clear a latched fault; obeyed at standstill only */
+    bool zero_requested;      /* find the leg sensors' offsets; obeyed while not assisting */
 };
 
 /* What happened in the gait, at most one of each kind a tick. */

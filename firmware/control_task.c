@@ -61,7 +61,8 @@ static void collect_input(struct control_task *task, struct controller_input *in
                                   .nodes_operational = network_all_operational(&task->network),
                                   .emergency_stop = task->emergency_stop,
                                   .walk_requested = task->node.objects.walk_requested != 0,
-                                  .reset_requested = task->node.objects.reset_requested != 0};
+                                  .reset_requested = task->node.objects.reset_requested != 0,
+                                  .zero_requested = task->node.objects.zero_requested != 0};
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const struct leg_sensor_reading *reading = &task->sensors.reading[leg];
         struct sea_drive_reading drive;
@@ -174,6 +175,7 @@ static unsigned run_tick(struct control_task *task)
     send_commands(task);
     force_stop(task);
     task->node.objects.reset_requested = 0;
+    task->node.objects.zero_requested = 0;
     task->node.objects.input_digest = task->node.objects.input_digest * UINT32_C(16777619) + 1u;
     configure_nodes(task);
     network_update(&task->network, &task->config.bus, task->configured);

@@ -172,8 +172,8 @@ static const struct co_device_ops device_ops = {.access = {.writing = writing, .
 static void default_objects(struct controller_objects *objects, const struct control_params *params)
 {
     const char *version = version_text();
-    *objects = (struct controller_objects){.command_count = 3,
-                                           .state_count = 3,
+    *objects = (struct controller_objects){.command_count = 4,
+                                           .state_count = 4,
                                            .step_count = 5,
                                            .record_count = 4,
                                            .param_count = CONTROL_PARAM_COUNT,
@@ -254,6 +254,16 @@ static void tell_fault(struct controller_node *node)
     }
 }
 
+/* The found offsets become parameters, to be stored like the others. */
+static void take_zero(struct controller_objects *objects, const struct zero_offsets *found)
+{
+    objects->params.angle_zero_left_rad = found->angle_rad[SIDE_LEFT];
+    objects->params.angle_zero_right_rad = found->angle_rad[SIDE_RIGHT];
+    objects->params.ankle_zero_left_m = found->ankle_m[SIDE_LEFT];
+    objects->params.ankle_zero_right_m = found->ankle_m[SIDE_RIGHT];
+    objects->params_crc = crc_of(&objects->params);
+}
+
 void controller_node_update(struct controller_node *node, const struct controller *controller,
                             const struct controller_output *output, bool emergency_stop,
                             uint64_t now_ns)
@@ -274,6 +284,10 @@ void controller_node_update(struct controller_node *node, const struct controlle
     if (output->new_step) {
         show_step(objects, &controller->last_step);
         co_device_trigger_tpdo(&node->device, TPDO_STEP);
+    }
+    objects->zeroing = (uint8_t)output->zeroing;
+    if (output->new_zero) {
+        take_zero(objects, &controller->zeroing.mean);
     }
     co_device_process(&node->device, now_ns);
 }

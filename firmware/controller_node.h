@@ -26,9 +26,11 @@ struct controller_objects {
     float desired_speed_rad_s;
     uint8_t walk_requested;
     uint8_t reset_requested;
+    uint8_t zero_requested;
     /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
     uint8_t state;
     uint8_t fault;
+    uint8_t zeroing; /* enum zeroing_state */
     uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
     /* 0x2002: last step as in TPDO1 */
     uint16_t step_measured;  /* 0.1 mrad/s */

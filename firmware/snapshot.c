@@ -25,6 +25,7 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(tick)                             \
     X(node.objects.walk_requested)      \
     X(node.objects.reset_requested)     \
+    X(node.objects.zero_requested)      \
     X(node.objects.state)               \
     X(node.objects.fault)               \
     X(node.powered)                     \

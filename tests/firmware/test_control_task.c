@@ -31,6 +31,10 @@ static struct control_params some_params(void)
         *(real *)((char *)&params + d->offset) = d->minimum;
     }
     params.leg_length_m = 1.0f;
+    params.angle_zero_left_rad = 0.0f;
+    params.angle_zero_right_rad = 0.0f;
+    params.ankle_zero_left_m = 0.0f;
+    params.ankle_zero_right_m = 0.0f;
     params.law = (float)LAW_PROPORTIONAL;
     params.kp_m_s_rad = 0.042f;
     params.start_r0_m = 0.05f;
