@@ -112,8 +112,8 @@ static const uint8_t *covered(const struct control_params *params, size_t at, si
     const bool own = at < PARAMS_OWN_BYTES;
     const uint8_t *bytes = own ? (const uint8_t *)params + at
                                : (const uint8_t *)params->branch + (at - PARAMS_OWN_BYTES);
-    const size_t left = own ? PARAMS_OWN_BYTES - at
-                            : PARAMS_OWN_BYTES + sizeof *params->branch - at;
+    const size_t left =
+        own ? PARAMS_OWN_BYTES - at : PARAMS_OWN_BYTES + sizeof *params->branch - at;
     *count = left < most ? left : most;
     return bytes;
 }
@@ -121,8 +121,7 @@ static const uint8_t *covered(const struct control_params *params, size_t at, si
 bool controller_node_params_corrupt(struct controller_node *node)
 {
     const struct control_params *params = &node->objects.params;
-    const size_t size =
-        PARAMS_OWN_BYTES + (params->branch != NULL ? sizeof *params->branch : 0);
+    const size_t size = PARAMS_OWN_BYTES + (params->branch != NULL ? sizeof *params->branch : 0);
     if (node->crc_at == 0) {
         node->crc_so_far = CRC32_INIT;
         node->crc_expected = node->objects.params_crc;
@@ -207,7 +206,8 @@ int controller_node_init(struct controller_node *node, const struct control_para
         return -1;
     }
     /* The master starts itself (CiA 301: a self-starting device). */
-    const struct can_msg start = {.id = FRAME_NMT, .length = 2, .data = {CO_NMT_START, NODE_CONTROLLER}};
+    const struct can_msg start = {
+        .id = FRAME_NMT, .length = 2, .data = {CO_NMT_START, NODE_CONTROLLER}};
     (void)co_device_receive(&node->device, &start, 0);
     node->sent_state = UINT8_MAX; /* whatever the state is: tell it at the first tick */
     return 0;

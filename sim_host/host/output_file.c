@@ -27,8 +27,8 @@ int output_file_open(struct output_file *file, const char *path, char *message, 
         /* errno says why: a write-protected file is not replaced either */
     } else {
         /* "x": two outputs under one name would share the temporary file. */
-        file->stream = fopen(file->direct ? file->path : file->temporary,
-                             file->direct ? "w" : "wx");
+        file->stream =
+            fopen(file->direct ? file->path : file->temporary, file->direct ? "w" : "wx");
     }
     if (file->stream == NULL) {
         snprintf(message, size, "cannot write %s: %s", path, strerror(errno));

@@ -49,7 +49,8 @@ static void take_fault(struct argp_state *state, struct sim_options *options, co
             return;
         }
     }
-    argp_error(state, "--fault: \"%s\" is unknown, allowed is none, cut-drives, never-armed, swapped",
+    argp_error(state,
+               "--fault: \"%s\" is unknown, allowed is none, cut-drives, never-armed, swapped",
                name);
 }
 
@@ -158,14 +159,16 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
     static const struct argp_child children[] = {
         {&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {&ground_options_parser, 0, "", 4}, {0}};
     static const struct argp parser = {
-        option_list, take, 0,
+        option_list,
+        take,
+        0,
         "Walks the simulated walker in closed loop over an in-process CAN bus.\v"
         "Exit status: 0 walked, 1 fell or stopped by a fault, 2 wrong usage or input.",
-        children, 0, 0};
-    *options = (struct sim_options){.sensors = SENSORS_17BIT,
-                                    .sensors_name = "17bit",
-                                    .seed = 1,
-                                    .fault_step = UINT32_MAX};
+        children,
+        0,
+        0};
+    *options = (struct sim_options){
+        .sensors = SENSORS_17BIT, .sensors_name = "17bit", .seed = 1, .fault_step = UINT32_MAX};
     walk_options_init(&options->walk);
     sensor_options_init(&options->sensor);
     option_identity("afo-sim");

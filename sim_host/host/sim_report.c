@@ -240,9 +240,8 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
     fputs("\n", stream);
     what_was_asked(stream, options, loop);
     if (outcome->fault[0] != '\0') {
-        fprintf(stream, "  outcome    %s after %u step%s: %s\n",
-                outcome->fell ? "FELL" : "STOPPED", record->count, plural(record->count),
-                outcome->fault);
+        fprintf(stream, "  outcome    %s after %u step%s: %s\n", outcome->fell ? "FELL" : "STOPPED",
+                record->count, plural(record->count), outcome->fault);
         refused_node(stream, &loop->rig.task.node.objects);
     } else {
         fprintf(stream, "  outcome    walked %u step%s\n", record->count, plural(record->count));

@@ -30,8 +30,10 @@ struct reading {
 };
 
 /* The first SUBJECT_KEYS_REQUIRED have no default: a body is nobody's guess. */
-#define KEY(section, key, minimum, maximum, field, meaning)                                  \
-    {section, key, minimum, maximum, offsetof(struct subject, field), meaning}
+#define KEY(section, key, minimum, maximum, field, meaning)                      \
+    {                                                                            \
+        section, key, minimum, maximum, offsetof(struct subject, field), meaning \
+    }
 static const struct subject_key subject_keys[SUBJECT_KEYS] = {
     KEY("walker", "M", 0.1, 200.0, torso_mass_kg, "mass at the hip, kg"),
     KEY("walker", "m", 0.0001, 30.0, leg_mass_kg, "mass in the middle of each leg, kg"),
@@ -43,10 +45,14 @@ static const struct subject_key subject_keys[SUBJECT_KEYS] = {
     KEY("sea", "force_max_N", 0.1, 50000.0, force_max_N, "motor force limit, N"),
     /* Coarser than 30000 the position loop hunts too much for the hand to let go. */
     KEY("sea", "counts_per_m", 30000.0, 1.0e8, counts_per_m, "motor counts per metre of spring"),
-    KEY("drive", "turns_per_m", 0.1, 100000.0, turns_per_m, "CANSimple: motor turns per metre of spring"),
-    KEY("drive", "rad_per_m", 0.1, 100000.0, rad_per_m, "MIT: motor angle per metre of spring, rad/m"),
-    KEY("drive", "zero_rad", -100.0, 100.0, zero_rad, "MIT: motor angle at the unloaded spring, rad"),
-    KEY("drive", "position_range_rad", 0.1, 1000.0, position_range_rad, "MIT: position field, +- rad"),
+    KEY("drive", "turns_per_m", 0.1, 100000.0, turns_per_m,
+        "CANSimple: motor turns per metre of spring"),
+    KEY("drive", "rad_per_m", 0.1, 100000.0, rad_per_m,
+        "MIT: motor angle per metre of spring, rad/m"),
+    KEY("drive", "zero_rad", -100.0, 100.0, zero_rad,
+        "MIT: motor angle at the unloaded spring, rad"),
+    KEY("drive", "position_range_rad", 0.1, 1000.0, position_range_rad,
+        "MIT: position field, +- rad"),
     KEY("drive", "velocity_range_rad_s", 0.1, 1000.0, velocity_range_rad_s,
         "MIT: velocity field, +- rad/s"),
     KEY("drive", "torque_range_Nm", 0.1, 1000.0, torque_range_Nm, "MIT: torque field, +- Nm"),
@@ -149,12 +155,13 @@ static int take_ankle_kind(struct subject *subject, const char *value, char *mes
         subject->ankle = ANKLE_LEVER;
         return 0;
     }
-    snprintf(message, size, "key \"kind\": \"%.40s\" is unknown, allowed is linear or lever", value);
+    snprintf(message, size, "key \"kind\": \"%.40s\" is unknown, allowed is linear or lever",
+             value);
     return -1;
 }
 
-static int take_word(struct reading *reading, enum word_key word, const char *value,
-                     char *message, size_t size)
+static int take_word(struct reading *reading, enum word_key word, const char *value, char *message,
+                     size_t size)
 {
     struct subject *subject = reading->subject;
     if (reading->word_given[word]) {
@@ -173,8 +180,8 @@ static int take_word(struct reading *reading, enum word_key word, const char *va
     }
 }
 
-static int take_key(void *context, const char *section, const char *key, const char *value, int line,
-                    char *message, size_t size)
+static int take_key(void *context, const char *section, const char *key, const char *value,
+                    int line, char *message, size_t size)
 {
     static const struct {
         const char *section, *key;
@@ -227,8 +234,8 @@ int subject_read(struct subject *subject, const char *path, char *message)
         }
     }
     if (subject->leg_mass_kg > subject->torso_mass_kg) {
-        snprintf(message, SUBJECT_MESSAGE_MAX, "%s: key \"m\" (%g kg) is above key \"M\" (%g kg)", path,
-                 subject->leg_mass_kg, subject->torso_mass_kg);
+        snprintf(message, SUBJECT_MESSAGE_MAX, "%s: key \"m\" (%g kg) is above key \"M\" (%g kg)",
+                 path, subject->leg_mass_kg, subject->torso_mass_kg);
         return -1;
     }
     return 0;
@@ -248,10 +255,10 @@ double subject_stroke_m(const struct subject *subject)
 struct walker_drives subject_drives(const struct subject *subject)
 {
     const bool mit = subject->protocol == DRIVE_PROTOCOL_MIT;
-    return (struct walker_drives){
-        .protocol = subject->protocol,
-        .units_per_m = mit ? subject->rad_per_m : subject->turns_per_m,
-        .zero_units = mit ? subject->zero_rad : 0.0,
-        .ranges = {subject->position_range_rad, subject->velocity_range_rad_s,
-                   subject->torque_range_Nm}};
+    return (struct walker_drives){.protocol = subject->protocol,
+                                  .units_per_m = mit ? subject->rad_per_m : subject->turns_per_m,
+                                  .zero_units = mit ? subject->zero_rad : 0.0,
+                                  .ranges = {subject->position_range_rad,
+                                             subject->velocity_range_rad_s,
+                                             subject->torque_range_Nm}};
 }

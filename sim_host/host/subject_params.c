@@ -149,9 +149,10 @@ static void explain(const struct control_params *params, int verdict, char *mess
                  (double)*(const real *)((const char *)params + d->offset), d->unit,
                  (double)d->minimum, (double)d->maximum);
     } else if (verdict == CONTROL_PARAMS_R0_ORDER) {
-        snprintf(message, SUBJECT_MESSAGE_MAX,
-                 "start_r0_m %g m lies outside what this subject's walker and SEA allow, %g to %g m",
-                 (double)params->start_r0_m, (double)params->r0_min_m, (double)params->r0_max_m);
+        snprintf(
+            message, SUBJECT_MESSAGE_MAX,
+            "start_r0_m %g m lies outside what this subject's walker and SEA allow, %g to %g m",
+            (double)params->start_r0_m, (double)params->r0_min_m, (double)params->r0_max_m);
     } else if (verdict == CONTROL_PARAMS_OPEN_LOOP) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "open-loop r0 %g m lies outside what this subject allows, %g to %g m",
@@ -167,8 +168,8 @@ static void explain(const struct control_params *params, int verdict, char *mess
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "this law needs the walker's branch of gaits, which could not be computed");
     } else {
-        snprintf(message, SUBJECT_MESSAGE_MAX, "controller parameters do not fit together (code %d)",
-                 verdict);
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "controller parameters do not fit together (code %d)", verdict);
     }
 }
 
@@ -183,10 +184,9 @@ int subject_control_params(const struct subject *subject, struct control_params 
     const double length_scale =
         l * sqrt(PAPER_SPRING_RATIO / (subject->spring_N_per_m * l / weight_N));
     const double stroke = subject_stroke_m(subject);
-    const double speed =
-        subject->speed_max_m_s > 0.0 ? subject->speed_max_m_s : 0.6 * sqrt(g * l);
-    const double force = subject->force_max_N > 0.0 ? subject->force_max_N
-                                                    : 2.5 * subject->spring_N_per_m * stroke;
+    const double speed = subject->speed_max_m_s > 0.0 ? subject->speed_max_m_s : 0.6 * sqrt(g * l);
+    const double force =
+        subject->force_max_N > 0.0 ? subject->force_max_N : 2.5 * subject->spring_N_per_m * stroke;
 
     *params = (struct control_params){
         .torso_mass_kg = (real)subject->torso_mass_kg,
@@ -230,7 +230,8 @@ int subject_control_params(const struct subject *subject, struct control_params 
     }
     if (params->law == (real)LAW_PREDICTIVE &&
         !overridden(subject, offsetof(struct control_params, r0_change_max_m))) {
-        params->r0_change_max_m = params->r0_max_m; /* what the motor can do limits it, step by step */
+        params->r0_change_max_m =
+            params->r0_max_m; /* what the motor can do limits it, step by step */
     }
     /* Not with the parameters' own checks: the controller does not know the SEA. */
     if ((double)params->r0_max_m > (double)(real)stroke) {

@@ -13,12 +13,16 @@ enum { KEY_SPEED = 0x400, KEY_OPEN_LOOP, KEY_R0, KEY_START_R0, KEY_KP, KEY_LAW, 
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "Who walks, and how:", 1},
-    {"speed", KEY_SPEED, "RAD_S", 0, "forward apex speed to walk at (default: that of the start gait)", 0},
-    {"kp", KEY_KP, "GAIN", 0, "gain of the law in m per rad/s (default: 0.042 scaled to the subject)", 0},
+    {"speed", KEY_SPEED, "RAD_S", 0,
+     "forward apex speed to walk at (default: that of the start gait)", 0},
+    {"kp", KEY_KP, "GAIN", 0,
+     "gain of the law in m per rad/s (default: 0.042 scaled to the subject)", 0},
     {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat or predictive", 0},
-    {"open-loop", KEY_OPEN_LOOP, 0, 0, "no law: constant precompression --r0, reached by a slow ramp", 0},
+    {"open-loop", KEY_OPEN_LOOP, 0, 0,
+     "no law: constant precompression --r0, reached by a slow ramp", 0},
     {"r0", KEY_R0, "M", 0, "precompression of --open-loop, metres", 0},
-    {"start-r0", KEY_START_R0, "M", 0, "start from the steady gait of this precompression, metres", 0},
+    {"start-r0", KEY_START_R0, "M", 0, "start from the steady gait of this precompression, metres",
+     0},
     {"subject", KEY_SUBJECT, "FILE", 0, "subject file (INI; default: the paper's walker)", 0},
     {0}};
 
@@ -162,7 +166,8 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
                          struct control_params *params, double *desired_speed_rad_s, char *message)
 {
     subject_default(subject);
-    if (options->subject_path != NULL && subject_read(subject, options->subject_path, message) != 0) {
+    if (options->subject_path != NULL &&
+        subject_read(subject, options->subject_path, message) != 0) {
         return -1;
     }
     if (options->kp >= 0.0) {

@@ -175,7 +175,8 @@ static bool output_failed(const struct session *session)
 static void walk(struct session *session)
 {
     struct loop *loop = session->loop;
-    const bool progress = !session->options.quiet && !session->options.json && isatty(STDERR_FILENO);
+    const bool progress =
+        !session->options.quiet && !session->options.json && isatty(STDERR_FILENO);
     uint64_t last_progress_tick = 0;
     uint32_t seen = 0;
     bool pushed = false;
@@ -245,7 +246,8 @@ static int finish(struct session *session)
 {
     const struct sim_options *options = &session->options;
     char message[OUTPUT_PATH_MAX + 256];
-    int status = session->outcome.fell || session->outcome.fault[0] != '\0' ? EXIT_FELL : EXIT_WALKED;
+    int status =
+        session->outcome.fell || session->outcome.fault[0] != '\0' ? EXIT_FELL : EXIT_WALKED;
 
     if (interrupted || output_failed(session)) {
         discard_unfinished(&session->csv);

@@ -4,8 +4,10 @@
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 
-enum { ROUND_TICKS = 2 * (int)(sizeof(struct control_params) + sizeof(struct gait_branch)) /
-                     CONTROLLER_CRC_BYTES };
+enum {
+    ROUND_TICKS =
+        2 * (int)(sizeof(struct control_params) + sizeof(struct gait_branch)) / CONTROLLER_CRC_BYTES
+};
 
 static struct fake_bus fake;
 static struct gait_branch branch = {.count = 7, .speed_min_rad_s = 0.2f};
@@ -16,7 +18,8 @@ static void start(const struct gait_branch *with)
     struct control_params params = {.leg_length_m = 1.0f, .kp_m_s_rad = 0.042f, .branch = with};
     params.table.count = SPEED_TABLE_MAX;
     fake_bus_init(&fake);
-    ck_assert_int_eq(controller_node_init(&node, &params, 0.4f, true, fake_bus_interface(&fake)), 0);
+    ck_assert_int_eq(controller_node_init(&node, &params, 0.4f, true, fake_bus_interface(&fake)),
+                     0);
 }
 
 /* Whether two whole rounds say so; the first may have begun before the change. */
