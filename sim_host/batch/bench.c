@@ -36,7 +36,7 @@ static int by_size(const void *a, const void *b)
 static void errors_of(const struct bench_rows *rows, double (*next)[3], double *largest,
                       double *median)
 {
-    double error[BENCH_MAX_ROWS];
+    static double error[BENCH_MAX_ROWS];
     for (int i = 0; i < rows->count; i++) {
         error[i] = 0.0;
         for (int k = 0; k < 3; k++) {

@@ -33,7 +33,8 @@ static uint32_t checksum(const void *bytes, size_t count)
             crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xEDB88320u : 0u);
         }
     }
-    return ~crc == 0 ? 1u : ~crc;
+    const uint32_t sum = crc ^ 0xFFFFFFFFu;
+    return sum == 0u ? 1u : sum;
 }
 
 static off_t place_of_mark(size_t chunk)

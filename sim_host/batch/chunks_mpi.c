@@ -11,7 +11,7 @@
 int chunks_ranks(void)
 {
     const char *ranks = getenv("OMPI_COMM_WORLD_SIZE");
-    return ranks == NULL ? 1 : atoi(ranks);
+    return ranks == NULL ? 1 : (int)strtol(ranks, NULL, 10);
 }
 
 #ifdef BATCH_HAVE_MPI

@@ -50,12 +50,16 @@ static void measure_scalar(const struct bench_rows *rows)
         walker_init(&scalar.walker[i], &params);
     }
     scalar.method = ODE_RK8;
-    for (double parts = 0.25; parts < 3.0; parts *= 1.19) {
+    double parts = 0.25;
+    for (int rung = 0; rung < 15; rung++) {
         bench_measure("scalar map RK8", rows, scalar_strides, &scalar, parts, 1);
+        parts *= 1.19;
     }
     scalar.method = ODE_RK4;
-    for (double parts = 1.0; parts < 200.0; parts *= 2.0) {
+    parts = 1.0;
+    for (int rung = 0; rung < 8; rung++) {
         bench_measure("scalar map RK4", rows, scalar_strides, &scalar, parts, 1);
+        parts *= 2.0;
     }
 }
 
@@ -101,8 +105,8 @@ static void measure_methods(const struct bench_rows *rows, struct many *many)
     for (int order = 8; order <= 28; order += 2) {
         char name[40];
         snprintf(name, sizeof name, "series of order %d", order);
-        for (double tolerance = -12.0; tolerance >= -54.0; tolerance -= 2.0) {
-            batch_use_method(order, tolerance);
+        for (int bits = 12; bits <= 54; bits += 2) {
+            batch_use_method(order, -(double)bits);
             bench_measure(name, rows, batch_strides, many, 0.0, REPEATS);
         }
     }
@@ -138,6 +142,7 @@ static double wall_s(const struct batch_job *job, int threads, double *processor
 {
     const struct batch_settings settings = {0};
     double best = 1e30;
+    *processor_s = 1e30;
     for (int pass = 0; pass < 5; pass++) {
         struct timespec before, after;
         for (size_t i = 0; i < job->count; i++) {
@@ -151,7 +156,7 @@ static double wall_s(const struct batch_job *job, int threads, double *processor
         const double took = (double)(after.tv_sec - before.tv_sec) +
                             1e-9 * (double)(after.tv_nsec - before.tv_nsec);
         const double processor = (double)(clock() - ticks) / CLOCKS_PER_SEC;
-        *processor_s = pass == 0 || processor < *processor_s ? processor : *processor_s;
+        *processor_s = processor < *processor_s ? processor : *processor_s;
         best = took < best ? took : best;
     }
     return best;
@@ -162,61 +167,58 @@ static void report_cores(const struct bench_rows *rows)
 {
     const size_t count = (size_t)rows->count * REPEATS;
     const int cores = pieces_threads(0);
-    struct batch_item *items = calloc(count, sizeof *items);
+    static struct batch_item items[BENCH_MAX_ROWS * REPEATS];
     const struct batch_job job = {.walkers = &rows->row[0].walker,
                                   .walker_count = 1,
                                   .items = items,
                                   .count = count,
                                   .strides = 50};
-    for (size_t i = 0; items != NULL && i < count; i++) {
+    for (size_t i = 0; i < count; i++) {
         items[i] = (struct batch_item){.apex = {-0.40696, -0.05957, 1.75677}, .push_m = 0.05};
     }
-    if (items != NULL) {
-        const double strides = (double)job.strides * (double)count;
-        double one_s, all_s;
-        const double alone = wall_s(&job, 1, &one_s), together = wall_s(&job, 0, &all_s);
-        printf(
-            "# the paper's gait at 1e-9: %.0f strides per second on one core, %.0f on %d (%.0f %% efficiency by the wall clock, %.0f %% by processor time)\n",
-            strides / alone, strides / together, cores, 100.0 * alone / together / cores,
-            100.0 * one_s / all_s);
+    const double strides = (double)job.strides * (double)count;
+    double one_s, all_s;
+    const double alone = wall_s(&job, 1, &one_s), together = wall_s(&job, 0, &all_s);
+    printf(
+        "# the paper's gait at 1e-9: %.0f strides per second on one core, %.0f on %d (%.0f %% efficiency by the wall clock, %.0f %% by processor time)\n",
+        strides / alone, strides / together, cores, 100.0 * alone / together / cores,
+        100.0 * one_s / all_s);
+}
+
+static void measure_lanes(const struct bench_rows *rows, struct many *many)
+{
+    static const double accuracies[] = {1e-4, 1e-6, 1e-9, 1e-11, 1e-12};
+    static struct batch_slopes slopes[BENCH_MAX_ROWS * REPEATS];
+    char name[80];
+    snprintf(name, sizeof name, "batch %s", batch_lanes_name());
+    for (size_t i = 0; i < sizeof accuracies / sizeof accuracies[0]; i++) {
+        bench_measure(name, rows, batch_strides, many, accuracies[i], REPEATS);
     }
-    free(items);
+    many->want_times = 1;
+    snprintf(name, sizeof name, "batch %s with times", batch_lanes_name());
+    bench_measure(name, rows, batch_strides, many, 1e-9, REPEATS);
+    many->want_times = 0;
+    many->slopes = slopes;
+    snprintf(name, sizeof name, "batch %s with derivatives", batch_lanes_name());
+    bench_measure(name, rows, batch_strides, many, 1e-9, REPEATS);
+    many->slopes = NULL;
 }
 
 static void measure_batch(const struct bench_rows *rows)
 {
-    static const double accuracies[] = {1e-4, 1e-6, 1e-9, 1e-11, 1e-12};
-    static struct many many;
-    many.items = calloc((size_t)rows->count * REPEATS, sizeof *many.items);
-    struct batch_slopes *slopes = calloc((size_t)rows->count * REPEATS, sizeof *slopes);
+    static struct batch_item items[BENCH_MAX_ROWS * REPEATS];
+    static struct many many = {.items = items};
     for (int i = 0; i < rows->count; i++) {
         many.walker[i] = rows->row[i].walker;
     }
-    for (int lanes = 2; many.items != NULL && slopes != NULL && lanes <= 8; lanes *= 2) {
-        if (batch_use_lanes(lanes) != BATCH_OK) {
-            continue;
+    for (int lanes = 2; lanes <= 8; lanes *= 2) {
+        if (batch_use_lanes(lanes) == BATCH_OK) {
+            measure_lanes(rows, &many);
         }
-        char name[80];
-        for (size_t i = 0; i < sizeof accuracies / sizeof accuracies[0]; i++) {
-            snprintf(name, sizeof name, "batch %s", batch_lanes_name());
-            bench_measure(name, rows, batch_strides, &many, accuracies[i], REPEATS);
-        }
-        many.want_times = 1;
-        snprintf(name, sizeof name, "batch %s with times", batch_lanes_name());
-        bench_measure(name, rows, batch_strides, &many, 1e-9, REPEATS);
-        many.want_times = 0;
-        many.slopes = slopes;
-        snprintf(name, sizeof name, "batch %s with derivatives", batch_lanes_name());
-        bench_measure(name, rows, batch_strides, &many, 1e-9, REPEATS);
-        many.slopes = NULL;
     }
     batch_use_lanes(0);
-    if (many.items != NULL) {
-        report_peak(rows, &many);
-        measure_methods(rows, &many);
-    }
-    free(many.items);
-    free(slopes);
+    report_peak(rows, &many);
+    measure_methods(rows, &many);
 }
 
 int main(int argc, char **argv)

@@ -122,8 +122,10 @@ static void measure(const char *name, int method, const struct bench_rows *rows)
     cvode = (struct cvode){0};
     if (cvode_open(&cvode, method)) {
         struct bench_solver solver = {run_phase, &cvode, &cvode.walker, &cvode.support};
-        for (double tolerance = 1e-5; tolerance > 2e-15; tolerance /= 3.1622776601683795) {
+        double tolerance = 1e-5;
+        for (int rung = 0; rung < 20; rung++) {
             bench_measure(name, rows, bench_solve, &solver, tolerance, 1);
+            tolerance /= 3.1622776601683795;
         }
     }
     cvode_close(&cvode);

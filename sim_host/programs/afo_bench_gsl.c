@@ -108,8 +108,10 @@ int main(int argc, char **argv)
         gsl.evolve[i] = gsl_odeiv2_evolve_alloc(gsl.system[i].dimension);
     }
     struct bench_solver solver = {run_phase, &gsl, &gsl.walker, &gsl.support};
-    for (double tolerance = 1e-4; tolerance > 2e-15; tolerance /= 3.1622776601683795) {
+    double tolerance = 1e-4;
+    for (int rung = 0; rung < 22; rung++) {
         bench_measure("GSL rk8pd", &rows, bench_solve, &solver, tolerance, 1);
+        tolerance /= 3.1622776601683795;
     }
     for (int i = 0; i < 2; i++) {
         gsl_odeiv2_evolve_free(gsl.evolve[i]);
