@@ -10,9 +10,10 @@
 #define MOTOR_OVER_SHARE REAL(0.1)
 
 /* Fastest a leg swings, in sqrt(g/l), and an ankle extends, in sqrt(g l): several times
- * what the walker does at its fastest gait (1.1 and 0.57) or a person (about 2). */
+ * what the walker does at its fastest gait (1.1 and 0.57) or a person (about 2); a foot
+ * that its spring no longer holds drops back in some ticks. */
 #define LEG_RATE_SHARE REAL(6.0)
-#define ANKLE_RATE_SHARE REAL(2.0)
+#define ANKLE_RATE_SHARE REAL(6.0)
 /* A motor, in limits of its own reference. */
 #define MOTOR_RATE_SHARE REAL(2.0)
 /* Noise of a sample: rad, and share of the leg's length. */
@@ -367,6 +368,9 @@ enum supervisor_fault checks_find(struct checks *checks, const struct control_pa
     }
     if (!input->nodes_operational) {
         return SUPERVISOR_FAULT_NODE_LOST;
+    }
+    if (input->foreign_master) {
+        return SUPERVISOR_FAULT_FOREIGN;
     }
     if (input->parameters_corrupt) {
         return SUPERVISOR_FAULT_PARAMETERS;

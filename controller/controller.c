@@ -40,7 +40,9 @@ static bool is_stepping(const struct controller *controller, uint32_t tick)
     if (!on_bench(controller) && late > 0 && late < patience) {
         patience = late;
     }
-    return steps->seen && tick - steps->known_tick <= patience;
+    /* Whoever stands still does not step, however short ago the last step was. */
+    return steps->seen && tick - steps->known_tick <= patience &&
+           !checks_standstill(&controller->checks);
 }
 
 static bool is_steady(const struct controller *controller)
@@ -59,6 +61,15 @@ static bool is_overdue(const struct controller *controller, uint32_t tick)
     return tick - supervisor->since_tick >= limit;
 }
 
+/* Both references are back at zero: a motor whose encoder stands at zero while it does not
+ * stand there is given the time to follow. */
+static bool references_back(const struct controller *controller)
+{
+    const real tolerance = controller->params->sea_tolerance_m;
+    return real_abs(controller->sea[SIDE_LEFT].position_m) <= tolerance &&
+           real_abs(controller->sea[SIDE_RIGHT].position_m) <= tolerance;
+}
+
 static uint16_t conditions_of(const struct controller *controller,
                               const struct controller_input *input, enum supervisor_fault fault)
 {
@@ -68,7 +79,7 @@ static uint16_t conditions_of(const struct controller *controller,
     bits |= fault != SUPERVISOR_FAULT_NONE ? SUPERVISOR_IF_FAULT : 0u;
     bits |= input->nodes_operational ? SUPERVISOR_IF_NODES : 0u;
     bits |= fault == SUPERVISOR_FAULT_NONE && slack ? SUPERVISOR_IF_PLAUSIBLE : 0u;
-    bits |= input->walk_requested ? SUPERVISOR_IF_WALK_REQUESTED : 0u;
+    bits |= input->walk_requested && !controller->request_spent ? SUPERVISOR_IF_WALK_REQUESTED : 0u;
     bits |= input->sea[SIDE_LEFT].state == DRIVE_ENABLED &&
                     input->sea[SIDE_RIGHT].state == DRIVE_ENABLED
                 ? SUPERVISOR_IF_ENABLED
@@ -78,7 +89,7 @@ static uint16_t conditions_of(const struct controller *controller,
     bits |= on_bench(controller) || controller->steps.unsteady < STEP_MONITOR_IRREGULAR
                 ? SUPERVISOR_IF_REGULAR
                 : 0u;
-    bits |= slack ? SUPERVISOR_IF_UNLOADED : 0u;
+    bits |= slack && references_back(controller) ? SUPERVISOR_IF_UNLOADED : 0u;
     bits |= is_overdue(controller, input->tick) ? SUPERVISOR_IF_TIMEOUT : 0u;
     bits |= input->reset_requested ? SUPERVISOR_IF_RESET : 0u;
     bits |= checks_standstill(&controller->checks) ? SUPERVISOR_IF_STANDSTILL : 0u;
@@ -102,8 +113,11 @@ static void enter_state(struct controller *controller, const struct controller_i
         }
         break;
     case SUPERVISOR_UNLOADING:
-        sea_reference_unload(&controller->sea[SIDE_LEFT]);
-        sea_reference_unload(&controller->sea[SIDE_RIGHT]);
+        /* On the bench the first spring is loaded at once: never again by itself, behind
+         * somebody who has stopped or lies there. */
+        controller->request_spent = on_bench(controller);
+        sea_reference_stop(&controller->sea[SIDE_LEFT]);
+        sea_reference_stop(&controller->sea[SIDE_RIGHT]);
         break;
     default:
         break;
@@ -217,7 +231,10 @@ static void command_drives(struct controller *controller, const struct controlle
         if (enable) {
             *request = sea_reference_update(&controller->sea[side], controller->params,
                                             input->sea[side].precompression_m);
-            request->enable = guard(controller, request);
+            /* A drive that is not heard while it is to unload does it by itself. */
+            const bool silent = controller->supervisor.state == SUPERVISOR_UNLOADING &&
+                                input->sea[side].age_ticks > ticks_of(controller->params->sensor_age_max_s);
+            request->enable = guard(controller, request) && !silent;
             request->latch_armed = request->latch_armed && may_release(controller, (enum side)side);
         }
         controller->request[side] = *request;
@@ -254,13 +271,17 @@ void controller_update(struct controller *controller, const struct controller_in
     struct controller_input values = *input;
     *output = (struct controller_output){0};
 
+    if (!values.walk_requested) {
+        controller->request_spent = false;
+    }
     find_zero(controller, input, output);
     take_zero_off(controller->params, &values);
 
+    const struct controller_input raw = values; /* in the legs' own zeros, not screened yet */
     checks_screen(&controller->checks, controller->params, &values);
     const struct checks_context context = {controller->supervisor.state, controller->request};
     enum supervisor_fault fault =
-        checks_find(&controller->checks, controller->params, input, &values, &context);
+        checks_find(&controller->checks, controller->params, &raw, &values, &context);
     if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
         fault = SUPERVISOR_FAULT_LEGS;
     }

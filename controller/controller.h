@@ -33,6 +33,7 @@ struct controller {
     struct zeroing zeroing;
     struct sea_request request[SIDE_COUNT]; /* of the last tick */
     real share; /* of the law's precompression that is given, 0..1: engaging ramps it */
+    bool request_spent; /* the bench's walk has ended: it takes a new request to load again */
     bool step_pending;
     bool observing; /* the observer has been started */
 };

@@ -1,8 +1,11 @@
 #include "controller/sea_reference.h"
 
+#define STOP_SPEED_SHARE REAL(1.2)
+#define STOP_ACCELERATION_SHARE REAL(1.35)
+
 void sea_reference_init(struct sea_reference *sea, real position_m)
 {
-    *sea = (struct sea_reference){SEA_UNLOADED, REAL(0.0), position_m, REAL(0.0)};
+    *sea = (struct sea_reference){.phase = SEA_UNLOADED, .position_m = position_m};
 }
 
 void sea_reference_load(struct sea_reference *sea, real r0_m)
@@ -25,6 +28,12 @@ void sea_reference_unload(struct sea_reference *sea)
         sea->phase = SEA_UNLOADING;
     }
     sea->target_m = REAL(0.0);
+}
+
+void sea_reference_stop(struct sea_reference *sea)
+{
+    sea_reference_unload(sea);
+    sea->stopping = true;
 }
 
 /* Trapezoidal profile in discrete time: as fast as the limits allow, but never
@@ -52,7 +61,10 @@ static void advance(struct sea_reference *sea, real speed_max, real acceleration
 struct sea_request sea_reference_update(struct sea_reference *sea,
                                         const struct control_params *params, real measured_m)
 {
-    advance(sea, params->sea_speed_max_m_s, params->sea_acceleration_m_s2);
+    /* A stop may use what the drive has in reserve. */
+    const real speed = sea->stopping ? STOP_SPEED_SHARE : REAL(1.0);
+    const real acceleration = sea->stopping ? STOP_ACCELERATION_SHARE : REAL(1.0);
+    advance(sea, speed * params->sea_speed_max_m_s, acceleration * params->sea_acceleration_m_s2);
     const bool arrived = sea->position_m == sea->target_m &&
                          real_abs(measured_m - sea->target_m) <= params->sea_tolerance_m;
     if (sea->phase == SEA_TRIMMED && arrived) {

@@ -19,6 +19,7 @@
 #define sea_reference_load REAL_SYMBOL(sea_reference_load)
 #define sea_reference_trim REAL_SYMBOL(sea_reference_trim)
 #define sea_reference_unload REAL_SYMBOL(sea_reference_unload)
+#define sea_reference_stop REAL_SYMBOL(sea_reference_stop)
 #define sea_reference_update REAL_SYMBOL(sea_reference_update)
 
 enum sea_phase {
@@ -34,6 +35,7 @@ struct sea_reference {
     real target_m;    /* where the motor shall go, metres of spring */
     real position_m;  /* the reference now */
     real speed_m_s;
+    bool stopping; /* unloading because of a stop: faster than in a step */
 };
 
 /* Starts unloaded with the reference at the motor's position, so that enabling
@@ -48,6 +50,9 @@ void sea_reference_trim(struct sea_reference *sea, real r0_m);
 
 /* Back to zero, disarmed: after lift-off, and at every stop. */
 void sea_reference_unload(struct sea_reference *sea);
+
+/* The same for a stop: with more acceleration. Until the next init. */
+void sea_reference_stop(struct sea_reference *sea);
 
 /* Advances one tick. measured_m is the motor's position in metres of spring.
  * The command's enable field is left to the supervisor. Constant cost. */

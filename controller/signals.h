@@ -63,6 +63,7 @@ struct controller_input {
     real desired_speed_rad_s; /* forward apex speed asked for, > 0 */
     bool nodes_operational;   /* all four nodes alive and in NMT operational */
     bool emergency_stop;      /* true = pressed, or its state unknown */
+    bool foreign_master;      /* somebody else commands the drives */
     bool parameters_corrupt;  /* their checksum is no longer that of the checked ones */
     bool walk_requested;      /* the operator's wish that the device assists */
     bool reset_requested;     /* clear a latched fault; obeyed at standstill only */

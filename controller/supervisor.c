@@ -103,6 +103,7 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "legs disagree",
                                                          "value not finite",
                                                          "spring not unloaded in time",
-                                                         "restarted by itself"};
+                                                         "restarted by itself",
+                                                         "somebody else commands the drives"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }

@@ -60,7 +60,8 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_NOT_FINITE = 15,
     SUPERVISOR_FAULT_UNLOAD = 16,    /* springs not known to be slack in time */
     SUPERVISOR_FAULT_RESTARTED = 17, /* the processor restarted by itself: crash or watchdog */
-    SUPERVISOR_FAULTS = 18
+    SUPERVISOR_FAULT_FOREIGN = 18,   /* another node commands the drives */
+    SUPERVISOR_FAULTS = 19
 };
 
 /* Conditions, one bit each. */

@@ -48,7 +48,13 @@ int control_task_init(struct control_task *task, const struct control_task_confi
 enum can_result control_task_start_cycle(struct control_task *task)
 {
     const struct can_msg sync = {.id = FRAME_SYNC, .length = FRAME_BYTES_SYNC};
+    if (task->sync_waits > 0 && task->sync_waits < CONTROL_TASK_SYNC_WAIT) {
+        task->sync_waits++;
+        count(&task->counters.syncs_refused);
+        return CAN_FULL;
+    }
     const enum can_result result = can_bus_send(&task->config.bus, &sync);
+    task->sync_waits = result == CAN_OK ? 1 : 0;
     count(result == CAN_OK ? &task->counters.syncs_sent : &task->counters.syncs_refused);
     return result;
 }
@@ -60,6 +66,9 @@ static void collect_input(struct control_task *task, struct controller_input *in
                                   .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,
                                   .nodes_operational = network_all_operational(&task->network),
                                   .emergency_stop = task->emergency_stop,
+                                  .foreign_master = task->foreign_master,
+                                  .parameters_corrupt =
+                                      controller_node_params_corrupt(&task->node),
                                   .walk_requested = task->node.objects.walk_requested != 0,
                                   .reset_requested = task->node.objects.reset_requested != 0,
                                   .zero_requested = task->node.objects.zero_requested != 0};
@@ -168,6 +177,7 @@ static unsigned run_tick(struct control_task *task)
 {
     struct controller_input input;
     task->tick++;
+    task->sync_waits = 0;
     task->now_ns += TICK_PERIOD_US * UINT64_C(1000);
     task->emergency_stop = emergency_stop_is_pressed(&task->config.stop);
     collect_input(task, &input);
@@ -182,6 +192,7 @@ static unsigned run_tick(struct control_task *task)
     show_counters(task);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);
+    task->foreign_master = false;
     sea_drives_age(&task->config.drives);
     leg_sensors_age(&task->sensors);
     return CONTROL_TASK_TICKED | CONTROL_TASK_BUS_ALIVE | CONTROL_TASK_SUPERVISED |
@@ -199,6 +210,13 @@ static uint32_t frame_hash(const struct can_msg *message)
     return (hash ^ bytes_get_u32(message->data + 4)) * prime;
 }
 
+/* Frames by which the drives are commanded: on this bus they come from here only. */
+static bool is_masters(uint32_t id)
+{
+    return id == FRAME_DRIVE_TARGETS || id == FRAME_DRIVE_COMMAND_LEFT ||
+           id == FRAME_DRIVE_COMMAND_RIGHT;
+}
+
 static void take_frame(struct control_task *task, const struct can_msg *message)
 {
     if (!leg_sensors_receive(&task->sensors, message) &&
@@ -207,6 +225,10 @@ static void take_frame(struct control_task *task, const struct can_msg *message)
         !node_setup_receive(&task->setup, message, task->now_ns) &&
         !controller_node_receive(&task->node, message, task->now_ns)) {
         count(&task->counters.foreign_frames);
+        if (is_masters(message->id)) {
+            task->foreign_master = true;
+            task->node.objects.input_digest += frame_hash(message);
+        }
         return;
     }
     task->node.objects.input_digest += frame_hash(message);

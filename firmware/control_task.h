@@ -67,6 +67,8 @@ struct control_task {
     uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet; wraps after 49 days */
     uint64_t now_ns;      /* since the task's start, in periods of SYNC; does not wrap */
     uint8_t configured;   /* bit i: node i of the network is set up */
+    uint8_t sync_waits;   /* cycles the SYNC under way has been waited for; 0 = none is */
+    bool foreign_master;  /* in this tick, another node sent what only this one may */
     uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
     bool emergency_stop;  /* as used in the last tick, and as sent */
 };
@@ -76,8 +78,11 @@ struct control_task {
  * says; then the task must not be used. */
 int control_task_init(struct control_task *task, const struct control_task_config *config);
 
-/* Queues the SYNC of the next cycle. Loop only. Returns what the bus says. */
+/* Queues the SYNC of the next cycle. Loop only. Returns what the bus says; CAN_FULL, and
+ * nothing is queued, while the last one has not been on the bus (for at most
+ * CONTROL_TASK_SYNC_WAIT cycles): after a blocked bus there must be no burst of ticks. */
 enum can_result control_task_start_cycle(struct control_task *task);
+enum { CONTROL_TASK_SYNC_WAIT = 250 };
 
 /* Fetches waiting frames (at most CONTROL_TASK_POLL_FRAMES a call) and runs a tick
  * for each own SYNC among them. Returns bits of enum control_task_progress.

@@ -1,5 +1,6 @@
 #include "hal/network.h"
 
+#include "hal/bytes.h"
 #include "hal/frame_table.h"
 
 enum { START_REPEAT_TICKS = 50 };
@@ -16,6 +17,29 @@ void network_init(struct network *network)
     }
 }
 
+/* CiA 301, 7.2.7: error code, register, vendor's bytes; 0x00xx = no error (left). 0x81xx and
+ * 0x82xx are monitoring and protocol: noticed by their time-outs, and often of the past. */
+static bool receive_emergency(struct network *network, const struct can_msg *message)
+{
+    for (int i = 0; i < NETWORK_NODES; i++) {
+        struct network_node *node = &network->node[i];
+        if (message->id != (uint32_t)(FRAME_EMCY_DRIVE_LEFT - NODE_DRIVE_LEFT + node->id)) {
+            continue;
+        }
+        if (message->length == 8 && message->flags == 0) {
+            const uint16_t code = bytes_get_u16(message->data);
+            const uint16_t group = (uint16_t)(code & 0xFF00u);
+            if (group == 0) {
+                node->error_code = 0;
+            } else if (group != 0x8100u && group != 0x8200u) {
+                node->error_code = code;
+            }
+        }
+        return true;
+    }
+    return false;
+}
+
 bool network_receive(struct network *network, const struct can_msg *message)
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
@@ -30,13 +54,14 @@ bool network_receive(struct network *network, const struct can_msg *message)
                 node->state = NMT_PRE_OPERATIONAL; /* entered right after boot-up */
                 node->start_wait = 0;
                 node->booted = true;
+                node->error_code = 0;
                 node->boot_count = node->boot_count < UINT8_MAX ? (uint8_t)(node->boot_count + 1)
                                                                 : node->boot_count;
             }
         }
         return true;
     }
-    return false;
+    return receive_emergency(network, message);
 }
 
 enum can_result network_command(const struct can_bus *bus, enum nmt_command command, uint8_t node)
@@ -85,7 +110,7 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
 bool network_all_operational(const struct network *network)
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
-        if (network->node[i].state != NMT_OPERATIONAL) {
+        if (network->node[i].state != NMT_OPERATIONAL || network->node[i].error_code != 0) {
             return false;
         }
     }

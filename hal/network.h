@@ -28,6 +28,7 @@ struct network_node {
     uint16_t silent_ticks;   /* since the last heartbeat or boot-up */
     uint16_t start_wait;     /* ticks until NMT start may be repeated */
     uint8_t boot_count;      /* saturates: more than one means it reset itself */
+    uint16_t error_code;     /* of its newest emergency about itself, 0 = none left */
     bool booted;             /* boot-up seen since network_clear_booted */
 };
 
@@ -47,7 +48,7 @@ enum nmt_command {
 /* Starts with all nodes unknown. */
 void network_init(struct network *network);
 
-/* Takes boot-up and heartbeat frames of the four nodes; says whether it did. */
+/* Takes boot-up, heartbeat and emergency frames of the four nodes; says whether it did. */
 bool network_receive(struct network *network, const struct can_msg *message);
 
 /* Once a tick: ages, time-outs, and NMT start for nodes that wait in pre-operational and whose bit (1 << index) is set in may_start. */
@@ -62,7 +63,8 @@ unsigned network_index(uint8_t node);
 /* Forgets who booted. */
 void network_clear_booted(struct network *network);
 
-/* True when all four are alive and operational. */
+/* True when all four are alive, operational, and without an error of their own device
+ * (emergencies about communication are left to its time-outs). */
 bool network_all_operational(const struct network *network);
 
 #endif

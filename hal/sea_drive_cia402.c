@@ -13,7 +13,9 @@ enum {
     CONTROLWORD_FAULT_RESET = 0x80
 };
 
-enum { STATUSWORD_LATCH_CLOSED = 1 << 14 }; /* manufacturer's */
+/* Bit 12 in cyclic synchronous position: the drive follows its target (CiA 402-2); bit 14
+ * is the manufacturer's. */
+enum { STATUSWORD_FOLLOWS = 1 << 12, STATUSWORD_LATCH_CLOSED = 1 << 14 };
 
 /* States as the statusword 0x6041 spells them under its masks. */
 enum cia402_state {
@@ -139,8 +141,11 @@ static void read_axis(const void *context, enum leg leg, struct sea_drive_readin
                      : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? SEA_LATCH_STATE_CLOSED
                                                                          : SEA_LATCH_STATE_OPEN;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
-    reading->state =
-        axis->age_ticks == UINT16_MAX ? SEA_DRIVE_UNKNOWN : meaning[state_of(axis->statusword)];
+    const bool ignores =
+        state_of(axis->statusword) == CIA402_ENABLED && (axis->statusword & STATUSWORD_FOLLOWS) == 0;
+    reading->state = axis->age_ticks == UINT16_MAX ? SEA_DRIVE_UNKNOWN
+                     : ignores                     ? SEA_DRIVE_STOPPING
+                                                   : meaning[state_of(axis->statusword)];
 }
 
 static void age(void *context)

@@ -1,11 +1,14 @@
 #include "sim_host/host/loop.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "hal/frame_table.h"
 #include "sim_host/bus/candump_log.h"
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
+
+static_assert((int)SPEED_TABLE_MAX <= (int)OWN_PUSH_GAITS_MAX, "the wearer knows as many gaits");
 
 const char *loop_fault_name(enum loop_fault fault)
 {
@@ -68,6 +71,28 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
                                              .theta_s_rate_rad_s = start.lift_off[2],
                                              .theta_n_rate_rad_s = start.lift_off[3]};
     return 0;
+}
+
+void loop_configure_wearer(struct loop_config *config, unsigned engage_steps)
+{
+    struct control_params *params = &config->params;
+    params->engage_steps = (real)engage_steps;
+    config->plant.support.least_load_m = 0.0;
+    config->own_push = (struct own_push_params){
+        .present = true,
+        .target_rad_s = config->desired_speed_rad_s,
+        .start_rad_s = (double)speed_table_speed(&params->table, params->start_r0_m),
+        .ramp_rad_s = (double)params->speed_ramp_rad_s,
+        .count = (int)params->table.count,
+        .rest_first_m = (double)params->table.r0_min_m,
+        .rest_step_m = (double)params->table.r0_step_m,
+        .gain_m_s_rad = (double)params->kp_m_s_rad,
+        .rest_max_m = (double)params->r0_max_m,
+        .spring_N_per_m = config->subject.spring_N_per_m,
+    };
+    for (int i = 0; i < config->own_push.count; i++) {
+        config->own_push.speed_rad_s[i] = (double)params->table.speed_rad_s[i];
+    }
 }
 
 /* ---- the bus's hooks ------------------------------------------------------- */
@@ -145,6 +170,7 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     memset(loop, 0, sizeof *loop);
     loop->config = *config;
     loop->log = log;
+    own_push_init(&loop->own_push, &config->own_push);
     sim_bus_init(&loop->bus, BUS_BITRATE);
     sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
     sim_bus_set_fault_hook(&loop->bus, inject, loop);
@@ -177,6 +203,7 @@ void loop_tick(struct loop *loop)
     for (int i = 0; i < WALKER_NODES; i++) {
         (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, sync_ns + TICK_NS - 1);
     }
+    own_push_tick(&loop->own_push, &loop->nodes.plant);
     walker_nodes_advance(&loop->nodes);
     if (!loop->fault_active && loop->config.fault != LOOP_FAULT_NONE &&
         loop->rig.task.controller.last_step.number >= loop->config.fault_step) {

@@ -17,6 +17,7 @@
 #include "sim_host/host/subject.h"
 #include "sim_host/host/task_rig.h"
 #include "sim_host/nodes/walker_nodes.h"
+#include "sim_host/plant/own_push.h"
 #include "sim_host/plant/plant.h"
 
 enum { LOOP_MESSAGE_MAX = 1024, LOOP_PORT_CONTROLLER = 0, LOOP_PORT_FIRST_NODE = 1 };
@@ -37,6 +38,7 @@ struct loop_config {
     struct subject subject;
     struct control_params params;
     struct plant_config plant;
+    struct own_push_params own_push; /* the wearer's; not present by default */
     double desired_speed_rad_s;
     enum loop_fault fault;
     uint32_t fault_step; /* the fault begins when this many apexes have passed */
@@ -57,6 +59,7 @@ struct loop {
     struct loop_config config;
     struct sim_bus bus;
     struct walker_nodes nodes; /* plant, drives and sensors */
+    struct own_push own_push;
     struct loop_wake wake[WALKER_NODES];
     struct task_rig rig; /* the control task and its drives' protocol */
     uint64_t tick;      /* SYNCs so far */
@@ -71,6 +74,10 @@ struct loop {
 int loop_configure(struct loop_config *config, const struct subject *subject,
                    const struct control_params *params, double desired_speed_rad_s,
                    enum sensor_preset_kind sensors, uint64_t seed, char *message);
+
+/* From the bench to a wearer: they have a push-off of their own at the desired speed, the
+ * hand lets go of them unloaded, and the controller assists after so many steady steps. */
+void loop_configure_wearer(struct loop_config *config, unsigned engage_steps);
 
 /* Builds everything and boots the nodes. The loop is large (about 200 kB): static
  * or on the heap. log may be NULL, else it stays the caller's. Returns 0, or -1

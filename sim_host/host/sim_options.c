@@ -18,7 +18,8 @@ enum {
     KEY_RATE,
     KEY_FAULT,
     KEY_FAULT_STEP,
-    KEY_REAL_TIME
+    KEY_REAL_TIME,
+    KEY_ENGAGE
 };
 
 static const struct argp_option option_list[] = {
@@ -32,6 +33,7 @@ static const struct argp_option option_list[] = {
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
+    {"engage", KEY_ENGAGE, "STEPS", 0, "the walker has a push-off of its own; the device takes over after so many steady steps", 0},
     {"real-time", KEY_REAL_TIME, 0, 0, "one tick a millisecond, with a report of the jitter", 0},
     {0, 0, 0, 0, "What comes out:", 3},
     {"csv", KEY_CSV, "FILE", 0, "one line per step", 0},
@@ -132,6 +134,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_FAULT_STEP:
         options->fault_step = (uint32_t)option_whole(state, "--fault-step", text, 0, 10000000);
+        break;
+    case KEY_ENGAGE:
+        options->engage_steps = (uint32_t)option_whole(state, "--engage", text, 1, 50);
         break;
     case KEY_REAL_TIME:
         options->real_time = true;

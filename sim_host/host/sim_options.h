@@ -25,6 +25,7 @@ struct sim_options {
     struct sensor_options sensor;
     struct ground_options ground;
     enum loop_fault fault;
+    uint32_t engage_steps; /* 0 = the bench: a walker without a push-off of its own */
     uint32_t fault_step;
     bool real_time; /* one tick a millisecond instead of as fast as it goes */
     bool quiet;

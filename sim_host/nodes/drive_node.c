@@ -152,7 +152,7 @@ static void reading(void *context, const struct co_entry *entry)
 static void on_sync(void *context, uint64_t now_ns)
 {
     struct drive_node *node = context;
-    (void)now_ns;
+    node->last_sync_ns = now_ns;
     node->sync_seen = true;
     drive_state_update_statusword(node);
 }

@@ -20,8 +20,8 @@
  * consumes the controller's (node 16) with 250 ms. Mode 8 (cyclic synchronous
  * position), the only one it has: others are refused.
  *
- * Safe reaction: when the master's heartbeat or the target RPDO fails or the node
- * leaves NMT operational (0x6007), on a fault (0x605E), on quick stop (0x605A) and
+ * Safe reaction: when the master's heartbeat, the target RPDO or the SYNC (50 ms)
+ * fails or the node leaves NMT operational (0x6007), on a fault (0x605E), on quick stop (0x605A) and
  * on an orderly shutdown (0x605B, 0x605C) the drive disarms the latch, moves its
  * motor to zero spring at config.unload_rate_m_per_s by itself and then switches its
  * torque off. Disable voltage switches off at once, as the profile demands.

@@ -70,6 +70,7 @@ struct drive_node {
     uint64_t now_ns;
     uint64_t unloading_since_ns;
     uint64_t following_since_ns; /* 0: within the window */
+    uint64_t last_sync_ns;
     double demand_counts;
 };
 

@@ -24,10 +24,12 @@ enum statusword_bit {
 enum error_code {
     ERROR_UNDERVOLTAGE = 0x3220,
     ERROR_TEMPERATURE = 0x4310,
-    ERROR_FOLLOWING = 0x8611
+    ERROR_FOLLOWING = 0x8611,
+    ERROR_SYNC = 0x8700
 };
 
 static const uint64_t NS_PER_MS = 1000000;
+static const uint64_t SYNC_LIMIT_NS = UINT64_C(50000000);
 static const uint64_t UNLOADING_LIMIT_NS = UINT64_C(5000000000);
 
 static bool stage_is_on(const struct drive_node *node)
@@ -284,6 +286,10 @@ void drive_state_supervise(struct drive_node *node, uint64_t now_ns)
         fault(node, ERROR_UNDERVOLTAGE);
     }
     watch_following(node, now_ns);
+    /* Targets that come without SYNC never take effect: the same as no targets. */
+    if (now_ns > node->last_sync_ns + SYNC_LIMIT_NS) {
+        drive_state_connection_lost(node, ERROR_SYNC);
+    }
     if (!node->unloading) {
         return;
     }

@@ -79,6 +79,9 @@ static int prepare(struct session *session)
         return -1;
     }
     sensor_options_apply(&options->sensor, &session->config);
+    if (options->engage_steps > 0) {
+        loop_configure_wearer(&session->config, options->engage_steps);
+    }
     ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;

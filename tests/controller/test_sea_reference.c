@@ -130,6 +130,7 @@ int main(void)
 {
     Suite *suite = suite_create("sea_reference");
     TCase *tests = tcase_create("all");
+    tcase_set_timeout(tests, 60);
     tcase_add_test(tests, one_step_of_walking);
     tcase_add_test(tests, time_to_load_is_that_of_the_trapezoid);
     tcase_add_test(tests, not_armed_when_the_motor_lags);

@@ -1,0 +1,12 @@
+# The fault campaign. Results stay in build/faults: an interrupted one goes on.
+FAULT_RUNS ?= 10000
+FAULT_SEED ?= 1
+.PHONY: faults faults-short soak
+faults: ## fault campaign (FAULT_RUNS=10000 FAULT_SEED=1): the table per class of fault, resumable
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)mkdir -p $(BUILD)/faults/$(BUILD_ID)
+	$(Q)$(BUILD)/afo-faults --runs $(FAULT_RUNS) --seed $(FAULT_SEED) --jobs $(JOBS) --out $(BUILD)/faults/$(BUILD_ID)
+
+faults-short: ## some hundred runs of it
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)$(BUILD)/afo-faults --runs 400 --seed $(FAULT_SEED) --jobs $(JOBS)

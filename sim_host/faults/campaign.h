@@ -1,0 +1,63 @@
+/* The fault campaign: runs drawn from a seed, each from a saved state of a steady walk.
+ *
+ * A scene is a steady walk, saved with everything that is in struct loop. A run restores a
+ * scene's state, injects one or two faults at a moment of the step and judges what follows. The same
+ * scene goes on without a fault once; a run's fault was effective when bus or plant
+ * differ from that. Run i of seed s is the same run everywhere and for ever.
+ */
+#ifndef SIM_HOST_FAULTS_CAMPAIGN_H
+#define SIM_HOST_FAULTS_CAMPAIGN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "sim_host/faults/injector.h"
+#include "sim_host/faults/judge.h"
+
+enum {
+    CAMPAIGN_SCENES = 7,
+    CAMPAIGN_PHASE_TICKS = 1200, /* a step lasts 0.9 to 1.1 s: every phase of it */
+    CAMPAIGN_TAIL_TICKS = 3600,  /* after the last fault's end: steps have stopped by then */
+    CAMPAIGN_TICKS = CAMPAIGN_PHASE_TICKS + 500 + 3000 + CAMPAIGN_TAIL_TICKS
+};
+
+struct campaign_plan {
+    uint32_t index;
+    uint8_t scene;
+    uint8_t count;
+    struct fault_shot shot[INJECTOR_SHOTS];
+};
+
+struct campaign_result {
+    struct campaign_plan plan;
+    bool effective;
+    bool late; /* had to be noticed by then, and was not */
+    uint32_t effect_tick, noticed_tick, unloaded_tick, unsafe_tick; /* JUDGE_NEVER: not */
+    enum supervisor_fault fault;
+    enum walk_fault walk_fault;
+    unsigned unsafe;
+};
+
+struct campaign; /* large; campaign_create() */
+
+const char *campaign_scene_name(unsigned scene);
+
+/* What run `index` of a seed is. Pure. */
+void campaign_plan(uint64_t seed, uint32_t index, struct campaign_plan *plan);
+
+/* Walks the scenes and saves them (some seconds). NULL with a reason on stderr. The
+ * heap of a host program; campaign_destroy() gives it back. */
+struct campaign *campaign_create(void);
+void campaign_destroy(struct campaign *campaign);
+
+/* One run. log: candump of every frame, ticks: one line a tick as afo-sim --ticks; either
+ * may be NULL. About 40 ms. */
+void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, FILE *log,
+                  FILE *ticks, struct campaign_result *result);
+
+/* One line of a results file, and back; false for a line that is none. */
+void campaign_write(FILE *file, const struct campaign_result *result);
+bool campaign_read(const char *line, uint64_t seed, struct campaign_result *result);
+
+#endif

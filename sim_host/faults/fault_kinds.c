@@ -1,0 +1,5 @@
+#include "sim_host/faults/fault_kinds.h"
+
+#define FAULT_INFO(NAME, name, group, lasting, notice, shortest, longest, least, greatest, unit) \
+    {name, FAULT_GROUP_##group, lasting, notice, shortest, longest, least, greatest, unit},
+const struct fault_kind_info fault_kinds[FAULT_KINDS] = {FAULT_TABLE(FAULT_INFO)};

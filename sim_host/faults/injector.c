@@ -1,0 +1,121 @@
+#include "sim_host/faults/injector.h"
+
+#include "hal/frame_table.h"
+#include "sim_host/faults/injector_internal.h"
+
+enum { TICK_NS = TICK_PERIOD_US * 1000 };
+
+double injector_random(uint64_t *state)
+{
+    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+enum side injector_side(const struct fault_shot *shot)
+{
+    return shot->node < WALKER_DRIVE_RIGHT ? SIDE_LEFT : SIDE_RIGHT;
+}
+
+bool injector_is_drive(const struct fault_shot *shot)
+{
+    return shot->node == WALKER_DRIVE_LEFT || shot->node == WALKER_DRIVE_RIGHT;
+}
+
+bool injector_prepare(struct loop *loop)
+{
+    return sim_bus_attach(&loop->bus, "intruder", NULL, NULL) == INJECTOR_PORT_INTRUDER;
+}
+
+static struct sim_bus_fault on_frame(void *context, const struct can_msg *message, unsigned sender,
+                                     uint64_t time_ns)
+{
+    struct injector *injector = (struct injector *)context;
+    struct sim_bus_fault fault = {.kind = SIM_BUS_FAULT_NONE};
+    (void)time_ns;
+    for (unsigned i = 0; i < injector->count && fault.kind == SIM_BUS_FAULT_NONE; i++) {
+        if (injector->shot[i].active) {
+            fault = injector_on_frame(&injector->shot[i], message, sender);
+            injector->shot[i].changed += fault.kind != SIM_BUS_FAULT_NONE ? 1 : 0;
+        }
+    }
+    return fault;
+}
+
+void injector_begin(struct injector *injector, struct loop *loop, const struct fault_shot *shots,
+                    unsigned count)
+{
+    *injector = (struct injector){.loop = loop, .count = count};
+    for (unsigned i = 0; i < count; i++) {
+        injector->shot[i].shot = shots[i];
+        injector->shot[i].rng = shots[i].seed;
+    }
+    sim_bus_set_fault_hook(&loop->bus, on_frame, injector);
+}
+
+static void begin_and_end(struct injector *injector)
+{
+    for (unsigned i = 0; i < injector->count; i++) {
+        struct shot_state *state = &injector->shot[i];
+        const struct fault_shot *shot = &state->shot;
+        if (!state->active && !state->done && injector->tick >= shot->start_tick) {
+            state->active = true;
+            injector_start(state, injector->loop);
+        }
+        if (state->active && injector->tick >= shot->start_tick + shot->duration_ticks) {
+            state->active = false;
+            state->done = true;
+            injector_stop(state, injector->loop);
+        }
+        if (state->active) {
+            injector_hold(state, injector->loop);
+        }
+    }
+}
+
+static bool misses_tick(const struct injector *injector)
+{
+    for (unsigned i = 0; i < injector->count; i++) {
+        if (injector->shot[i].active && injector->shot[i].shot.kind == FAULT_TICKS_MISSED) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint64_t jitter_ns(struct injector *injector)
+{
+    for (unsigned i = 0; i < injector->count; i++) {
+        struct shot_state *state = &injector->shot[i];
+        if (state->active && state->shot.kind == FAULT_TICK_JITTER) {
+            return (uint64_t)(injector_random(&state->rng) * state->shot.magnitude * 1e6);
+        }
+    }
+    return 0;
+}
+
+void injector_tick(struct injector *injector)
+{
+    struct loop *loop = injector->loop;
+    const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
+    begin_and_end(injector);
+    sim_bus_run_until(&loop->bus, sync_ns + jitter_ns(injector));
+    for (unsigned i = 0; i < injector->count; i++) {
+        if (injector->shot[i].active) {
+            injector_send_foreign(&injector->shot[i], loop);
+        }
+    }
+    if (!misses_tick(injector)) {
+        (void)control_task_start_cycle(&loop->rig.task);
+    }
+    sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
+    for (int i = 0; i < WALKER_NODES; i++) {
+        (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, sync_ns + TICK_NS - 1);
+    }
+    own_push_tick(&loop->own_push, &loop->nodes.plant);
+    walker_nodes_advance(&loop->nodes);
+    walker_nodes_measure(&loop->nodes);
+    loop->tick++;
+    injector->tick++;
+}

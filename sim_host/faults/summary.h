@@ -1,0 +1,17 @@
+/* What a campaign found, as a table per class of fault, and one run in words. */
+#ifndef SIM_HOST_FAULTS_SUMMARY_H
+#define SIM_HOST_FAULTS_SUMMARY_H
+
+#include <stdio.h>
+
+#include "sim_host/faults/campaign.h"
+
+/* One row a class (single faults), one for pairs, one for all; then every unsafe or
+ * late run. Returns how many runs were unsafe or late. Sorts in memory of its own. */
+unsigned summary_table(FILE *stream, const struct campaign_result *results, uint32_t count,
+                       bool markdown);
+
+/* One run, for a person. */
+void summary_tell(FILE *stream, const struct campaign_result *result);
+
+#endif
