@@ -3,9 +3,9 @@
 
 #include "sim_host/laws/ground.h"
 
-enum { CELLS_MAX = 6000, TABLE_SIZE = 131072, DRAWS = 15, ITERATIONS = 800, FALLEN = -1 };
+enum { CELLS_MAX = 10000, TABLE_SIZE = 131072, DRAWS = 15, ITERATIONS = 800, FALLEN = -1 };
 /* Size of a cell in the paper's units: small against the basin (0.1 and more), large against 1e-6. */
-static const double cell_size[3] = {0.02, 0.01, 0.08};
+static const double cell_size[3] = {0.01, 0.005, 0.04};
 
 struct mesh {
     const struct laws_bench *bench;

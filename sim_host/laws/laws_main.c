@@ -39,6 +39,7 @@ static const struct {
     {"slope", laws_slope, true, "slopes of -4 to 4 degrees"},
     {"mismatch", laws_mismatch, true, "body and spring 10 % off what the law believes"},
     {"push", laws_push, false, "largest impulse on the torso survived, at eight phases"},
+    {"timing", laws_timing, false, "the push-off before, at and after heel strike"},
     {"energy", laws_energy, true, "spring energy per metre, steady and with noisy sensing"},
 };
 #define STUDIES (sizeof studies / sizeof studies[0])

@@ -54,6 +54,18 @@ def test_equation_16_falls_on_jumps_and_its_basin_is_a_needle(tmp_path):
     assert all(share > 0.55 for share in shares.values()), shares
 
 
+def test_an_early_push_off_is_cheaper_and_calmer_at_speed(tmp_path):
+    laws("timing", "--samples", 20, "--out", tmp_path)
+    gaits = {(row["speed_rad_s"], float(row["release_s"])): row
+             for row in rows(tmp_path / "laws-timing.csv")}
+    early, at = gaits["0.80", -0.05], gaits["0.80", 0.0]
+    assert float(at["r0_m"]) == pytest.approx(0.1724, abs=1e-4)  # the branch's own gait
+    assert float(early["cost_of_transport"]) < 0.75 * float(at["cost_of_transport"])
+    assert float(early["eigenvalue"]) < 1 < float(at["eigenvalue"])
+    late = gaits["0.80", 0.02]
+    assert float(late["cost_of_transport"]) > float(at["cost_of_transport"])
+
+
 def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
     one = laws("basin", "--samples", 300, "--law", "dlqr", "--threads", 1).stdout
     three = laws("basin", "--samples", 300, "--law", "dlqr", "--threads", 3).stdout
