@@ -129,7 +129,8 @@ static int run_all(enum law_mode law, int steps, int settle)
         if (w.observer.count == 0) {
             /* Before it fell there was nothing settled to measure: measure all there was. */
             printf("  fell after %d steps (%s)", w.steps, w.fault);
-            if (observed_walk_run(&config, w.steps + 1, 3, &w, message) == 0) {
+            if (observed_walk_run(&config, w.steps + 1, 3, &w, message) == 0 &&
+                w.observer.count > 0) {
                 printf("; until then rms %.4f %%, worst %.3f %%", 100.0 * w.observer.rms,
                        100.0 * w.observer.worst);
             }

@@ -56,7 +56,7 @@ START_TEST(wrong_moments_are_refused)
         {{{0.3, 0}, {0, 0}, 0, 0, 0, 0}, ZEROING_TOO_FAR},
         {{{0, 0}, {0, 0.05}, 0, 0, 0, 0}, ZEROING_TOO_FAR},
         {{{0, 0}, {0, 0}, 0, 0, 50, 90}, ZEROING_NO_SAMPLE},
-        {{{NAN, 0}, {0, 0}, 0, 0, 0, 0}, ZEROING_NO_SAMPLE},
+        {{{(double)NAN, 0}, {0, 0}, 0, 0, 0, 0}, ZEROING_NO_SAMPLE},
     };
     zeroing_start(&zeroing);
     stand(&cases[_i].stance, 4000);
