@@ -8,32 +8,31 @@ struct cubic {
     real c0, c1, c2, c3; /* angle = c0 + c1 u + c2 u^2 + c3 u^3, u = ticks / window, -1..1 */
 };
 
-/* The dearest loop of a tick, so only what depends on the samples is in it. The sums of
- * powers of u over -w..w come from Faulhaber's formulas with p = 1/w:
+void apex_fit_begin(struct apex_sums *sums, real centre_rad)
+{
+    *sums = (struct apex_sums){centre_rad, REAL(0.0), REAL(0.0), REAL(0.0), 0};
+}
+
+void apex_fit_add(struct apex_sums *sums, uint32_t window, real after_rad, real before_rad)
+{
+    sums->pairs++;
+    const real u = (real)sums->pairs * (REAL(1.0) / (real)window);
+    const real u2 = u * u;
+    const real sum = after_rad + before_rad;
+    const real lean = (after_rad - before_rad) * u;
+    sums->even0 += sum;
+    sums->even2 += sum * u2;
+    sums->odd1 += lean;
+    sums->odd3 += lean * u2;
+}
+
+/* The sums of powers of u over -w..w come from Faulhaber's formulas with p = 1/w:
  *   sum u^2 = w (1 + p)(2 + p) / 3            sum u^4 = w (1 + p)(2 + p)(3 + 3p - p^2) / 15
  *   sum u^6 = w (1 + p)(2 + p)(3 + 6p - 3p^3 + p^4) / 21 */
-static struct cubic fit_cubic(const real *angle_rad, uint32_t size, uint32_t centre,
-                              uint32_t window)
+static struct cubic solve(const struct apex_sums *sums, uint32_t window)
 {
-    const uint32_t mask = size - 1;
     const real w = (real)window;
     const real p = REAL(1.0) / w;
-    const real middle = angle_rad[centre & mask];
-    real even0 = middle, even2 = REAL(0.0), odd1 = REAL(0.0), odd3 = REAL(0.0), n = REAL(0.0);
-
-    for (uint32_t i = 1; i <= window; i++) {
-        n += REAL(1.0);
-        const real u = n * p;
-        const real u2 = u * u;
-        const real after = angle_rad[(centre + i) & mask];
-        const real before = angle_rad[(centre - i) & mask];
-        const real sum = after + before;
-        const real lean = (after - before) * u;
-        even0 += sum;
-        even2 += sum * u2;
-        odd1 += lean;
-        odd3 += lean * u2;
-    }
     const real common = w * (REAL(1.0) + p) * (REAL(2.0) + p);
     const real s0 = REAL(2.0) * w + REAL(1.0);
     const real s2 = common * (REAL(1.0) / REAL(3.0));
@@ -42,14 +41,15 @@ static struct cubic fit_cubic(const real *angle_rad, uint32_t size, uint32_t cen
         common * (REAL(3.0) + p * (REAL(6.0) + p * p * (p - REAL(3.0)))) * (REAL(1.0) / REAL(21.0));
     const real even_det = s0 * s4 - s2 * s2;
     const real odd_det = s2 * s6 - s4 * s4;
-    return (struct cubic){(s4 * even0 - s2 * even2) / even_det, (s6 * odd1 - s4 * odd3) / odd_det,
-                          (s0 * even2 - s2 * even0) / even_det, (s2 * odd3 - s4 * odd1) / odd_det};
+    return (struct cubic){(s4 * sums->even0 - s2 * sums->even2) / even_det,
+                          (s6 * sums->odd1 - s4 * sums->odd3) / odd_det,
+                          (s0 * sums->even2 - s2 * sums->even0) / even_det,
+                          (s2 * sums->odd3 - s4 * sums->odd1) / odd_det};
 }
 
-struct apex_fit apex_fit_solve(const real *angle_rad, uint32_t size, uint32_t centre_tick,
-                               uint32_t window)
+struct apex_fit apex_fit_solve(const struct apex_sums *sums, uint32_t window)
 {
-    const struct cubic c = fit_cubic(angle_rad, size, centre_tick, window);
+    const struct cubic c = solve(sums, window);
     real u = REAL(0.0);
     for (int i = 0; i < ROOT_STEPS; i++) {
         const real slope = c.c1 + u * (REAL(2.0) * c.c2 + u * REAL(3.0) * c.c3);
@@ -65,10 +65,10 @@ struct apex_fit apex_fit_solve(const real *angle_rad, uint32_t size, uint32_t ce
     return (struct apex_fit){before_s, -slope / window_s};
 }
 
-struct angle_fit apex_fit_other_leg(const real *angle_rad, uint32_t size, uint32_t centre_tick,
-                                    uint32_t window, real before_tick_s)
+struct angle_fit apex_fit_other_leg(const struct apex_sums *sums, uint32_t window,
+                                    real before_tick_s)
 {
-    const struct cubic c = fit_cubic(angle_rad, size, centre_tick, window);
+    const struct cubic c = solve(sums, window);
     const real window_s = (real)window * CONTROL_PERIOD_S;
     const real u = -before_tick_s / window_s;
     return (struct angle_fit){c.c0 + u * (c.c1 + u * (c.c2 + u * c.c3)),

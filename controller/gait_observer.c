@@ -86,10 +86,22 @@ static void follow_speed(struct gait_observer *observer, uint32_t tick, real spe
 
 /* ---- apex -------------------------------------------------------------------- */
 
+/* The samples of this tick and their mirror images before the crossing, of both legs. */
+static void continue_fit(struct gait_observer *observer, enum side side, uint32_t tick)
+{
+    const uint32_t centre = observer->apex_tick[side];
+    const uint32_t after = tick % GAIT_HISTORY;
+    const uint32_t before = (centre - (tick - centre)) % GAIT_HISTORY;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        apex_fit_add(&observer->fit[side][leg], observer->window_ticks,
+                     observer->angle_rad[leg][after], observer->angle_rad[leg][before]);
+    }
+}
+
 /* Stages of an apex's work, one a tick; between the fits and the report lie the steps
  * back in time, long ones: at 1/30 of the walker's time unit each, they cost nothing
  * in accuracy (1e-7 of the state). */
-enum { STAGE_STANCE_FIT = 0, STAGE_SWING_FIT = 1, STAGE_BACK = 2, BACK_STEPS = 4 };
+enum { STAGE_FIT = 0, STAGE_BACK = 1, BACK_STEPS = 4 };
 enum { STAGE_LAND = STAGE_BACK + BACK_STEPS };
 
 static void begin_work(struct gait_observer *observer, enum side side, uint32_t tick)
@@ -144,14 +156,12 @@ static void work_on_apex(struct gait_observer *observer, const struct control_pa
     if (!work->busy) {
         return;
     }
-    if (work->stage == STAGE_STANCE_FIT) {
-        work->fit = apex_fit_solve(observer->angle_rad[work->side], GAIT_HISTORY, work->centre_tick,
-                                   observer->window_ticks);
+    if (work->stage == STAGE_FIT) {
+        const struct apex_sums *fit = observer->fit[work->side];
+        work->fit = apex_fit_solve(&fit[work->side], observer->window_ticks);
+        work->swing_fit = apex_fit_other_leg(&fit[side_other(work->side)], observer->window_ticks,
+                                             work->fit.before_tick_s);
         work->busy = work->fit.speed_rad_s > REAL(0.0);
-    } else if (work->stage == STAGE_SWING_FIT) {
-        work->swing_fit =
-            apex_fit_other_leg(observer->angle_rad[side_other(work->side)], GAIT_HISTORY,
-                               work->centre_tick, observer->window_ticks, work->fit.before_tick_s);
         work->stage = work->modelled ? work->stage : STAGE_LAND - 1;
     } else if (work->stage < STAGE_LAND) {
         model_observer_step(&observer->model, work->back_step_s, work->state);
@@ -181,10 +191,16 @@ static void watch_apex(struct gait_observer *observer, const struct control_para
         observer->foot_ahead[side] = false;
         observer->apex_pending[side] = observer->samples > observer->window_ticks;
         observer->apex_tick[side] = tick;
+        for (int leg = 0; leg < SIDE_COUNT; leg++) {
+            apex_fit_begin(&observer->fit[side][leg],
+                           observer->angle_rad[leg][tick % GAIT_HISTORY]);
+        }
         if (!is_person(params) && (state->phase != PHASE_SINGLE_SUPPORT || state->stance != side)) {
             enter_phase(observer, PHASE_SINGLE_SUPPORT, side, tick);
         }
         state->stance_past_apex = true;
+    } else if (observer->apex_pending[side]) {
+        continue_fit(observer, side, tick);
     }
     if (observer->apex_pending[side] &&
         tick - observer->apex_tick[side] >= observer->window_ticks) {

@@ -55,8 +55,9 @@ struct gait_observer {
     uint32_t samples;                         /* ticks since init, saturating */
     uint32_t window_ticks;                    /* half width of the apex fit */
     uint32_t apex_tick[SIDE_COUNT];
-    bool apex_pending[SIDE_COUNT]; /* crossed, the fit's second half still to come */
-    bool foot_ahead[SIDE_COUNT];   /* was ahead since the last falling crossing */
+    bool apex_pending[SIDE_COUNT];                /* crossed, the fit's second half still to come */
+    struct apex_sums fit[SIDE_COUNT][SIDE_COUNT]; /* of both legs around an apex of [side] */
+    bool foot_ahead[SIDE_COUNT];                  /* was ahead since the last falling crossing */
     struct compass_events compass;
     struct leg_events leg[SIDE_COUNT];
     struct model_observer model;

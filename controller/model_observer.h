@@ -31,7 +31,7 @@
 enum model_phase { MODEL_LOST = 0, MODEL_SINGLE = 1, MODEL_DOUBLE = 2 };
 
 enum { MODEL_SLOW_TICKS = 32 }; /* a power of two */
-enum { MODEL_HISTORY = 64 };    /* ticks; a power of two above the longest age of a strike */
+enum { MODEL_HISTORY = 32 };    /* ticks; a power of two above the longest age of a strike */
 
 struct model_observer {
     struct walker walker;

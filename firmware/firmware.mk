@@ -4,7 +4,7 @@ ARM := arm-none-eabi-
 ARM_BUILD = $(BUILD)/arm
 ARM_CPU := -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
 # Enumerations of 32 bits as on the host, so that snapshots mean the same on both.
-ARM_CFLAGS := $(ARM_CPU) -std=c11 -O2 -g $(WARN) $(BITS) -fno-short-enums -ffunction-sections \
+ARM_CFLAGS := $(ARM_CPU) -std=c11 -g $(WARN) $(BITS) -fno-short-enums -ffunction-sections \
         -fdata-sections -fno-common -fstack-usage -fcallgraph-info=su -I.
 ARM_LDFLAGS := $(ARM_CPU) -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,--fatal-warnings -L.
 
@@ -17,13 +17,20 @@ ARM_OBJ = $(patsubst %.c,$(ARM_BUILD)/obj/%.o,$(1))
 ARM_ALL := $(call ARM_OBJ,$(ARM_SRC) $(foreach b,$(ARM_BOARDS),$(ARM_SRC_$(b))))
 
 $(ARM_BUILD)/stamp/flags: FORCE
-	$(call STAMP,$(shell $(ARM)gcc --version 2>&1 | head -1) $(ARM_CFLAGS) $(ARM_LDFLAGS) $(ARM_SRC))
+	$(call STAMP,$(shell $(ARM)gcc --version 2>&1 | head -1) $(ARM_CFLAGS) $(value ARM_OPT) $(ARM_HOT) $(ARM_LDFLAGS) $(ARM_SRC))
 $(ARM_BUILD)/obj/firmware/version.o: private ARM_CFLAGS += $(IDENTITY)
 $(ARM_BUILD)/obj/firmware/version.o: $(BUILD)/stamp/identity
+# What runs in every tick is worth some flash; what runs at start-up or on request is not.
+ARM_COLD := controller/laws/% controller/control_params% controller/speed_table% controller/observer_gains% \
+        controller/leg_events% controller/step_law% model/stride% model/walker% model/ground%
+ARM_HOT := $(filter-out $(ARM_COLD),$(SRC_MODEL) $(SRC_CONTROLLER)) firmware/control_task.c \
+        firmware/bus_recorder.c firmware/snapshot.c hal/black_box.c hal/leg_sensors.c \
+        hal/sea_drive_cia402.c hal/port_mps2/pil_bus.c
+ARM_OPT = $(if $(filter $(ARM_HOT),$<),-O3,-Os)
 $(ARM_BUILD)/obj/%.o: %.c $(ARM_BUILD)/stamp/flags
 	@mkdir -p $(@D)
 	$(call SAY,ARM    $<)
-	$(Q)$(ARM)gcc $(ARM_CFLAGS) -MMD -MP -c $< -o $@
+	$(Q)$(ARM)gcc $(ARM_CFLAGS) $(ARM_OPT) -MMD -MP -c $< -o $@
 
 define BOARD_RULE
 $(ARM_BUILD)/afo-$(subst _,-,$(1)).elf: $(call ARM_OBJ,$(ARM_SRC) $(ARM_SRC_$(1))) \

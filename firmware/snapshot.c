@@ -58,8 +58,13 @@ static inline void copy(void *to, const void *from, size_t length)
     const struct block *source = from;
 
     if ((((uintptr_t)to | (uintptr_t)from) & 3u) == 0u) {
-        for (; length >= sizeof *target; length -= sizeof *target) {
-            *target++ = *source++;
+        for (; length >= 4 * sizeof *target; length -= 4 * sizeof *target) {
+            target[0] = source[0];
+            target[1] = source[1];
+            target[2] = source[2];
+            target[3] = source[3];
+            target += 4;
+            source += 4;
         }
     }
     memcpy(target, source, length);

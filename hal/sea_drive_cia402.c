@@ -113,7 +113,10 @@ static bool receive(void *context, const struct can_msg *message)
 static float metres_from_counts(const struct cia402_axis_config *config, int32_t counts)
 {
     const int64_t travel = ((int64_t)counts - config->zero_counts) * config->direction;
-    return (float)travel / config->counts_per_m;
+    /* The usual case without the library's conversion of 64 bits; the same value. */
+    const float counts_f =
+        travel >= INT32_MIN && travel <= INT32_MAX ? (float)(int32_t)travel : (float)travel;
+    return counts_f / config->counts_per_m;
 }
 
 static int32_t counts_from_metres(const struct cia402_axis_config *config, float metres)

@@ -65,7 +65,7 @@ static real height_sign(const struct ground *ground, const real *state)
 
 /* Lands where the toe meets the ground between `state` (above) and `end` (not above). A rise of the ground
  * makes the event depend on the opening of the legs at the strike: landed again until that rests. */
-static real land_on_ground(const struct ode *ode, enum ode_method method,
+static real land_on_ground(const struct ode *ode, ode_method *method,
                            const struct ground *ground, const real *state, real length,
                            const real *end, real *landed)
 {
@@ -87,7 +87,7 @@ static real land_on_ground(const struct ode *ode, enum ode_method method,
 /* One step in single support on the way to heel strike, cut at the strike if it falls within.
  * The toe touches the ground where its height over it falls through zero; rising is the mid-stance scuff,
  * ignored. Returns 1 at the strike; *step_s is then the time to it, and `next` the state there. */
-static int strike_within(const struct ode *ode, enum ode_method method, const struct ground *ground,
+static int strike_within(const struct ode *ode, ode_method *method, const struct ground *ground,
                          const real *state, real *next, real *step_s)
 {
     const real before = height_sign(ground, state);

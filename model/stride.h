@@ -35,7 +35,7 @@ enum stride_fault {
 
 /* How to integrate. Steps in seconds, all > 0. */
 struct stride_settings {
-    enum ode_method method;
+    ode_method *method;
     real single_step_s; /* in single support */
     real double_step_s; /* in double support */
     real phase_limit_s; /* longest duration of one phase */

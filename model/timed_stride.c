@@ -50,7 +50,7 @@ static real toe_height_m(const struct walker *walker, const real *state)
 }
 
 /* One step of h; the heel is held down while the spring does not lift it. */
-static void push_step(const struct push_support *push, enum ode_method method, real h,
+static void push_step(const struct push_support *push, ode_method *method, real h,
                       const real *state, real *next)
 {
     real rates[PUSH_SUPPORT_STATES];

@@ -13,7 +13,7 @@
 #define REPEATS 20
 
 struct scalar {
-    enum ode_method method;
+    ode_method *method;
     struct walker walker[BENCH_MAX_ROWS];
 };
 

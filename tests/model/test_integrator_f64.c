@@ -20,7 +20,7 @@ static void counted(const void *context, const double *state, double *rates)
     oscillator(NULL, state, rates);
 }
 
-static double error_after_a_step(const struct walker *w, enum ode_method method, int steps)
+static double error_after_a_step(const struct walker *w, ode_method *method, int steps)
 {
     const struct ode ode = {single_support_rates, w, SINGLE_SUPPORT_STATES};
     double state[4] = {0.27, -0.27, -1.1, 0.3}, fine[4] = {0.27, -0.27, -1.1, 0.3};
@@ -40,10 +40,13 @@ static double error_after_a_step(const struct walker *w, enum ode_method method,
 START_TEST(errors_fall_with_the_methods_order)
 {
     const struct walker w = heavy_legged_walker();
+    const double two =
+        log2(error_after_a_step(&w, ODE_MIDPOINT, 40) / error_after_a_step(&w, ODE_MIDPOINT, 80));
     const double four =
         log2(error_after_a_step(&w, ODE_RK4, 40) / error_after_a_step(&w, ODE_RK4, 80));
     const double eight =
         log2(error_after_a_step(&w, ODE_RK8, 8) / error_after_a_step(&w, ODE_RK8, 16));
+    ck_assert_msg(fabs(two - 2.0) < 0.2, "the midpoint rule has order %g", two);
     ck_assert_msg(fabs(four - 4.0) < 0.5, "RK4 has order %g", four);
     ck_assert_msg(fabs(eight - 8.0) < 1.2, "RK8 has order %g", eight);
     ck_assert(error_after_a_step(&w, ODE_RK8, 32) < 1e-10);
