@@ -13,6 +13,11 @@ from canopen.profiles.p402 import BaseNode402
 
 EDS = "hal/canopen/eds/"
 
+# The package's patience is for a bus of its own, not for a guest on a busy machine.
+BaseNode402.TIMEOUT_SWITCH_STATE_FINAL = 20.0
+BaseNode402.TIMEOUT_SWITCH_STATE_SINGLE = 10.0
+BaseNode402.TIMEOUT_CHECK_TPDO = 10.0
+
 
 def say(text):
     print(text, flush=True)
@@ -34,7 +39,9 @@ def heartbeats(network, stop):
 
 def scan(network):
     network.scanner.search(limit=20)
-    time.sleep(1.0)
+    deadline = time.time() + 20
+    while len(network.scanner.nodes) < 4 and time.time() < deadline:
+        time.sleep(0.2)
     assert sorted(network.scanner.nodes) == [1, 2, 3, 4], network.scanner.nodes
     say("scan finds nodes 1 to 4")
 
@@ -67,7 +74,7 @@ def remap(node):
     pdo.save()
     node.nmt.state = "OPERATIONAL"
     before = time.time()
-    assert pdo.wait_for_reception(timeout=3) is not None and time.time() - before < 3
+    assert pdo.wait_for_reception(timeout=20) is not None and time.time() - before < 20
     assert len(pdo.data) == 8
     say("a TPDO mapped by SDO arrives")
 
@@ -89,9 +96,9 @@ def state_machine(node):
 def lost_master(node, stop):
     node.emcy.reset()
     stop.set()
-    emcy = node.emcy.wait(0x8130, timeout=5)
+    emcy = node.emcy.wait(0x8130, timeout=20)
     assert emcy is not None and emcy.register & 0x10, emcy
-    deadline = time.time() + 5
+    deadline = time.time() + 20
     while node.sdo[0x6041].raw & 0x4F != 0x08 and time.time() < deadline:
         time.sleep(0.05)
     assert node.sdo[0x6041].raw & 0x4F == 0x08
@@ -110,19 +117,19 @@ def main():
         node = BaseNode402(1, canopen.import_od(EDS + "drive-left.eds"))
         sensor = canopen.RemoteNode(3, canopen.import_od(EDS + "sensor-left.eds"))
         for one in (node, sensor):
-            one.sdo.RESPONSE_TIMEOUT = 2.0
+            one.sdo.RESPONSE_TIMEOUT = 20.0
             network.add_node(one)
-        assert node.nmt.wait_for_heartbeat(timeout=5) == "PRE-OPERATIONAL"
+        assert node.nmt.wait_for_heartbeat(timeout=20) == "PRE-OPERATIONAL"
         say("heartbeat says PRE-OPERATIONAL")
         sdo(node, sensor)
         threading.Thread(target=heartbeats, args=(network, stop), daemon=True).start()
         network.sync.start(0.01)
         remap(node)
-        assert node.nmt.wait_for_heartbeat(timeout=5) == "OPERATIONAL"
+        assert node.nmt.wait_for_heartbeat(timeout=20) == "OPERATIONAL"
         state_machine(node)
         lost_master(node, stop)
         node.nmt.state = "RESET"
-        node.nmt.wait_for_bootup(timeout=5)
+        node.nmt.wait_for_bootup(timeout=20)
         say("boot-up after a reset")
     finally:
         stop.set()

@@ -40,7 +40,7 @@ def main():
     filters = [{"can_id": identifier, "can_mask": 0x7FF} for identifier in (0x590, 0x710)]
     network.connect(interface="socketcan", channel="vcan0", can_filters=filters)
     node = canopen.RemoteNode(16, canopen.import_od(EDS + "controller.eds"))
-    node.sdo.RESPONSE_TIMEOUT = 5.0
+    node.sdo.RESPONSE_TIMEOUT = 20.0
     network.add_node(node)
     try:
         wait_for(lambda: node.sdo[0x2003][1].raw >= 2, 120, "two steps")

@@ -33,7 +33,7 @@ def test_canopen_is_master_of_the_virtual_nodes():
 
 def test_canopen_and_can_utils_during_a_walk():
     out = in_guest(f"""
-        {BUILD}/afo-walker --can vcan0 --quiet & walker=$!
+        {BUILD}/afo-walker --can vcan0 --silence 60000 --quiet & walker=$!
         sleep 0.3
         {BUILD}/afo-host --can vcan0 --speed 0.41 --quiet & host=$!
         {PYTHON} tests/system/peer_tool.py; status=$?
