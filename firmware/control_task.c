@@ -59,6 +59,14 @@ enum can_result control_task_start_cycle(struct control_task *task)
     return result;
 }
 
+/* The tick wraps after 49 days, the time does not; a task that goes on from a snapshot has
+ * the tick but a new time. */
+static bool may_start(const struct control_task *task)
+{
+    return task->tick >= CONTROL_TASK_START_TICK ||
+           task->now_ns >= (uint64_t)CONTROL_TASK_START_TICK * TICK_PERIOD_US * 1000u;
+}
+
 static void collect_input(struct control_task *task, struct controller_input *input)
 {
     *input =
@@ -69,7 +77,8 @@ static void collect_input(struct control_task *task, struct controller_input *in
                                   .foreign_master = task->foreign_master,
                                   .parameters_corrupt =
                                       controller_node_params_corrupt(&task->node),
-                                  .walk_requested = task->node.objects.walk_requested != 0,
+                                  .walk_requested =
+                                      task->node.objects.walk_requested != 0 && may_start(task),
                                   .reset_requested = task->node.objects.reset_requested != 0,
                                   .zero_requested = task->node.objects.zero_requested != 0};
     for (int leg = 0; leg < LEG_COUNT; leg++) {

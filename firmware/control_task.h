@@ -84,6 +84,10 @@ int control_task_init(struct control_task *task, const struct control_task_confi
 enum can_result control_task_start_cycle(struct control_task *task);
 enum { CONTROL_TASK_SYNC_WAIT = 250 };
 
+/* A walk asked for at power-on begins no earlier than this tick. Setting up the nodes takes
+ * longer on one bus than on another; from here on the same walk has the same frames. */
+enum { CONTROL_TASK_START_TICK = 600 };
+
 /* Fetches waiting frames (at most CONTROL_TASK_POLL_FRAMES a call) and runs a tick
  * for each own SYNC among them. Returns bits of enum control_task_progress.
  * Never blocks. Loop only. */

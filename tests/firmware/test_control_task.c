@@ -74,6 +74,8 @@ static void start(struct bench *b)
                                          .desired_speed_rad_s = 0.4f,
                                          .walk_requested = true};
     ck_assert_int_eq(control_task_init(&b->task, &config), CONTROL_PARAMS_OK);
+    /* As if on for long enough: a walk may begin. */
+    b->task.now_ns = (uint64_t)CONTROL_TASK_START_TICK * TICK_PERIOD_US * 1000u;
     ck_assert_uint_eq(fake_bus_count(&b->fake, 0x710), 1); /* its boot-up message */
     fake_bus_clear(&b->fake);
 }
