@@ -128,8 +128,13 @@ def main():
         assert node.nmt.wait_for_heartbeat(timeout=20) == "OPERATIONAL"
         state_machine(node)
         lost_master(node, stop)
+        states = []
+        node.nmt.add_heartbeat_callback(states.append)
         node.nmt.state = "RESET"
-        node.nmt.wait_for_bootup(timeout=20)
+        deadline = time.time() + 20
+        while 0 not in states and time.time() < deadline:
+            time.sleep(0.05)
+        assert 0 in states, states
         say("boot-up after a reset")
     finally:
         stop.set()
