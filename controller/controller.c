@@ -1,7 +1,11 @@
 #include "controller/controller.h"
 
+/* A command may rise by so much of what the reference's speed limit allows in a tick. */
+#define RISE_SHARE REAL(1.25)
 /* A wearer's steps have stopped when none came for so many times the last one. */
 enum { LATE_STEPS = 2 };
+/* Unloading lasts so long at least: from full stroke it takes less than 0.3 s. */
+enum { UNLOAD_LEAST_TICKS = 200 };
 /* The self test may take so many times as long as unloading: a drive that has just
  * come back may still be unloading by itself. */
 enum { SELF_TEST_PATIENCE = 5 };
@@ -13,6 +17,7 @@ int controller_init(struct controller *controller, const struct control_params *
     if (verdict != CONTROL_PARAMS_OK) {
         return verdict;
     }
+    controller->rise_max_m = RISE_SHARE * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
     supervisor_init(&controller->supervisor);
     checks_init(&controller->checks);
     step_monitor_init(&controller->steps);
@@ -61,12 +66,13 @@ static bool is_overdue(const struct controller *controller, uint32_t tick)
     return tick - supervisor->since_tick >= limit;
 }
 
-/* Both references are back at zero: a motor whose encoder stands at zero while it does not
- * stand there is given the time to follow. */
-static bool references_back(const struct controller *controller)
+/* Both references are back at zero, and have been asked for long enough: a motor whose
+ * encoder stands at zero while it does not stand there itself is given the time to follow. */
+static bool references_back(const struct controller *controller, uint32_t tick)
 {
     const real tolerance = controller->params->sea_tolerance_m;
-    return real_abs(controller->sea[SIDE_LEFT].position_m) <= tolerance &&
+    return tick - controller->supervisor.since_tick >= UNLOAD_LEAST_TICKS &&
+           real_abs(controller->sea[SIDE_LEFT].position_m) <= tolerance &&
            real_abs(controller->sea[SIDE_RIGHT].position_m) <= tolerance;
 }
 
@@ -89,7 +95,7 @@ static uint16_t conditions_of(const struct controller *controller,
     bits |= on_bench(controller) || controller->steps.unsteady < STEP_MONITOR_IRREGULAR
                 ? SUPERVISOR_IF_REGULAR
                 : 0u;
-    bits |= slack && references_back(controller) ? SUPERVISOR_IF_UNLOADED : 0u;
+    bits |= slack && references_back(controller, input->tick) ? SUPERVISOR_IF_UNLOADED : 0u;
     bits |= is_overdue(controller, input->tick) ? SUPERVISOR_IF_TIMEOUT : 0u;
     bits |= input->reset_requested ? SUPERVISOR_IF_RESET : 0u;
     bits |= checks_standstill(&controller->checks) ? SUPERVISOR_IF_STANDSTILL : 0u;
@@ -116,8 +122,9 @@ static void enter_state(struct controller *controller, const struct controller_i
         /* On the bench the first spring is loaded at once: never again by itself, behind
          * somebody who has stopped or lies there. */
         controller->request_spent = on_bench(controller);
-        sea_reference_stop(&controller->sea[SIDE_LEFT]);
-        sea_reference_stop(&controller->sea[SIDE_RIGHT]);
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            sea_reference_stop(&controller->sea[side], params, input->sea[side].precompression_m);
+        }
         break;
     default:
         break;
@@ -209,10 +216,15 @@ static bool legs_disagree(const struct controller *controller)
            controller->params->body == (real)BODY_COMPASS && controller->steps.same_side;
 }
 
-/* Nothing that is not a number, and nothing beyond the stroke, leaves the controller.
- * (By construction it cannot; this is the last gate.) */
-static bool guard(const struct controller *controller, struct sea_request *request)
+/* Nothing that is not a number, nothing beyond the stroke, and no step leaves the
+ * controller. By construction it cannot; this is the last gate, and its limit is a number of
+ * its own: the parameters may have been changed by a failing memory until that is noticed. */
+static bool guard(const struct controller *controller, const struct sea_request *before,
+                  struct sea_request *request)
 {
+    if (before->enable && request->precompression_m > before->precompression_m + controller->rise_max_m) {
+        request->precompression_m = before->precompression_m + controller->rise_max_m;
+    }
     if (request->precompression_m >= -controller->params->leg_length_m &&
         request->precompression_m <= controller->params->leg_length_m) {
         return true;
@@ -234,7 +246,7 @@ static void command_drives(struct controller *controller, const struct controlle
             /* A drive that is not heard while it is to unload does it by itself. */
             const bool silent = controller->supervisor.state == SUPERVISOR_UNLOADING &&
                                 input->sea[side].age_ticks > ticks_of(controller->params->sensor_age_max_s);
-            request->enable = guard(controller, request) && !silent;
+            request->enable = guard(controller, &controller->request[side], request) && !silent;
             request->latch_armed = request->latch_armed && may_release(controller, (enum side)side);
         }
         controller->request[side] = *request;

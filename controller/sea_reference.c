@@ -1,7 +1,8 @@
 #include "controller/sea_reference.h"
 
 #define STOP_SPEED_SHARE REAL(1.2)
-#define STOP_ACCELERATION_SHARE REAL(1.35)
+#define STOP_ACCELERATION_SHARE REAL(1.6)
+#define LEFT_BEHIND_SHARE REAL(0.01)
 
 void sea_reference_init(struct sea_reference *sea, real position_m)
 {
@@ -30,10 +31,15 @@ void sea_reference_unload(struct sea_reference *sea)
     sea->target_m = REAL(0.0);
 }
 
-void sea_reference_stop(struct sea_reference *sea)
+void sea_reference_stop(struct sea_reference *sea, const struct control_params *params,
+                        real measured_m)
 {
     sea_reference_unload(sea);
     sea->stopping = true;
+    if (measured_m < sea->position_m - LEFT_BEHIND_SHARE * params->leg_length_m) {
+        sea->position_m = measured_m > REAL(0.0) ? measured_m : REAL(0.0);
+        sea->speed_m_s = REAL(0.0);
+    }
 }
 
 /* Trapezoidal profile in discrete time: as fast as the limits allow, but never

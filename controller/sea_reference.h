@@ -51,8 +51,11 @@ void sea_reference_trim(struct sea_reference *sea, real r0_m);
 /* Back to zero, disarmed: after lift-off, and at every stop. */
 void sea_reference_unload(struct sea_reference *sea);
 
-/* The same for a stop: with more acceleration. Until the next init. */
-void sea_reference_stop(struct sea_reference *sea);
+/* The same for a stop, with more acceleration, until the next init. A reference that the
+ * motor has left behind by more than the leg's hundredth begins at the motor: what does not
+ * follow must not be chased. measured_m is the motor's position in metres of spring. */
+void sea_reference_stop(struct sea_reference *sea, const struct control_params *params,
+                        real measured_m);
 
 /* Advances one tick. measured_m is the motor's position in metres of spring.
  * The command's enable field is left to the supervisor. Constant cost. */

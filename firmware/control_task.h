@@ -67,7 +67,7 @@ struct control_task {
     uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet; wraps after 49 days */
     uint64_t now_ns;      /* since the task's start, in periods of SYNC; does not wrap */
     uint8_t configured;   /* bit i: node i of the network is set up */
-    uint8_t sync_waits;   /* cycles the SYNC under way has been waited for; 0 = none is */
+    uint16_t sync_waits;  /* cycles the SYNC under way has been waited for; 0 = none is */
     bool foreign_master;  /* in this tick, another node sent what only this one may */
     uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
     bool emergency_stop;  /* as used in the last tick, and as sent */
@@ -82,7 +82,7 @@ int control_task_init(struct control_task *task, const struct control_task_confi
  * nothing is queued, while the last one has not been on the bus (for at most
  * CONTROL_TASK_SYNC_WAIT cycles): after a blocked bus there must be no burst of ticks. */
 enum can_result control_task_start_cycle(struct control_task *task);
-enum { CONTROL_TASK_SYNC_WAIT = 250 };
+enum { CONTROL_TASK_SYNC_WAIT = 5000 };
 
 /* A walk asked for at power-on begins no earlier than this tick. Setting up the nodes takes
  * longer on one bus than on another; from here on the same walk has the same frames. */

@@ -145,9 +145,9 @@ static void check_commands(struct judge *judge, int side)
     const struct sea_request *request = &task->output.sea[side];
     const struct drive_node *drive = &judge->loop->nodes.drive[side];
     const double now_m = (double)request->precompression_m;
-    const double jump_m = now_m > judge->before_m[side] ? now_m - judge->before_m[side]
-                                                        : judge->before_m[side] - now_m;
-    /* Two ticks may fall into one period of the plant after a late one. */
+    /* Towards more load; a stop may begin at a motor that has fallen behind. Two ticks may
+     * fall into one period of the plant after a late one. */
+    const double jump_m = now_m - judge->before_m[side];
     if (request->enable && judge->was_enabled[side] &&
         jump_m > 2.5e-3 * (double)params->sea_speed_max_m_s + 1e-6) {
         blame(judge, UNSAFE_STEP);
@@ -171,7 +171,7 @@ static void check_step(struct judge *judge)
     }
     const double change_m = (double)step->r0_m - judge->r0_m;
     const double size_m = change_m < 0.0 ? -change_m : change_m;
-    if (step->number == judge->r0_number + 1 && size_m > 1.001 * (double)params->r0_change_max_m) {
+    if (judge->r0_number > 0 && step->number == judge->r0_number + 1 && size_m > 1.001 * (double)params->r0_change_max_m) {
         blame(judge, UNSAFE_STEP);
     }
     judge->r0_number = step->number;

@@ -11,7 +11,7 @@
  *   RATE      motor faster than 1.3 of the drive's limit
  *   ENABLED   a drive that follows targets, or has its latch armed, 100 ms after the
  *             controller is in FAULT
- *   STEP      commanded precompression jumps: by more than the reference's speed allows in a
+ *   STEP      commanded precompression jumps up: by more than the reference's speed allows in a
  *             tick, or a step's r0 by more than its limit
  * Noticed: the supervisor unloads or is in FAULT, or a drive is in its own reaction.
  */

@@ -6,6 +6,9 @@ static const double INTERPOLATION_S = 0.001;
 /* Low-pass of the differentiated encoder, per drive period. */
 static const double SPEED_FILTER = 0.3;
 
+/* Speed the position loop may ask for, in limits of the reference's. */
+static const double LOOP_SPEED_SHARE = 1.1;
+
 static double clamp(double x, double low, double high)
 {
     return x < low ? low : (x > high ? high : x);
@@ -171,9 +174,16 @@ static double loop_force_N(struct sea *sea)
     const double stiffness = p->motor_mass_kg * w * w;
     const double off_m = sea->reference_m - sea->measured_m;
     const double off_m_s = sea->reference_speed_m_s - sea->measured_speed_m_s;
-    const double direct_N = stiffness * off_m +
-                            2.0 * p->loop_damping * p->motor_mass_kg * w * off_m_s +
-                            p->motor_mass_kg * sea->reference_acceleration_m_s2;
+    const double damping = 2.0 * p->loop_damping * p->motor_mass_kg * w;
+    double direct_N = stiffness * off_m + damping * off_m_s +
+                      p->motor_mass_kg * sea->reference_acceleration_m_s2;
+    /* The same as a cascade: the position loop asks for a speed, and that has its limit, so
+     * that a motor far off (it had no force for a while) does not rush. */
+    const double asked_m_s = sea->reference_speed_m_s + stiffness * off_m / damping;
+    if (magnitude(asked_m_s) > LOOP_SPEED_SHARE * p->speed_limit_m_s) {
+        const double limit_m_s = LOOP_SPEED_SHARE * p->speed_limit_m_s;
+        direct_N = damping * (clamp(asked_m_s, -limit_m_s, limit_m_s) - sea->measured_speed_m_s);
+    }
     const double wanted_N = direct_N + sea->integral_N;
     const double force_N = clamp(wanted_N, -p->force_limit_N, p->force_limit_N);
     sea->force_limited = force_N != wanted_N;

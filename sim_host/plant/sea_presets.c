@@ -50,7 +50,7 @@ static void fill_ideal(const struct sea_subject *subject, struct sea_params *par
  * 60 Hz loop the drive's stiffness m w^2 is about 6,000 springs for both the
  * paper's walker and the adult. The speed limit lets the foot be back before the
  * legs pass, and the spring loaded before the next heel strike. The drive may accelerate
- * half as much again as a controller's reference (g): with less it overshoots what it
+ * three quarters more than a controller's reference (g): with less it overshoots what it
  * is to follow and leans on its end stop; and it unloads by itself at nearly its speed limit, so
  * that a spring at full stroke is slack in less than 0.3 s. */
 static void fill_real(const struct sea_subject *subject, struct sea_params *params)
@@ -66,7 +66,7 @@ static void fill_real(const struct sea_subject *subject, struct sea_params *para
     params->viscous_N_per_m_s = 0.05 * full_N / speed_m_s;
     params->force_limit_N = 2.5 * full_N;
     params->speed_limit_m_s = 0.6 * speed_m_s;
-    params->acceleration_limit_m_s2 = 1.6 * full_N / params->motor_mass_kg;
+    params->acceleration_limit_m_s2 = 2.0 * full_N / params->motor_mass_kg;
     params->stroke_max_m = stroke_m;
     params->end_stop_min_m = -0.005 * length_m;
     params->end_stop_max_m = stroke_m + 0.005 * length_m;

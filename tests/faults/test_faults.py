@@ -1,0 +1,105 @@
+"""The fault campaign as a program, and the walker with a push-off of its own."""
+import csv
+import json
+import os
+import pathlib
+import re
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("AFO_BUILD", ROOT / "build")).resolve()
+
+
+def faults(*arguments):
+    return subprocess.run([BUILD / "afo-faults", *map(str, arguments)], capture_output=True, text=True)
+
+
+def summary(text):
+    """The rows of the table: name -> (injected, effective, noticed, late, unsafe)."""
+    rows = {}
+    for line in text.splitlines():
+        found = re.match(r"(\S.*?) {2,}(\d+) +(\d+) +(\d+) .* (\d+) +(\d+)$", line)
+        if found:
+            rows[found.group(1)] = tuple(int(found.group(i)) for i in (2, 3, 4, 5, 6))
+    return rows
+
+
+# No frame reaches a drive that hangs, no torque moves a jammed motor; a drive that is slow or weak
+# unloads slowly; a motor encoder that jumps is a wrong zero.
+BEYOND_SOFTWARE = ("drive hangs", "motor jammed", "drive speed limited", "drive force limited",
+                   "motor encoder offset")
+
+
+def test_some_hundred_faults_are_noticed_and_harmless():
+    result = faults("--runs", 400, "--jobs", 2)
+    assert result.returncode in (0, 1), result.stderr
+    rows = summary(result.stdout)
+    injected, effective, noticed, _, _ = rows["all runs"]
+    assert injected == 400
+    assert effective > 360
+    assert noticed > 240
+    told = [line for line in result.stdout.splitlines() if line.startswith("run ")]
+    unexplained = [line for line in told if not any(name in line for name in BEYOND_SOFTWARE)]
+    assert unexplained == []
+    assert not any("UNSAFE: release" in line for line in told)
+
+
+def test_a_run_repeats_byte_for_byte(tmp_path):
+    one = faults("--run", 7, "--log", tmp_path / "a.log", "--csv", tmp_path / "a.csv")
+    two = faults("--run", 7, "--log", tmp_path / "b.log", "--csv", tmp_path / "b.csv")
+    assert one.stdout == two.stdout != ""
+    assert (tmp_path / "a.log").read_bytes() == (tmp_path / "b.log").read_bytes() != b""
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    other = faults("--run", 7, "--seed", 2)
+    assert other.stdout != one.stdout
+
+
+def test_an_interrupted_campaign_goes_on(tmp_path):
+    whole = faults("--runs", 12, "--out", tmp_path / "whole")
+    part = faults("--runs", 5, "--jobs", 2, "--out", tmp_path / "part")
+    assert whole.returncode in (0, 1) and part.returncode in (0, 1)
+    kept = {path.name: path.read_text() for path in (tmp_path / "part").iterdir()}
+    rest = faults("--runs", 12, "--out", tmp_path / "part")
+    assert rest.stdout == whole.stdout
+    for name, text in kept.items():
+        assert (tmp_path / "part" / name).read_text().startswith(text)
+
+
+@pytest.mark.parametrize("arguments", [("--runs", 0), ("--run", -1), ("--log", "x"), ("--nonsense",), ("more",),
+                                       ("--runs", 3, "--out", "/nowhere/at/all")])
+def test_wrong_usage(arguments):
+    result = faults(*arguments)
+    assert result.returncode == 2
+    assert result.stderr
+
+
+def walk(tmp_path, *arguments):
+    rows = tmp_path / "steps.csv"
+    result = subprocess.run([BUILD / "afo-sim", "--json", "--csv", rows, *map(str, arguments)],
+                            capture_output=True, text=True)
+    with rows.open() as file:
+        return json.loads(result.stdout), list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize("speed", [0.407, 0.6, 0.8])
+def test_the_wearer_is_engaged_after_steady_steps(tmp_path, speed):
+    report, steps = walk(tmp_path, "--speed", speed, "--engage", 4, "--steps", 100)
+    assert not report["fell"] and report["fault"] is None
+    r0 = [float(step["r0_m"]) for step in steps if step["r0_m"]]
+    first = next(i for i, value in enumerate(r0) if value > 0)
+    assert first >= 5, "the fourth steady step is the sixth at the earliest"
+    ramp = r0[first:first + 10]
+    assert all(b > a for a, b in zip(ramp, ramp[1:])), "the share rises from step to step"
+    assert ramp[0] < 0.15 * r0[-1]
+    last = [float(step["apex_speed_rad_s"]) for step in steps[-20:]]
+    assert sum(last) / len(last) == pytest.approx(speed, rel=2e-3)
+
+
+@pytest.mark.parametrize("fault", ["cut-drives", "never-armed"])
+def test_the_wearer_walks_on_without_the_device(tmp_path, fault):
+    report, _ = walk(tmp_path, "--speed", 0.45, "--engage", 4, "--steps", 80, "--fault", fault,
+                     "--fault-step", 30)
+    assert not report["fell"], report["fault"]
+    assert len(report["apex_speed_rad_s"]) == 80
