@@ -57,7 +57,7 @@ struct sea_measurement {
 
 /* Everything one control tick sees. */
 struct controller_input {
-    uint32_t tick; /* number of the SYNC at which the values were sampled */
+    uint32_t tick; /* of the SYNC that ended the cycle; the values were sampled at the one before */
     struct leg_measurement leg[SIDE_COUNT];
     struct sea_measurement sea[SIDE_COUNT];
     real desired_speed_rad_s; /* forward apex speed asked for, > 0 */
