@@ -38,7 +38,8 @@ enum judge_unsafe {
 /* Name of bit 0..7. */
 const char *judge_unsafe_name(int bit);
 
-enum { JUDGE_UNLOAD_MS = 300, JUDGE_NEVER = UINT32_MAX };
+enum { JUDGE_UNLOAD_MS = 300 };
+#define JUDGE_NEVER UINT32_MAX
 
 struct judge {
     struct loop *loop; /* the caller's */
