@@ -10,3 +10,8 @@ faults: ## fault campaign (FAULT_RUNS=10000 FAULT_SEED=1): the table per class o
 faults-short: ## some hundred runs of it
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)$(BUILD)/afo-faults --runs 400 --seed $(FAULT_SEED) --jobs $(JOBS)
+
+SOAK_TICKS ?= 100000000
+soak: ## walks 100 million control ticks (28 hours simulated) with disturbances; watches counters and memory
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)$(BUILD)/afo-soak --ticks $(SOAK_TICKS)

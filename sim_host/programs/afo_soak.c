@@ -1,0 +1,245 @@
+/* afo-soak: walks for days of simulated time, with speed commands, pushes, falls and
+ * restarts, and watches that nothing drifts, grows or runs over unnoticed. */
+#include <argp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "sim_host/faults/injector.h"
+#include "sim_host/host/loop.h"
+#include "sim_host/host/walk_options.h"
+
+enum { EXIT_WELL = 0, EXIT_ILL = 1, EXIT_USAGE = 2 };
+
+enum {
+    KEY_TICKS = 0x600,
+    KEY_SEED,
+    REPORT_PARTS = 20,
+    /* Counters begin this far from their ends, so that all of them pass them. */
+    TICKS_BEFORE_WRAP = 200000,
+    COMMAND_MS = 120000, /* a new speed command, on average */
+    PUSH_MS = 90000,
+    RESET_AFTER_TICKS = 1500,
+    SETTLED_STEPS = 40 /* after a change of command, before a step counts for the mean */
+};
+
+struct options {
+    uint64_t ticks, seed;
+};
+
+struct part { /* one of REPORT_PARTS stretches of the soak */
+    uint64_t steps, counted, falls, faults;
+    double off_sum, off_worst; /* measured minus commanded apex speed, shares */
+};
+
+struct soak {
+    struct loop loop;
+    struct part part[REPORT_PARTS];
+    uint64_t rng;
+    uint32_t last_number, settled;
+    uint64_t fault_since;
+    bool in_fault, was_down;
+    long pages_before;
+};
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct options *options = (struct options *)state->input;
+    switch (key) {
+    case KEY_TICKS:
+        options->ticks = option_whole(state, "--ticks", text, 1000, UINT64_C(100000000000));
+        break;
+    case KEY_SEED:
+        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
+        break;
+    case ARGP_KEY_ARG:
+        argp_error(state, "unexpected argument \"%s\"", text);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static long resident_pages(void)
+{
+    long size = 0, resident = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (file == NULL || fscanf(file, "%ld %ld", &size, &resident) != 2) {
+        resident = -1;
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return resident;
+}
+
+static int set_up(struct soak *soak, const struct options *options)
+{
+    char message[LOOP_MESSAGE_MAX] = "";
+    struct subject subject;
+    struct control_params params;
+    struct loop_config config;
+    subject_default(&subject);
+    if (subject_control_params(&subject, &params, message) != 0 ||
+        loop_configure(&config, &subject, &params, 0.45, SENSORS_17BIT, options->seed, message) != 0) {
+        fprintf(stderr, "afo-soak: %s\n", message);
+        return -1;
+    }
+    config.plant.support.hold_after_fall = true;
+    if (loop_init(&soak->loop, &config, NULL, message) != 0) {
+        fprintf(stderr, "afo-soak: %s\n", message);
+        return -1;
+    }
+    struct control_task *task = &soak->loop.rig.task;
+    task->tick = UINT32_MAX - TICKS_BEFORE_WRAP;
+    task->counters = (struct control_task_counters){
+        UINT32_MAX - TICKS_BEFORE_WRAP, UINT32_MAX - 1, UINT32_MAX - 1, UINT32_MAX - 1,
+        UINT32_MAX - 1, UINT32_MAX - 1, UINT32_MAX - 1};
+    soak->rng = options->seed;
+    return 0;
+}
+
+/* One in so many ticks. */
+static bool once_in(struct soak *soak, double ms)
+{
+    return injector_random(&soak->rng) * ms < 1.0;
+}
+
+static void disturb(struct soak *soak)
+{
+    struct controller_objects *objects = &soak->loop.rig.task.node.objects;
+    if (once_in(soak, COMMAND_MS)) {
+        objects->desired_speed_rad_s = (float)(0.42 + 0.4 * injector_random(&soak->rng));
+        soak->settled = 0;
+    }
+    if (once_in(soak, PUSH_MS)) {
+        /* Most are small; one in twenty throws the walker down. */
+        const double size = once_in(soak, 20.0) ? 0.5 : 0.002;
+        plant_push(&soak->loop.nodes.plant, size * (injector_random(&soak->rng) - 0.5), 0.0);
+        soak->settled = 0;
+    }
+}
+
+/* What an operator does: after a fault or a stop, ask anew and reset. */
+static void operate(struct soak *soak, struct part *part)
+{
+    struct control_task *task = &soak->loop.rig.task;
+    struct controller_objects *objects = &task->node.objects;
+    const enum supervisor_state state = task->output.state;
+    const bool stopped = state == SUPERVISOR_FAULT || state == SUPERVISOR_STANDBY;
+    if (stopped && !soak->in_fault) {
+        part->faults++;
+        soak->fault_since = soak->loop.tick;
+    }
+    soak->in_fault = stopped;
+    if (!stopped) {
+        objects->walk_requested = 1;
+    } else if (soak->loop.tick - soak->fault_since > RESET_AFTER_TICKS) {
+        objects->walk_requested = soak->loop.tick % 2 == 0 ? 1 : 0;
+        objects->reset_requested = 1;
+    }
+}
+
+static void watch(struct soak *soak, struct part *part)
+{
+    const struct controller *controller = &soak->loop.rig.task.controller;
+    const struct step_record *step = &controller->last_step;
+    const bool down = plant_fault(&soak->loop.nodes.plant) != WALK_FAULT_NONE;
+    part->falls += down && !soak->was_down ? 1 : 0;
+    soak->was_down = down;
+    if (step->number == soak->last_number) {
+        return;
+    }
+    soak->last_number = step->number;
+    part->steps++;
+    soak->settled++;
+    if (down || step->number < SETTLED_STEPS) {
+        soak->settled = 0;
+    }
+    if (soak->settled > SETTLED_STEPS) {
+        const double off = (double)(step->measured_speed_rad_s - step->commanded_speed_rad_s) /
+                           (double)step->commanded_speed_rad_s;
+        part->counted++;
+        part->off_sum += off;
+        part->off_worst = fabs(off) > part->off_worst ? fabs(off) : part->off_worst;
+    }
+}
+
+static void report_part(const struct soak *soak, int index, const struct part *part)
+{
+    printf("  %2d  %10llu  %8llu %6llu %6llu   %+9.2e  %8.2e   %ld\n", index + 1,
+           (unsigned long long)soak->loop.tick, (unsigned long long)part->steps,
+           (unsigned long long)part->falls, (unsigned long long)part->faults,
+           part->counted > 0 ? part->off_sum / (double)part->counted : 0.0, part->off_worst,
+           resident_pages());
+    fflush(stdout);
+}
+
+static void run(struct soak *soak, uint64_t ticks)
+{
+    puts("part       ticks     steps  falls  stops  mean off    worst off  pages");
+    for (int index = 0; index < REPORT_PARTS; index++) {
+        struct part *part = &soak->part[index];
+        const uint64_t end = ticks * (uint64_t)(index + 1) / REPORT_PARTS;
+        while (soak->loop.tick < end) {
+            disturb(soak);
+            operate(soak, part);
+            loop_tick(&soak->loop);
+            watch(soak, part);
+        }
+        if (index == 0) {
+            soak->pages_before = resident_pages();
+        }
+        report_part(soak, index, part);
+    }
+}
+
+static bool expect(bool holds, const char *what)
+{
+    printf("%s: %s\n", holds ? "well" : "ILL ", what);
+    return holds;
+}
+
+static bool judge(const struct soak *soak)
+{
+    const struct control_task *task = &soak->loop.rig.task;
+    const struct control_task_counters *counters = &task->counters;
+    bool walks = true, steady = true;
+    for (int i = 0; i < REPORT_PARTS; i++) {
+        const struct part *part = &soak->part[i];
+        walks = walks && part->steps > 0;
+        steady = steady && (part->counted == 0 ||
+                            fabs(part->off_sum / (double)part->counted) < 2e-3);
+    }
+    bool well = expect(walks, "it walks in every part");
+    well = expect(steady, "the mean apex speed is the commanded one within 0.2 % in every part") && well;
+    well = expect(soak->loop.tick < TICKS_BEFORE_WRAP || task->tick < UINT32_MAX - TICKS_BEFORE_WRAP,
+                  "the controller's clock ran over") && well;
+    well = expect(soak->loop.tick < TICKS_BEFORE_WRAP || counters->syncs_sent == UINT32_MAX,
+                  "full counters stay full") && well;
+    well = expect(resident_pages() <= soak->pages_before + 16, "memory does not grow") && well;
+    return well;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option option_list[] = {
+        {"ticks", KEY_TICKS, "N", 0, "control ticks to walk (default 100000000: 28 hours)", 0},
+        {"seed", KEY_SEED, "N", 0, "seed of commands and disturbances (default 1)", 0},
+        {0}};
+    static const struct argp parser = {option_list, take, 0,
+                                       "Walks for days of simulated time and watches what must not change.\v"
+                                       "Exit status: 0 all well, 1 not, 2 wrong usage.",
+                                       0, 0, 0};
+    struct options options = {.ticks = 100000000, .seed = 1};
+    static struct soak soak;
+    option_identity("afo-soak");
+    if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0 || set_up(&soak, &options) != 0) {
+        return EXIT_USAGE;
+    }
+    run(&soak, options.ticks);
+    return judge(&soak) ? EXIT_WELL : EXIT_ILL;
+}
