@@ -1,8 +1,14 @@
 #include "controller/control_params.h"
 
-#define DESCRIPTOR(field, unit, minimum, maximum, meaning)                                   \
-    {#field, unit, REAL(minimum), REAL(maximum), meaning,                                    \
-     (uint16_t)offsetof(struct control_params, field)},
+/* What a person reads stays on the host: the device is built with PARAMS_WITHOUT_TEXT. */
+#ifdef PARAMS_WITHOUT_TEXT
+#define TEXT(text) ""
+#else
+#define TEXT(text) text
+#endif
+#define DESCRIPTOR(field, unit, minimum, maximum, meaning) \
+    {TEXT(#field),  TEXT(unit),    REAL(minimum),          \
+     REAL(maximum), TEXT(meaning), (uint16_t)offsetof(struct control_params, field)},
 const struct control_param_descriptor control_param_descriptors[CONTROL_PARAM_COUNT] = {
     CONTROL_PARAM_TABLE(DESCRIPTOR)};
 #undef DESCRIPTOR
@@ -11,7 +17,8 @@ static int check_law(const struct control_params *params)
 {
     if (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
         params->law == (real)LAW_PREDICTIVE) {
-        return params->branch != NULL && gait_branch_check(params->branch) ? CONTROL_PARAMS_OK : CONTROL_PARAMS_BRANCH;
+        return params->branch != NULL && gait_branch_check(params->branch) ? CONTROL_PARAMS_OK
+                                                                           : CONTROL_PARAMS_BRANCH;
     }
     return params->law == (real)LAW_PROPORTIONAL || params->law == (real)LAW_OPEN_LOOP ||
                    params->law == (real)LAW_WEARER
@@ -37,8 +44,8 @@ int control_params_validate(const struct control_params *params)
     if (params->r0_max_m > REAL(0.4) * params->leg_length_m) {
         return CONTROL_PARAMS_R0_STROKE;
     }
-    if (params->law == (real)LAW_OPEN_LOOP && (params->open_loop_r0_m < params->r0_min_m ||
-                                               params->open_loop_r0_m > params->r0_max_m)) {
+    if (params->law == (real)LAW_OPEN_LOOP &&
+        (params->open_loop_r0_m < params->r0_min_m || params->open_loop_r0_m > params->r0_max_m)) {
         return CONTROL_PARAMS_OPEN_LOOP;
     }
     return check_law(params);

@@ -2,6 +2,9 @@
 
 #include "hal/frame_table.h"
 
+/* The SYNC, four answers, the targets, and one more. */
+enum { QUIET_FRAMES = 7 };
+
 static enum can_result bus_send(void *context, const struct can_msg *message)
 {
     struct bus_recorder *recorder = context;
@@ -10,18 +13,22 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
     if (result == CAN_OK && message->id != FRAME_SYNC) { /* the SYNC counts when it comes back */
         struct can_msg own = *message;
         own.flags |= CAN_FRAME_OWN;
+        recorder->frames++;
         black_box_record(recorder->box, &own);
     }
     return result;
 }
 
-/* In the ticks of events the controller has much to do: a snapshot waits for the next. */
-static bool was_dear(const struct control_task *task)
+/* In the ticks of gait events the controller has much to do, in those of heartbeats and
+ * the like the CANopen node: a snapshot waits for a quieter one. */
+static bool was_dear(const struct bus_recorder *recorder)
 {
+    const struct control_task *task = recorder->source.task;
     const struct gait_event *event = task->controller.observer.state.event;
 
-    return task->output.new_step || event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
-           event[GAIT_LIFT_OFF].happened || task->controller.observer.work.busy;
+    return recorder->frames > QUIET_FRAMES || task->output.new_step || event[GAIT_APEX].happened ||
+           event[GAIT_HEEL_STRIKE].happened || event[GAIT_LIFT_OFF].happened ||
+           task->controller.observer.work.busy;
 }
 
 static enum can_result bus_receive(void *context, struct can_msg *message, uint64_t *time_ns)
@@ -29,14 +36,18 @@ static enum can_result bus_receive(void *context, struct can_msg *message, uint6
     struct bus_recorder *recorder = context;
     enum can_result result;
 
-    if (recorder->in_tick && !was_dear(recorder->source.task)) {
+    if (recorder->in_tick && !was_dear(recorder)) {
         black_box_end_tick(recorder->box, recorder->source.task->tick, snapshot_save,
                            &recorder->source);
     }
-    recorder->in_tick = false;
+    if (recorder->in_tick) {
+        recorder->in_tick = false;
+        recorder->frames = 0;
+    }
     result = can_bus_receive(&recorder->inner, message, time_ns);
     if (result == CAN_OK) {
         black_box_record(recorder->box, message);
+        recorder->frames++;
         recorder->in_tick = message->id == FRAME_SYNC && (message->flags & CAN_FRAME_OWN) != 0;
     }
     return result;

@@ -16,7 +16,8 @@ struct bus_recorder {
     struct can_bus inner;
     struct black_box *box;
     struct snapshot_source source;
-    bool in_tick; /* the own SYNC was handed out, its tick runs */
+    bool in_tick;    /* the own SYNC was handed out, its tick runs */
+    uint32_t frames; /* of this tick, received since the last SYNC or sent in it */
 };
 
 /* Records what passes between the control task in `source` and `inner` into *box;

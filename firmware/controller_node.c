@@ -1,5 +1,7 @@
 #include "firmware/controller_node.h"
 
+#include <string.h>
+
 #include <assert.h>
 
 #include "firmware/version.h"
@@ -171,16 +173,18 @@ static const struct co_device_ops device_ops = {.access = {.writing = writing, .
 static void default_objects(struct controller_objects *objects, const struct control_params *params)
 {
     const char *version = version_text();
-    *objects = (struct controller_objects){.command_count = 4,
-                                           .state_count = 4,
-                                           .step_count = 5,
-                                           .record_count = 4,
-                                           .param_count = CONTROL_PARAM_COUNT,
-                                           .counter_count = 6,
-                                           .identity_count = 3,
-                                           .setup_count = 6,
-                                           .params = *params,
-                                           .build_id = version_build_id()};
+    /* Field by field: a whole struct on the stack is more than the device has to spare. */
+    memset(objects, 0, sizeof *objects);
+    objects->command_count = 4;
+    objects->state_count = 4;
+    objects->step_count = 5;
+    objects->record_count = 4;
+    objects->param_count = CONTROL_PARAM_COUNT;
+    objects->counter_count = 6;
+    objects->identity_count = 3;
+    objects->setup_count = 6;
+    objects->params = *params;
+    objects->build_id = version_build_id();
     for (unsigned i = 0; i + 1 < sizeof objects->version && version[i] != '\0'; i++) {
         objects->version[i] = version[i];
     }
@@ -264,6 +268,13 @@ static void take_zero(struct controller_objects *objects, const struct zero_offs
     objects->params_crc = crc_of(&objects->params);
 }
 
+static bool had_event(const struct controller *controller)
+{
+    const struct gait_event *event = controller->observer.state.event;
+    return event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
+           event[GAIT_LIFT_OFF].happened;
+}
+
 void controller_node_update(struct controller_node *node, const struct controller *controller,
                             const struct controller_output *output, bool emergency_stop,
                             uint64_t now_ns)
@@ -289,7 +300,11 @@ void controller_node_update(struct controller_node *node, const struct controlle
     if (output->new_zero) {
         take_zero(objects, &controller->zeroing.mean);
     }
-    co_device_process(&node->device, now_ns);
+    /* In the ticks of gait events the controller has the most to do; telegrams can wait
+     * for the next. */
+    if (!had_event(controller)) {
+        co_device_process(&node->device, now_ns);
+    }
 }
 
 void controller_node_report_setup(struct controller_node *node, const struct setup_failure *failure)

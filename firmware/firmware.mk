@@ -5,7 +5,7 @@ ARM_BUILD = $(BUILD)/arm
 ARM_CPU := -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
 # Enumerations of 32 bits as on the host, so that snapshots mean the same on both.
 ARM_CFLAGS := $(ARM_CPU) -std=c11 -g $(WARN) $(BITS) -fno-short-enums -ffunction-sections \
-        -fdata-sections -fno-common -fstack-usage -fcallgraph-info=su -I.
+        -fdata-sections -fno-common -fstack-usage -fcallgraph-info=su -DCO_WITHOUT_NAMES -DPARAMS_WITHOUT_TEXT -I.
 ARM_LDFLAGS := $(ARM_CPU) -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,--fatal-warnings -L.
 
 ARM_SRC := $(SRC_MODEL) $(SRC_CONTROLLER) $(filter-out hal/port_%,$(SRC_HAL)) $(SRC_FIRMWARE) \
@@ -25,7 +25,7 @@ ARM_COLD := controller/laws/% controller/control_params% controller/speed_table%
         controller/leg_events% controller/step_law% model/stride% model/walker% model/ground%
 ARM_HOT := $(filter-out $(ARM_COLD),$(SRC_MODEL) $(SRC_CONTROLLER)) firmware/control_task.c \
         firmware/bus_recorder.c firmware/snapshot.c hal/black_box.c hal/leg_sensors.c \
-        hal/sea_drive_cia402.c hal/port_mps2/pil_bus.c
+        hal/sea_drive_cia402.c hal/port_mps2/pil_bus.c hal/port_cortex_m/memory.c
 ARM_OPT = $(if $(filter $(ARM_HOT),$<),-O3,-Os)
 $(ARM_BUILD)/obj/%.o: %.c $(ARM_BUILD)/stamp/flags
 	@mkdir -p $(@D)
@@ -67,3 +67,7 @@ debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; the watchdog stands still while 
 	        -ex 'set {unsigned}0xE0042008 = 0x1000'
 
 TEST_NEEDS += firmware
+
+.PHONY: pil
+pil: firmware programs ## 200 steps with the flashed object code on an emulated Cortex-M4F, frame by frame like the host's
+	$(Q)$(BUILD)/afo-pil --steps 200 --speed 0.8 --image $(MPS2).elf

@@ -72,6 +72,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     init_black_box(orthosis, config);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
+    orthosis->progress_mask = (uint32_t)WATCHDOG_ALL;
     if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
         latch(orthosis, orthosis->hold);
     } else if (config->restarted) {
@@ -113,6 +114,7 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     /* Until the first own SYNC came back no command was ever sent, nothing can
      * move, and a bus that is not there yet is no reason to restart. */
     (void)watchdog_gate_report(&orthosis->gate,
-                               task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
+                               (task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress) &
+                                   orthosis->progress_mask);
     return progress;
 }

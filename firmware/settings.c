@@ -12,28 +12,20 @@ void settings_default(struct settings *settings)
     struct control_params *control = &settings->control;
 
     memset(settings, 0, sizeof *settings);
+    /* In range whatever parameters there are; what must fit together is set below. */
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        const struct control_param_descriptor *d = &control_param_descriptors[i];
+        memcpy((uint8_t *)control + d->offset, &d->minimum, sizeof d->minimum);
+    }
     control->torso_mass_kg = 1.0f;
     control->leg_mass_kg = 0.01f;
     control->leg_length_m = 1.0f;
     control->spring_stiffness_n_m = 100.0f;
     control->gravity_m_s2 = 9.80665f;
-    control->kp_m_s_rad = 0.042f;
     control->start_r0_m = 0.05f;
-    control->speed_ramp_rad_s = 0.005f;
     control->r0_min_m = 0.005f;
     control->r0_max_m = 0.3f;
-    control->r0_change_max_m = 0.01f;
     control->open_loop_r0_m = 0.05f;
-    control->open_loop_ramp_m = 0.0005f;
-    control->apex_window_s = 0.02f;
-    control->angle_hysteresis_rad = 0.005f;
-    control->sea_speed_max_m_s = 1.9f;
-    control->sea_acceleration_m_s2 = 40.0f;
-    control->sea_tolerance_m = 0.001f;
-    control->sensor_age_max_s = 0.005f;
-    control->step_timeout_s = 3.0f;
-    control->fall_angle_rad = 1.0f;
-    control->unload_timeout_s = 0.5f;
     /* Four points of the paper's gait curve: enough for the check, not for a walk. */
     control->table.count = 4;
     control->table.r0_min_m = 0.005f;

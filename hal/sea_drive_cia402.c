@@ -29,32 +29,19 @@ enum cia402_state {
     CIA402_FAULT
 };
 
+/* By bits 0-3, 5 and 6, as CiA 402 masks them: bit 5 (quick stop) counts in some states
+ * only. What is not listed is not ready. */
+static const uint8_t state_by_bits[0x70] = {
+    [0x40] = CIA402_SWITCH_ON_DISABLED, [0x60] = CIA402_SWITCH_ON_DISABLED,
+    [0x0F] = CIA402_FAULT_REACTION,     [0x2F] = CIA402_FAULT_REACTION,
+    [0x08] = CIA402_FAULT,              [0x28] = CIA402_FAULT,
+    [0x21] = CIA402_READY,              [0x23] = CIA402_SWITCHED_ON,
+    [0x27] = CIA402_ENABLED,            [0x07] = CIA402_QUICK_STOP,
+};
+
 static enum cia402_state state_of(uint16_t statusword)
 {
-    switch (statusword & 0x4Fu) {
-    case 0x40:
-        return CIA402_SWITCH_ON_DISABLED;
-    case 0x0F:
-        return CIA402_FAULT_REACTION;
-    case 0x08:
-        return CIA402_FAULT;
-    case 0x00:
-        return CIA402_NOT_READY;
-    default:
-        break;
-    }
-    switch (statusword & 0x6Fu) {
-    case 0x21:
-        return CIA402_READY;
-    case 0x23:
-        return CIA402_SWITCHED_ON;
-    case 0x27:
-        return CIA402_ENABLED;
-    case 0x07:
-        return CIA402_QUICK_STOP;
-    default:
-        return CIA402_NOT_READY;
-    }
+    return (enum cia402_state)state_by_bits[statusword & 0x6Fu];
 }
 
 void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_config *config)

@@ -82,7 +82,13 @@ uint32_t co_od_check(const struct co_entry *entry, const uint8_t *bytes, unsigne
 /* An integer's bus bytes as a sign-extended number (1..4 bytes). */
 int64_t co_od_number(const struct co_entry *entry, const uint8_t *bytes);
 
-/* For writing tables. */
+/* For writing tables. Names are for the EDS and for people at the host; a device built
+ * with CO_WITHOUT_NAMES does not carry them in its flash. */
+#ifdef CO_WITHOUT_NAMES
+#define CO_NAME(text) ""
+#else
+#define CO_NAME(text) (text)
+#endif
 #define CO_SIZE_OF(type)                                                         \
     ((type) == CO_BOOLEAN || (type) == CO_INTEGER8 || (type) == CO_UNSIGNED8 ? 1 \
      : (type) == CO_INTEGER16 || (type) == CO_UNSIGNED16                     ? 2 \
@@ -91,14 +97,14 @@ int64_t co_od_number(const struct co_entry *entry, const uint8_t *bytes);
 #define CO_OBJECT(owner, field, index, sub, type, access, low, high, name)                    \
     {                                                                                         \
         (index), (sub), (type), (access), CO_SIZE_OF(type), (uint16_t)offsetof(owner, field), \
-            (low), (high), (name)                                                             \
+            (low), (high), CO_NAME(name)                                                      \
     }
 #define CO_ANY(owner, field, index, sub, type, access, name) \
     CO_OBJECT(owner, field, index, sub, type, access, 1, 0, name)
 #define CO_STRING(owner, field, index, sub, access, name)                                  \
     {                                                                                      \
         (index), (sub), CO_VISIBLE_STRING, (access), (uint8_t)sizeof(((owner *)0)->field), \
-            (uint16_t)offsetof(owner, field), 1, 0, (name)                                 \
+            (uint16_t)offsetof(owner, field), 1, 0, CO_NAME(name)                          \
     }
 
 #endif

@@ -112,6 +112,13 @@ static void provoke(uint32_t inputs)
     }
     while ((inputs & PIL_DO_HANG) != 0u) {
     }
+    if ((inputs & PIL_DO_STALL_SUPERVISOR) != 0u) {
+        /* Everything else goes on, a millisecond a tick as on the real board. */
+        const uint32_t now_ms = timer.milliseconds;
+        orthosis.progress_mask = ~(uint32_t)WATCHDOG_SUPERVISOR;
+        while (timer.milliseconds == now_ms) {
+        }
+    }
 }
 
 /* ---- The two loops ----------------------------------------------------------------- */

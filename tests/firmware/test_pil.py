@@ -1,0 +1,89 @@
+"""The same object code on an emulated Cortex-M4F: it walks, its frames are the host's
+bit for bit, and every fault of the device ends in the safe state with the right record."""
+import json
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PIL = ROOT / "build" / "afo-pil"
+TICK_INSTRUCTIONS = 8000
+
+pytestmark = pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="qemu-system-arm is not installed")
+
+# enum crash_cause in hal/crash_record.h, enum supervisor_state in controller/supervisor.h
+CRASH_NONE, CRASH_MEMORY_FAULT, CRASH_BUS_FAULT, CRASH_ASSERTION, CRASH_WATCHDOG = 0, 3, 4, 7, 9
+STATE_FAULT = 6
+
+
+def pil(*options, status=0):
+    result = subprocess.run([str(PIL), "--json", *options], cwd=ROOT, capture_output=True, text=True, timeout=400)
+    assert result.returncode == status, result.stdout + result.stderr
+    return json.loads(result.stdout) if result.stdout else None
+
+
+def test_two_hundred_steps_bit_for_bit(tmp_path):
+    walk = pil("--steps", "200", "--speed", "0.8", "--costs", str(tmp_path / "costs.csv"))
+    assert walk["steps"] >= 200 and not walk["fell"]
+    assert walk["differences"] == 0
+    assert walk["compared_frames"] > 190000
+    print(f"worst tick {walk['worst_tick_instructions']} instructions, mean {walk['mean_tick_instructions']}, "
+          f"stack never used {walk['stack_unused_bytes']} bytes, {walk['wall_s']} s")
+    assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
+    assert walk["stack_unused_bytes"] >= 64
+    lines = (tmp_path / "costs.csv").read_text().splitlines()
+    assert len(lines) >= walk["ticks"] - 2
+    # The first line is the start-up before the first tick; all others are ticks.
+    assert max(int(line.split(",")[1]) for line in lines[1:]) == walk["worst_tick_instructions"]
+
+
+def test_the_adult_too():
+    walk = pil("--steps", "20", "--subject", "sim_host/subjects/adult70.ini")
+    assert walk["steps"] >= 20 and walk["differences"] == 0
+    assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
+
+
+@pytest.mark.parametrize("frame", ["1", "3000"])
+def test_one_changed_bit_is_noticed(frame):
+    walk = pil("--steps", "3", "--corrupt", frame, status=1)
+    assert walk["differences"] >= 1
+
+
+@pytest.mark.parametrize("fault, latched, crash", [
+    ("emergency-stop", "emergency stop", CRASH_NONE),
+    ("lost-sensor", "leg sensor silent", CRASH_NONE),
+    ("lost-drive", "drive silent", CRASH_NONE),
+    ("hang", "restarted by itself", CRASH_WATCHDOG),
+    ("stalled-supervisor", "restarted by itself", CRASH_WATCHDOG),
+    ("hard-fault", "restarted by itself", CRASH_BUS_FAULT),
+    ("stack-overflow", "restarted by itself", CRASH_MEMORY_FAULT),
+    ("assertion", "restarted by itself", CRASH_ASSERTION),
+    ("bad-parameters", "bad parameters", CRASH_NONE),
+])
+def test_faults_end_in_the_safe_state(fault, latched, crash):
+    """afo-pil itself checks that both springs are unloaded at the end."""
+    walk = pil("--fault", fault, "--speed", "0.45")
+    assert walk["fault"] == latched
+    assert walk["state"] == STATE_FAULT
+    assert walk["crash_cause"] == crash
+    assert walk["starts"] == (2 if crash else 1)
+    assert walk["differences"] == 0
+    if fault != "stalled-supervisor":  # there the image waits a millisecond a tick
+        assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
+    if crash:
+        assert walk["crash_count"] == 1
+        assert walk["black_box_state"] >= 1  # the reset did not clear it
+
+
+def test_the_image_names_its_build():
+    walk = pil("--steps", "1", "--speed", "0.45")
+    version = subprocess.run([str(PIL), "--version"], capture_output=True, text=True, check=True).stdout
+    assert f"{walk['build_id']:08x}" in version
+
+
+def test_a_missing_image_is_told():
+    result = subprocess.run([str(PIL), "--image", "nowhere.elf"], cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 2
+    assert "nowhere.elf" in result.stderr

@@ -1,0 +1,115 @@
+/* Settings: the default ones, the check of each field, and what comes back from memory. */
+#include "firmware/settings.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sim_host/host/settings_image.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/nv_memory.h"
+
+static struct settings settings;
+static struct nv_memory memory;
+
+static void setup(void)
+{
+    settings_default(&settings);
+    nv_memory_init(&memory);
+}
+
+START_TEST(the_default_ones_pass_the_check)
+{
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
+    ck_assert_int_eq(control_params_validate(&settings.control), CONTROL_PARAMS_OK);
+    ck_assert_uint_eq(settings.walk_at_start, 0);
+}
+END_TEST
+
+START_TEST(each_field_is_checked)
+{
+    const struct settings good = settings;
+
+    settings.control.leg_length_m = NAN;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_CONTROL);
+    settings = good;
+    settings.axis[LEG_RIGHT].counts_per_m = 0.0f;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
+    settings.axis[LEG_RIGHT].counts_per_m = INFINITY;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
+    settings = good;
+    settings.axis[LEG_LEFT].direction = 0;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
+    settings = good;
+    settings.sensor[LEG_LEFT].angle_direction = 2;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
+    settings = good;
+    settings.sensor[LEG_RIGHT].angle_zero_rad = NAN;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
+    settings = good;
+    settings.sensor[LEG_RIGHT].ankle_is_lever = true;
+    settings.sensor[LEG_RIGHT].ankle_lever_m = -0.1f;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
+    settings = good;
+    settings.setup.counts_per_m[LEG_LEFT]++; /* other than the axis's */
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings = good;
+    settings.setup.limit_max_counts[LEG_LEFT] = settings.setup.limit_min_counts[LEG_LEFT];
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings = good;
+    settings.desired_speed_rad_s = 0.0f;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
+    settings = good;
+    settings.walk_at_start = 2;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
+    settings = good;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
+}
+END_TEST
+
+/* The memory of the tests is too small for a branch of 40 gaits; the image is not. */
+START_TEST(what_a_file_holds_is_what_was_set)
+{
+    static uint8_t image[SETTINGS_IMAGE_BYTES];
+    static struct gait_branch branch;
+
+    branch.count = 7;
+    branch.speed_min_rad_s = 0.25f;
+    settings.control.branch = &branch;
+    settings.control.kp_m_s_rad = 0.0123f;
+    settings.desired_speed_rad_s = 0.77f;
+    ck_assert_int_eq(settings_image(&settings, image), 0);
+
+    struct settings_record record;
+    memcpy(&record, image + 2 * NV_WORD_BYTES, sizeof record); /* behind commit and header */
+    ck_assert_mem_eq(record.values.control, &settings.control, sizeof record.values.control);
+    ck_assert_mem_eq(&record.branch, &branch, sizeof branch);
+    assert_close(record.values.desired_speed_rad_s, 0.77, 1e-7, 0);
+}
+END_TEST
+
+START_TEST(an_empty_or_too_small_memory_gives_the_default_ones)
+{
+    const struct nv_store nv = nv_memory_store(&memory);
+    struct settings loaded;
+    struct param_store store;
+
+    memset(&loaded, 0xA5, sizeof loaded);
+    ck_assert_int_ne(settings_load(&loaded, &store, &nv), PARAM_STORE_OK);
+    ck_assert_int_eq(settings_check(&loaded), SETTINGS_OK);
+    ck_assert_ptr_null(loaded.control.branch);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("settings");
+    TCase *tcase = tcase_create("settings");
+
+    tcase_add_checked_fixture(tcase, setup, NULL);
+    tcase_add_test(tcase, the_default_ones_pass_the_check);
+    tcase_add_test(tcase, each_field_is_checked);
+    tcase_add_test(tcase, what_a_file_holds_is_what_was_set);
+    tcase_add_test(tcase, an_empty_or_too_small_memory_gives_the_default_ones);
+    suite_add_tcase(suite, tcase);
+    return run_suite(suite);
+}
