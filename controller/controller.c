@@ -4,6 +4,8 @@
 #define RISE_SHARE REAL(1.25)
 /* A wearer's steps have stopped when none came for so many times the last one. */
 enum { LATE_STEPS = 2 };
+/* Least time in STANDBY. */
+enum { REST_TICKS = 50 };
 /* Unloading lasts so long at least: from full stroke it takes less than 0.3 s. */
 enum { UNLOAD_LEAST_TICKS = 200 };
 /* The self test may take so many times as long as unloading: a drive that has just
@@ -17,6 +19,7 @@ int controller_init(struct controller *controller, const struct control_params *
     if (verdict != CONTROL_PARAMS_OK) {
         return verdict;
     }
+    controller->stop = sea_reference_stop_limits(params);
     controller->rise_max_m = RISE_SHARE * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
     supervisor_init(&controller->supervisor);
     checks_init(&controller->checks);
@@ -76,6 +79,14 @@ static bool references_back(const struct controller *controller, uint32_t tick)
            real_abs(controller->sea[SIDE_RIGHT].position_m) <= tolerance;
 }
 
+/* A drive told to switch off has done so before it is asked again: it takes some telegrams,
+ * and what it reports meanwhile is of the time before. */
+static bool is_at_rest(const struct controller *controller, uint32_t tick)
+{
+    return controller->supervisor.state != SUPERVISOR_STANDBY ||
+           tick - controller->supervisor.since_tick >= REST_TICKS;
+}
+
 static uint16_t conditions_of(const struct controller *controller,
                               const struct controller_input *input, enum supervisor_fault fault)
 {
@@ -84,7 +95,9 @@ static uint16_t conditions_of(const struct controller *controller,
     unsigned bits = 0;
     bits |= fault != SUPERVISOR_FAULT_NONE ? SUPERVISOR_IF_FAULT : 0u;
     bits |= input->nodes_operational ? SUPERVISOR_IF_NODES : 0u;
-    bits |= fault == SUPERVISOR_FAULT_NONE && slack ? SUPERVISOR_IF_PLAUSIBLE : 0u;
+    bits |= fault == SUPERVISOR_FAULT_NONE && slack && is_at_rest(controller, input->tick)
+                ? SUPERVISOR_IF_PLAUSIBLE
+                : 0u;
     bits |= input->walk_requested && !controller->request_spent ? SUPERVISOR_IF_WALK_REQUESTED : 0u;
     bits |= input->sea[SIDE_LEFT].state == DRIVE_ENABLED &&
                     input->sea[SIDE_RIGHT].state == DRIVE_ENABLED
@@ -123,7 +136,8 @@ static void enter_state(struct controller *controller, const struct controller_i
          * somebody who has stopped or lies there. */
         controller->request_spent = on_bench(controller);
         for (int side = 0; side < SIDE_COUNT; side++) {
-            sea_reference_stop(&controller->sea[side], params, input->sea[side].precompression_m);
+            sea_reference_stop(&controller->sea[side], &controller->stop,
+                               input->sea[side].precompression_m);
         }
         break;
     default:

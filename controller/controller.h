@@ -32,7 +32,8 @@ struct controller {
     struct step_monitor steps;
     struct zeroing zeroing;
     struct sea_request request[SIDE_COUNT]; /* of the last tick */
-    real rise_max_m; /* of a command in one tick; from the parameters as they were at the start */
+    struct sea_stop stop; /* from the parameters as they were at the start, as is */
+    real rise_max_m; /* what a command may rise in one tick */
     real share; /* of the law's precompression that is given, 0..1: engaging ramps it */
     bool request_spent; /* the bench's walk has ended: it takes a new request to load again */
     bool step_pending;

@@ -31,12 +31,19 @@ void sea_reference_unload(struct sea_reference *sea)
     sea->target_m = REAL(0.0);
 }
 
-void sea_reference_stop(struct sea_reference *sea, const struct control_params *params,
-                        real measured_m)
+struct sea_stop sea_reference_stop_limits(const struct control_params *params)
+{
+    return (struct sea_stop){STOP_SPEED_SHARE * params->sea_speed_max_m_s,
+                             STOP_ACCELERATION_SHARE * params->sea_acceleration_m_s2,
+                             LEFT_BEHIND_SHARE * params->leg_length_m};
+}
+
+void sea_reference_stop(struct sea_reference *sea, const struct sea_stop *limits, real measured_m)
 {
     sea_reference_unload(sea);
-    sea->stopping = true;
-    if (measured_m < sea->position_m - LEFT_BEHIND_SHARE * params->leg_length_m) {
+    sea->stop_speed_m_s = limits->speed_m_s;
+    sea->stop_acceleration_m_s2 = limits->acceleration_m_s2;
+    if (measured_m < sea->position_m - limits->left_behind_m) {
         sea->position_m = measured_m > REAL(0.0) ? measured_m : REAL(0.0);
         sea->speed_m_s = REAL(0.0);
     }
@@ -68,9 +75,9 @@ struct sea_request sea_reference_update(struct sea_reference *sea,
                                         const struct control_params *params, real measured_m)
 {
     /* A stop may use what the drive has in reserve. */
-    const real speed = sea->stopping ? STOP_SPEED_SHARE : REAL(1.0);
-    const real acceleration = sea->stopping ? STOP_ACCELERATION_SHARE : REAL(1.0);
-    advance(sea, speed * params->sea_speed_max_m_s, acceleration * params->sea_acceleration_m_s2);
+    const bool stops = sea->stop_speed_m_s > REAL(0.0);
+    advance(sea, stops ? sea->stop_speed_m_s : params->sea_speed_max_m_s,
+            stops ? sea->stop_acceleration_m_s2 : params->sea_acceleration_m_s2);
     const bool arrived = sea->position_m == sea->target_m &&
                          real_abs(measured_m - sea->target_m) <= params->sea_tolerance_m;
     if (sea->phase == SEA_TRIMMED && arrived) {

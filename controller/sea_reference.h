@@ -19,6 +19,7 @@
 #define sea_reference_load REAL_SYMBOL(sea_reference_load)
 #define sea_reference_trim REAL_SYMBOL(sea_reference_trim)
 #define sea_reference_unload REAL_SYMBOL(sea_reference_unload)
+#define sea_reference_stop_limits REAL_SYMBOL(sea_reference_stop_limits)
 #define sea_reference_stop REAL_SYMBOL(sea_reference_stop)
 #define sea_reference_update REAL_SYMBOL(sea_reference_update)
 
@@ -35,7 +36,15 @@ struct sea_reference {
     real target_m;    /* where the motor shall go, metres of spring */
     real position_m;  /* the reference now */
     real speed_m_s;
-    bool stopping; /* unloading because of a stop: faster than in a step */
+    real stop_speed_m_s; /* > 0: unloading because of a stop, with these limits */
+    real stop_acceleration_m_s2;
+};
+
+/* Limits of a stop: numbers of their own, which no change of the parameters touches. */
+struct sea_stop {
+    real speed_m_s;
+    real acceleration_m_s2;
+    real left_behind_m; /* a motor this far behind its reference is not made to chase it */
 };
 
 /* Starts unloaded with the reference at the motor's position, so that enabling
@@ -51,11 +60,12 @@ void sea_reference_trim(struct sea_reference *sea, real r0_m);
 /* Back to zero, disarmed: after lift-off, and at every stop. */
 void sea_reference_unload(struct sea_reference *sea);
 
-/* The same for a stop, with more acceleration, until the next init. A reference that the
- * motor has left behind by more than the leg's hundredth begins at the motor: what does not
- * follow must not be chased. measured_m is the motor's position in metres of spring. */
-void sea_reference_stop(struct sea_reference *sea, const struct control_params *params,
-                        real measured_m);
+/* The limits of stops under these parameters: faster than a step. */
+struct sea_stop sea_reference_stop_limits(const struct control_params *params);
+
+/* Unloads with the limits of a stop, until the next init. A reference that the motor has left
+ * behind begins at the motor. measured_m is the motor's position in metres of spring. */
+void sea_reference_stop(struct sea_reference *sea, const struct sea_stop *limits, real measured_m);
 
 /* Advances one tick. measured_m is the motor's position in metres of spring.
  * The command's enable field is left to the supervisor. Constant cost. */

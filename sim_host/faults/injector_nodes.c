@@ -192,7 +192,7 @@ static void reset_controller(struct loop *loop)
     sim_bus_reset_port(&loop->bus, LOOP_PORT_CONTROLLER);
     (void)task_rig_init(&loop->rig, &config->subject, &config->params,
                         sim_bus_port(&loop->bus, LOOP_PORT_CONTROLLER),
-                        config->desired_speed_rad_s, true);
+                        config->desired_speed_rad_s, false); /* nobody has asked it yet */
     loop->rig.stop_pressed = pressed;
 }
 

@@ -189,7 +189,7 @@ START_TEST(engages_when_all_is_well_and_loads_the_leg_in_front)
 {
     struct bench b;
     start(&b);
-    run_ticks(&b, 10, 0x0240);
+    run_ticks(&b, 60, 0x0240);
     ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
     run_ticks(&b, 100, 0x1227);
     ck_assert(b.task.output.sea[SIDE_LEFT].enable && b.task.output.sea[SIDE_RIGHT].enable);

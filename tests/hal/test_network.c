@@ -85,6 +85,48 @@ START_TEST(silence_is_noticed_within_the_time_out)
 }
 END_TEST
 
+/* CiA 301, 7.2.7: an emergency about the device itself, until code 0 or a boot-up. */
+START_TEST(an_error_of_a_node_is_a_node_lost)
+{
+    struct network network;
+    struct can_msg emergency = {.id = 0x083, .length = 8, .data = {0x00, 0x50}};
+    network_init(&network);
+    hear_all(&network, 5);
+    ck_assert(network_receive(&network, &emergency));
+    ck_assert(!network_all_operational(&network));
+    emergency.data[1] = 0x00; /* over */
+    ck_assert(network_receive(&network, &emergency));
+    ck_assert(network_all_operational(&network));
+    emergency.data[1] = 0x81; /* communication: left to its time-outs */
+    ck_assert(network_receive(&network, &emergency));
+    emergency.data[1] = 0x82;
+    ck_assert(network_receive(&network, &emergency));
+    ck_assert(network_all_operational(&network));
+    emergency.data[1] = 0x50;
+    emergency.length = 7; /* malformed */
+    ck_assert(network_receive(&network, &emergency));
+    ck_assert(network_all_operational(&network));
+    emergency.length = 8;
+    emergency.id = 0x081;
+    ck_assert(network_receive(&network, &emergency));
+    ck_assert(!network_all_operational(&network));
+    hear(&network, 0x701, 0); /* it has booted */
+    hear(&network, 0x701, 5);
+    ck_assert(network_all_operational(&network));
+    emergency.id = 0x085;
+    ck_assert(!network_receive(&network, &emergency));
+}
+END_TEST
+
+START_TEST(nodes_have_their_index)
+{
+    for (uint8_t node = 1; node <= NETWORK_NODES; node++) {
+        ck_assert_uint_eq(network_index(node), node - 1u);
+    }
+    ck_assert_uint_eq(network_index(16), NETWORK_NODES);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("network");
@@ -92,6 +134,8 @@ int main(void)
     tcase_add_test(tests, nodes_are_started_one_by_one_and_become_operational);
     tcase_add_test(tests, start_waits_for_permission_and_is_repeated);
     tcase_add_test(tests, silence_is_noticed_within_the_time_out);
+    tcase_add_test(tests, an_error_of_a_node_is_a_node_lost);
+    tcase_add_test(tests, nodes_have_their_index);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -96,6 +96,8 @@ START_TEST(states_are_read_as_the_standard_spells_them)
         enum sea_drive_state state;
     } cases[] = {{0x0000, SEA_DRIVE_DISABLED}, {0x0240, SEA_DRIVE_DISABLED}, {0x0260, SEA_DRIVE_DISABLED},
                  {0x0231, SEA_DRIVE_DISABLED}, {0x0233, SEA_DRIVE_STARTING}, {0x1637, SEA_DRIVE_ENABLED},
+                 {0x0637, SEA_DRIVE_STOPPING}, /* enabled, but ignores its target */
+                 {0x0002, SEA_DRIVE_DISABLED}, /* none of the profile's */
                  {0x0217, SEA_DRIVE_STOPPING}, {0x021F, SEA_DRIVE_STOPPING}, {0x0218, SEA_DRIVE_FAULT}};
     struct bench b;
     struct sea_drive_reading reading;
@@ -221,6 +223,42 @@ START_TEST(malformed_frames_change_nothing_and_are_counted)
 }
 END_TEST
 
+/* Torque in per mille of the rated force (50 N here), signed by the axis' direction. */
+START_TEST(force_and_latch)
+{
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    struct can_msg slow = {.id = 0x381, .length = 8, .data = {0xC8, 0x00}}; /* 200 per mille */
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX);
+    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_UNKNOWN);
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    slow.id = 0x382;
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    answer(&b, 0x181, 0x5237, 500);
+    answer(&b, 0x182, 0x1237, -500);
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    assert_close((double)reading.force_N, 10.0, 1e-5, 0.0);
+    ck_assert_uint_eq(reading.force_age_ticks, 0);
+    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_CLOSED);
+    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    assert_close((double)reading.force_N, -10.0, 1e-5, 0.0);
+    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_OPEN);
+    for (int i = 0; i < 70000; i++) {
+        sea_drives_age(&b.drives);
+    }
+    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX - 1); /* old, but once received */
+    slow.length = 6;
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    ck_assert_uint_eq(b.cia402.rx_malformed, 1);
+    b.cia402.axis[LEG_LEFT].config.rated_force_N = 0.0f;
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sea_drive_cia402");
@@ -234,6 +272,7 @@ int main(void)
     tcase_add_test(tests, commands_go_out_on_change_and_now_and_then);
     tcase_add_test(tests, a_refused_frame_is_sent_again);
     tcase_add_test(tests, malformed_frames_change_nothing_and_are_counted);
+    tcase_add_test(tests, force_and_latch);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

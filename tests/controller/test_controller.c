@@ -1,0 +1,229 @@
+/* The controller as a whole, in the loop with the simulated walker: how it begins, shares,
+ * withdraws and stops. The plant is the judge. */
+#include "sim_host/faults/injector.h"
+#include "sim_host/host/loop.h"
+#include "tests/support/assert_close.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct rig {
+    struct loop loop;
+    struct injector injector;
+};
+
+/* steps 0: the bench; otherwise a walker with a push-off of their own. */
+static struct rig *start(double speed_rad_s, unsigned engage_steps)
+{
+    char message[LOOP_MESSAGE_MAX] = "";
+    struct subject subject;
+    struct control_params params;
+    struct loop_config config;
+    struct rig *rig = (struct rig *)calloc(1, sizeof *rig);
+    ck_assert_ptr_nonnull(rig);
+    subject_default(&subject);
+    ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
+    params.start_r0_m = speed_table_inverse(&params.table, (real)speed_rad_s);
+    ck_assert_int_eq(loop_configure(&config, &subject, &params, speed_rad_s, SENSORS_17BIT, 1, message),
+                     0);
+    if (engage_steps > 0) {
+        loop_configure_wearer(&config, engage_steps);
+    }
+    ck_assert_int_eq(loop_init(&rig->loop, &config, NULL, message), 0);
+    injector_begin(&rig->injector, &rig->loop, NULL, 0);
+    return rig;
+}
+
+static struct controller *controller_of(struct rig *rig)
+{
+    return &rig->loop.rig.task.controller;
+}
+
+static enum supervisor_state state_of(struct rig *rig)
+{
+    return rig->loop.rig.task.output.state;
+}
+
+/* Ticks until the law has seen so many steps; fails when they do not come. */
+static void walk(struct rig *rig, uint32_t steps)
+{
+    const uint64_t limit = rig->loop.tick + 20000;
+    while (controller_of(rig)->law.steps < steps && rig->loop.tick < limit) {
+        injector_tick(&rig->injector);
+    }
+    ck_assert_uint_ge(controller_of(rig)->law.steps, steps);
+}
+
+static void run(struct rig *rig, int ticks)
+{
+    for (int i = 0; i < ticks; i++) {
+        injector_tick(&rig->injector);
+    }
+}
+
+static double motor_m(const struct rig *rig, enum side side)
+{
+    return rig->loop.nodes.plant.sea[side].position_m;
+}
+
+START_TEST(bad_parameters_are_refused)
+{
+    struct control_params params = {0};
+    struct controller controller;
+    ck_assert_int_ge(controller_init(&controller, &params), 0);
+}
+END_TEST
+
+START_TEST(the_bench_walks_and_stops_when_asked)
+{
+    struct rig *rig = start(0.6, 0);
+    walk(rig, 6);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
+    assert_close((double)controller_of(rig)->share, 1.0, 0.0, 0.0);
+    rig->loop.rig.task.node.objects.walk_requested = 0;
+    run(rig, 2);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
+    run(rig, 400);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_STANDBY);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        assert_close(motor_m(rig, (enum side)side), 0.0, 0.006, 0.0);
+        ck_assert(!rig->loop.rig.task.output.sea[side].enable);
+    }
+    free(rig);
+}
+END_TEST
+
+/* The walker falls over when the push-off ends; nobody asks again: never loaded again. */
+START_TEST(the_bench_does_not_load_again_by_itself)
+{
+    struct rig *rig = start(0.6, 0);
+    const struct fault_shot trip = {.kind = FAULT_TRIP, .start_tick = 0, .duration_ticks = 3000};
+    walk(rig, 6);
+    injector_begin(&rig->injector, &rig->loop, &trip, 1);
+    run(rig, 2500);
+    ck_assert_int_ne(plant_fault(&rig->loop.nodes.plant), WALK_FAULT_NONE);
+    for (int i = 0; i < 4000; i++) {
+        injector_tick(&rig->injector);
+        ck_assert(!supervisor_may_assist(state_of(rig)));
+    }
+    free(rig);
+}
+END_TEST
+
+START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
+{
+    struct rig *rig = start(0.45, 4);
+    walk(rig, 4);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
+    assert_close((double)controller_of(rig)->share, 0.0, 0.0, 0.0);
+    assert_close(motor_m(rig, SIDE_LEFT), 0.0, 1e-3, 0.0);
+    walk(rig, 9);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
+    ck_assert(controller_of(rig)->share > REAL(0.1) && controller_of(rig)->share < REAL(0.5));
+    walk(rig, 22);
+    assert_close((double)controller_of(rig)->share, 1.0, 0.0, 0.0);
+    double least = 1.0; /* share of the push-off that is still the wearer's */
+    for (int i = 0; i < 2000; i++) {
+        injector_tick(&rig->injector);
+        least = rig->loop.own_push.share < least ? rig->loop.own_push.share : least;
+    }
+    ck_assert(least < 0.05);
+    rig->loop.rig.task.node.objects.walk_requested = 0;
+    run(rig, 6000); /* they walk on by themselves */
+    ck_assert_int_eq(plant_fault(&rig->loop.nodes.plant), WALK_FAULT_NONE);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_STANDBY);
+    rig->loop.rig.task.node.objects.walk_requested = 1;
+    run(rig, 200); /* and are verified anew */
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
+    assert_close((double)controller_of(rig)->share, 0.0, 0.0, 0.0);
+    free(rig);
+}
+END_TEST
+
+/* A wearer whose steps turn irregular: two unsteady ones in a row. */
+START_TEST(irregular_steps_withdraw_the_assistance)
+{
+    struct rig *rig = start(0.45, 4);
+    walk(rig, 20);
+    controller_of(rig)->steps.unsteady = STEP_MONITOR_IRREGULAR;
+    run(rig, 2);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(rig->loop.rig.task.output.fault, SUPERVISOR_FAULT_NONE);
+    run(rig, 400);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING); /* begins to verify again */
+    free(rig);
+}
+END_TEST
+
+START_TEST(the_same_leg_twice_is_a_fault_on_the_bench)
+{
+    struct rig *rig = start(0.6, 0);
+    walk(rig, 4);
+    controller_of(rig)->steps.same_side = true;
+    run(rig, 2);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(rig->loop.rig.task.output.fault, SUPERVISOR_FAULT_LEGS);
+    free(rig);
+}
+END_TEST
+
+/* Memory fails: what leaves the controller keeps its bounds. */
+START_TEST(the_last_gate)
+{
+    struct rig *rig = start(0.6, 0);
+    walk(rig, 4);
+    const enum side stance = controller_of(rig)->observer.state.stance;
+    struct sea_reference *sea = &controller_of(rig)->sea[stance];
+    const real before = controller_of(rig)->request[stance].precompression_m;
+    sea->position_m = sea->target_m = before + REAL(0.2);
+    run(rig, 1);
+    ck_assert(controller_of(rig)->request[stance].precompression_m < before + REAL(0.003));
+    sea->position_m = sea->target_m = (real)__builtin_nanf("");
+    run(rig, 1);
+    ck_assert(!controller_of(rig)->request[stance].enable);
+    ck_assert(controller_of(rig)->request[stance].precompression_m == REAL(0.0));
+    free(rig);
+}
+END_TEST
+
+/* The drive with an encoder that says zero is given the time to follow. */
+START_TEST(unloading_lasts_its_time)
+{
+    struct rig *rig = start(0.6, 0);
+    walk(rig, 4);
+    rig->loop.rig.stop_pressed = true;
+    run(rig, 2);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
+    int ticks = 0;
+    while (state_of(rig) == SUPERVISOR_UNLOADING && ticks < 1000) {
+        run(rig, 1);
+        ticks++;
+    }
+    ck_assert_int_ge(ticks, 195);
+    ck_assert_int_le(ticks, 300);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_FAULT);
+    run(rig, 500);
+    rig->loop.rig.stop_pressed = false;
+    rig->loop.rig.task.node.objects.reset_requested = 1;
+    run(rig, 2); /* falls, does not stand still: stays latched */
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_FAULT);
+    free(rig);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("controller");
+    TCase *tests = tcase_create("all");
+    tcase_set_timeout(tests, 120);
+    tcase_add_test(tests, bad_parameters_are_refused);
+    tcase_add_test(tests, the_bench_walks_and_stops_when_asked);
+    tcase_add_test(tests, the_bench_does_not_load_again_by_itself);
+    tcase_add_test(tests, a_wearer_is_engaged_step_by_step_and_let_go);
+    tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
+    tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);
+    tcase_add_test(tests, the_last_gate);
+    tcase_add_test(tests, unloading_lasts_its_time);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
