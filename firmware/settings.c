@@ -118,7 +118,9 @@ enum param_store_result settings_load(struct settings *settings, struct param_st
     if (result != PARAM_STORE_OK) {
         return result;
     }
-    memcpy(&settings->control, kept.control, sizeof kept.control);
+    /* The parameters are one array of floats to the store: copied as part of the whole. */
+    memcpy((uint8_t *)settings + offsetof(struct settings, control), kept.control,
+           sizeof kept.control);
     settings->control.table = kept.table;
     branch = param_store_map(store, offsetof(struct settings_record, branch));
     settings->control.branch = branch != NULL && branch->count > 0u ? branch : NULL;
