@@ -16,7 +16,8 @@
 enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
 
 /* After the last apex asked for, the controller's record of it is still to come. */
-enum { RECORD_DELAY_TICKS = 150, FIRST_STEP_TICKS = 20000, STEP_TICKS = 10000 };
+enum { RECORD_DELAY_TICKS = 150, FIRST_STEP_TICKS = 20000, STEP_TICKS = 10000,
+       LAST_FRAMES_TICKS = 3 };
 
 /* A person's other foot lands as early as 0.17 s after the apex, so the fit around
  * it ends sooner than on the paper's walker. */
@@ -175,6 +176,18 @@ static bool output_failed(const struct session *session)
            (session->log.stream != NULL && ferror(session->log.stream));
 }
 
+/* What the controller told about the last step may still wait for its turn on the bus. */
+static void let_last_frames_out(struct session *session)
+{
+    for (int i = 0; i < LAST_FRAMES_TICKS; i++) {
+        loop_tick(session->loop);
+        const int event = walk_record_take(&session->record, session->loop);
+        if (session->options.ticks) {
+            sim_tick_line(session->csv.stream, session->loop, event);
+        }
+    }
+}
+
 static void walk(struct session *session)
 {
     struct loop *loop = session->loop;
@@ -215,6 +228,9 @@ static void walk(struct session *session)
             break;
         }
     } while (!is_over(session, last_progress_tick));
+    if (session->outcome.fault[0] == '\0') {
+        let_last_frames_out(session);
+    }
     session->outcome.wall_s = now_s() - start_s;
     if (progress) {
         show_progress(session, true);
