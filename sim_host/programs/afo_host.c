@@ -20,7 +20,7 @@ enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 #define ANSWER_TIMEOUT_NS UINT64_C(250000000)
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
 /* A stop that was asked for must have unloaded the springs by then. */
-enum { STOP_TICKS = 3000, SILENT_CYCLES = 40 };
+enum { STOP_TICKS = 3000, SILENT_CYCLES = 40, PATIENT_CYCLES = 3 };
 
 struct options {
     struct walk_options walk;
@@ -233,8 +233,9 @@ static void run(struct host *host)
             (void)pacer_wait(&host->pacer);
         }
         (void)control_task_start_cycle(task);
-        /* Nodes that are not operational do not answer: then a tick lasts its time. */
-        const bool answers = network_all_operational(&task->network);
+        /* Nodes that are not operational, or gone, do not answer: then a tick lasts its time. */
+        const bool answers =
+            network_all_operational(&task->network) && silent_cycles < PATIENT_CYCLES;
         const uint64_t patience_ns = answers ? ANSWER_TIMEOUT_NS : TICK_NS;
         const uint64_t deadline_ns = host->options.real_time
                                          ? host->pacer.next_ns - TICK_NS / 10

@@ -13,6 +13,7 @@ def campaign(times, limit_s):
                           cwd=ROOT, capture_output=True, text=True, timeout=limit_s + 60)
 
 
+@pytest.mark.long
 def test_each_side_killed_once():
     done = campaign(1, 480)
     assert done.returncode == 0, done.stdout + done.stderr
