@@ -1,6 +1,8 @@
 # Images for the boards: make firmware (both), flash and debug (NUCLEO-G474RE).
 # One set of object files for both boards: what walks on the emulator is what is flashed.
 ARM := arm-none-eabi-
+# A compiler cache would bring the objects back without their call graphs.
+ARM_CC := CCACHE_DISABLE=1 $(ARM)gcc
 ARM_BUILD = $(BUILD)/arm
 ARM_CPU := -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
 # Enumerations of 32 bits as on the host, so that snapshots mean the same on both.
@@ -17,7 +19,7 @@ ARM_OBJ = $(patsubst %.c,$(ARM_BUILD)/obj/%.o,$(1))
 ARM_ALL := $(call ARM_OBJ,$(ARM_SRC) $(foreach b,$(ARM_BOARDS),$(ARM_SRC_$(b))))
 
 $(ARM_BUILD)/stamp/flags: FORCE
-	$(call STAMP,$(shell $(ARM)gcc --version 2>&1 | head -1) $(ARM_CFLAGS) $(value ARM_OPT) $(ARM_HOT) $(ARM_LDFLAGS) $(ARM_SRC))
+	$(call STAMP,$(shell $(ARM)gcc --version 2>&1 | head -1) $(ARM_CC) $(ARM_CFLAGS) $(value ARM_OPT) $(ARM_HOT) $(ARM_LDFLAGS) $(ARM_SRC))
 $(ARM_BUILD)/obj/firmware/version.o: private ARM_CFLAGS += $(IDENTITY)
 $(ARM_BUILD)/obj/firmware/version.o: $(BUILD)/stamp/identity
 # What runs in every tick is worth some flash; what runs at start-up or on request is not.
@@ -30,7 +32,7 @@ ARM_OPT = $(if $(filter $(ARM_HOT),$<),-O3,-Os)
 $(ARM_BUILD)/obj/%.o: %.c $(ARM_BUILD)/stamp/flags
 	@mkdir -p $(@D)
 	$(call SAY,ARM    $<)
-	$(Q)$(ARM)gcc $(ARM_CFLAGS) $(ARM_OPT) -MMD -MP -c $< -o $@
+	$(Q)$(ARM_CC) $(ARM_CFLAGS) $(ARM_OPT) -MMD -MP -c $< -o $@
 
 define BOARD_RULE
 $(ARM_BUILD)/afo-$(subst _,-,$(1)).elf: $(call ARM_OBJ,$(ARM_SRC) $(ARM_SRC_$(1))) \
