@@ -25,19 +25,19 @@
 
 /* What is remembered of one leg. */
 struct leg_checks {
-    real angle_rad;         /* newest believed sample */
-    real rate_rad;          /* its change per tick */
+    real angle_rad; /* newest believed sample */
+    real rate_rad;  /* its change per tick */
     real extension_m;
     real motor_m;
-    real motor_before_m;    /* the tick before */
+    real motor_before_m;       /* the tick before */
     uint16_t angle_unbelieved; /* ticks without a believed sample */
     uint16_t extension_unbelieved;
     uint16_t motor_unbelieved;
-    uint16_t still_ticks;    /* the angle has had one and the same value for so long, */
-    real other_angle_rad;    /* and the other leg was here when that began */
+    uint16_t still_ticks; /* the angle has had one and the same value for so long, */
+    real other_angle_rad; /* and the other leg was here when that began */
     uint16_t motor_still_ticks;
-    uint8_t force_strikes;   /* force samples in a row that the spring does not explain */
-    uint16_t latch_ticks;    /* since the latch last changed */
+    uint8_t force_strikes; /* force samples in a row that the spring does not explain */
+    uint16_t latch_ticks;  /* since the latch last changed */
     enum latch_state latch;
     real motor_at_release_m;
     uint16_t ankle_strikes;  /* ticks in a row in which ankle and latch contradict */
@@ -80,6 +80,7 @@ enum supervisor_fault checks_find(struct checks *checks, const struct control_pa
 bool checks_standstill(const struct checks *checks);
 
 /* Both motors freshly known to be at zero spring. */
-bool checks_springs_slack(const struct control_params *params, const struct controller_input *input);
+bool checks_springs_slack(const struct control_params *params,
+                          const struct controller_input *input);
 
 #endif

@@ -36,43 +36,46 @@ enum body_kind {
 };
 
 /*  X(field, unit, minimum, maximum, meaning) */
-#define CONTROL_PARAM_TABLE(X)                                                                      \
-    X(torso_mass_kg, "kg", 0.1, 200.0, "M, the mass at the hip")                                    \
-    X(leg_mass_kg, "kg", 0.0001, 30.0, "m, the mass in the middle of each leg")                     \
-    X(leg_length_m, "m", 0.1, 1.5, "l, hip to heel")                                                \
-    X(spring_stiffness_n_m, "N/m", 1.0, 100000.0, "k of the ankle spring")                          \
-    X(gravity_m_s2, "m/s^2", 1.0, 20.0, "g")                                                        \
-    X(law, "-", 0.0, 8.0, "0 proportional, 1 open loop, 2 dlqr, 3 deadbeat, 4 predictive, 8 wearer")    \
-    X(kp_m_s_rad, "m/(rad/s)", 0.0, 1.0, "gain of eq. (16) on the forward apex speed")              \
-    X(start_r0_m, "m", 0.0001, 0.6, "precompression that walking starts from; a wearer's r0*")      \
-    X(speed_ramp_rad_s, "rad/s per step", 0.00001, 1.0, "largest change of the speed command")      \
-    X(r0_min_m, "m", 0.0001, 0.6, "smallest precompression the law may ask for")                    \
-    X(r0_max_m, "m", 0.0001, 0.6, "largest precompression the law may ask for")                     \
-    X(r0_change_max_m, "m per step", 0.00001, 0.6, "largest change of r0 from step to step")        \
-    X(open_loop_r0_m, "m", 0.0001, 0.6, "r0 of the open-loop law")                                  \
-    X(open_loop_ramp_m, "m per step", 0.000001, 0.6, "its ramp from start_r0_m")                    \
-    X(apex_window_s, "s", 0.004, 0.1, "half width of the fit around the apex")                      \
-    X(angle_hysteresis_rad, "rad", 0.0001, 0.2, "swing of an angle below which it is no event")     \
-    X(body, "-", 0.0, 1.0, "0 = compass walker, 1 = person")                                        \
-    X(sensor_latency_s, "s", 0.0, 0.02, "age of a leg sample at its SYNC; event times allow for it") \
-    X(angle_zero_left_rad, "rad", -0.2, 0.2, "what the left leg angle reads upright: zeroing.h")        \
-    X(angle_zero_right_rad, "rad", -0.2, 0.2, "the right one")                                      \
-    X(ankle_zero_left_m, "m", -0.03, 0.03, "what the left ankle reads with the heel down")          \
-    X(ankle_zero_right_m, "m", -0.03, 0.03, "the right one")                                        \
-    X(sea_speed_max_m_s, "m/s", 0.001, 10.0, "speed limit of the SEA reference")                    \
-    X(sea_acceleration_m_s2, "m/s^2", 0.01, 1000.0, "acceleration limit of the SEA reference")      \
-    X(sea_tolerance_m, "m", 0.00001, 0.05, "the spring counts as loaded, or unloaded, within this") \
-    X(sensor_age_max_s, "s", 0.001, 0.1, "older leg or drive values are a fault")                   \
-    X(step_timeout_s, "s", 0.2, 10.0, "no apex for this long: walking has ended")                   \
-    X(fall_angle_rad, "rad", 0.3, 1.57, "a leg beyond this angle is a fall")                        \
-    X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")         \
-    X(engage_steps, "-", 0.0, 50.0, "steady steps before assistance; 0 = bench: loaded at once")    \
+#define CONTROL_PARAM_TABLE(X)                                                                   \
+    X(torso_mass_kg, "kg", 0.1, 200.0, "M, the mass at the hip")                                 \
+    X(leg_mass_kg, "kg", 0.0001, 30.0, "m, the mass in the middle of each leg")                  \
+    X(leg_length_m, "m", 0.1, 1.5, "l, hip to heel")                                             \
+    X(spring_stiffness_n_m, "N/m", 1.0, 100000.0, "k of the ankle spring")                       \
+    X(gravity_m_s2, "m/s^2", 1.0, 20.0, "g")                                                     \
+    X(law, "-", 0.0, 8.0,                                                                        \
+      "0 proportional, 1 open loop, 2 dlqr, 3 deadbeat, 4 predictive, 8 wearer")                 \
+    X(kp_m_s_rad, "m/(rad/s)", 0.0, 1.0, "gain of eq. (16) on the forward apex speed")           \
+    X(start_r0_m, "m", 0.0001, 0.6, "precompression that walking starts from; a wearer's r0*")   \
+    X(speed_ramp_rad_s, "rad/s per step", 0.00001, 1.0, "largest change of the speed command")   \
+    X(r0_min_m, "m", 0.0001, 0.6, "smallest precompression the law may ask for")                 \
+    X(r0_max_m, "m", 0.0001, 0.6, "largest precompression the law may ask for")                  \
+    X(r0_change_max_m, "m per step", 0.00001, 0.6, "largest change of r0 from step to step")     \
+    X(open_loop_r0_m, "m", 0.0001, 0.6, "r0 of the open-loop law")                               \
+    X(open_loop_ramp_m, "m per step", 0.000001, 0.6, "its ramp from start_r0_m")                 \
+    X(apex_window_s, "s", 0.004, 0.1, "half width of the fit around the apex")                   \
+    X(angle_hysteresis_rad, "rad", 0.0001, 0.2, "swing of an angle below which it is no event")  \
+    X(body, "-", 0.0, 1.0, "0 = compass walker, 1 = person")                                     \
+    X(sensor_latency_s, "s", 0.0, 0.02,                                                          \
+      "age of a leg sample at its SYNC; event times allow for it")                               \
+    X(angle_zero_left_rad, "rad", -0.2, 0.2, "what the left leg angle reads upright: zeroing.h") \
+    X(angle_zero_right_rad, "rad", -0.2, 0.2, "the right one")                                   \
+    X(ankle_zero_left_m, "m", -0.03, 0.03, "what the left ankle reads with the heel down")       \
+    X(ankle_zero_right_m, "m", -0.03, 0.03, "the right one")                                     \
+    X(sea_speed_max_m_s, "m/s", 0.001, 10.0, "speed limit of the SEA reference")                 \
+    X(sea_acceleration_m_s2, "m/s^2", 0.01, 1000.0, "acceleration limit of the SEA reference")   \
+    X(sea_tolerance_m, "m", 0.00001, 0.05,                                                       \
+      "the spring counts as loaded, or unloaded, within this")                                   \
+    X(sensor_age_max_s, "s", 0.001, 0.1, "older leg or drive values are a fault")                \
+    X(step_timeout_s, "s", 0.2, 10.0, "no apex for this long: walking has ended")                \
+    X(fall_angle_rad, "rad", 0.3, 1.57, "a leg beyond this angle is a fall")                     \
+    X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")       \
+    X(engage_steps, "-", 0.0, 50.0, "steady steps before assistance; 0 = bench: loaded at once") \
     X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the share of assistance rises to 1")
 
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
 struct control_params {
     CONTROL_PARAM_TABLE(CONTROL_PARAM_FIELD)
-    struct speed_table table;  /* finv of eq. (16) for this walker */
+    struct speed_table table; /* finv of eq. (16) for this walker */
     /* What the laws beyond eq. (16) need, or NULL without. Too large to be kept twice: it stays
      * where it is, in flash on the device, and does not change while it is pointed to. */
     const struct gait_branch *branch;
@@ -97,12 +100,13 @@ extern const struct control_param_descriptor control_param_descriptors[CONTROL_P
 /* What control_params_validate found. */
 enum {
     CONTROL_PARAMS_OK = -1,
-    CONTROL_PARAMS_BAD_TABLE = CONTROL_PARAM_COUNT,       /* speed table unusable */
-    CONTROL_PARAMS_R0_ORDER = CONTROL_PARAM_COUNT + 1,    /* not r0_min <= start_r0 <= r0_max */
-    CONTROL_PARAMS_R0_STROKE = CONTROL_PARAM_COUNT + 2,   /* r0_max beyond 0.4 leg lengths */
-    CONTROL_PARAMS_OPEN_LOOP = CONTROL_PARAM_COUNT + 3,   /* open_loop_r0 outside r0_min..r0_max */
-    CONTROL_PARAMS_LAW = CONTROL_PARAM_COUNT + 4,         /* no such law */
-    CONTROL_PARAMS_BRANCH = CONTROL_PARAM_COUNT + 5       /* the law needs a gait branch; none, or unusable */
+    CONTROL_PARAMS_BAD_TABLE = CONTROL_PARAM_COUNT,     /* speed table unusable */
+    CONTROL_PARAMS_R0_ORDER = CONTROL_PARAM_COUNT + 1,  /* not r0_min <= start_r0 <= r0_max */
+    CONTROL_PARAMS_R0_STROKE = CONTROL_PARAM_COUNT + 2, /* r0_max beyond 0.4 leg lengths */
+    CONTROL_PARAMS_OPEN_LOOP = CONTROL_PARAM_COUNT + 3, /* open_loop_r0 outside r0_min..r0_max */
+    CONTROL_PARAMS_LAW = CONTROL_PARAM_COUNT + 4,       /* no such law */
+    CONTROL_PARAMS_BRANCH =
+        CONTROL_PARAM_COUNT + 5 /* the law needs a gait branch; none, or unusable */
 };
 
 /* Checks every field against its range and the fields against each other.

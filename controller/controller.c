@@ -55,8 +55,9 @@ static bool is_stepping(const struct controller *controller, uint32_t tick)
 
 static bool is_steady(const struct controller *controller)
 {
-    return on_bench(controller) ? controller->steps.seen
-                                : (real)controller->steps.steady >= controller->params->engage_steps;
+    return on_bench(controller)
+               ? controller->steps.seen
+               : (real)controller->steps.steady >= controller->params->engage_steps;
 }
 
 static bool is_overdue(const struct controller *controller, uint32_t tick)
@@ -174,7 +175,8 @@ static void follow_gait(struct controller *controller, const struct controller_i
     const struct gait_event *lift_off = &gait->event[GAIT_LIFT_OFF];
 
     if (apex->happened) {
-        step_law_finish(&controller->law); /* an apex without a push-off between: cannot be helped */
+        step_law_finish(
+            &controller->law); /* an apex without a push-off between: cannot be helped */
         (void)step_law_update(&controller->law, controller->params, &gait->apex,
                               input->desired_speed_rad_s);
         controller->pending_step =
@@ -236,7 +238,8 @@ static bool legs_disagree(const struct controller *controller)
 static bool guard(const struct controller *controller, const struct sea_request *before,
                   struct sea_request *request)
 {
-    if (before->enable && request->precompression_m > before->precompression_m + controller->rise_max_m) {
+    if (before->enable &&
+        request->precompression_m > before->precompression_m + controller->rise_max_m) {
         request->precompression_m = before->precompression_m + controller->rise_max_m;
     }
     if (request->precompression_m >= -controller->params->leg_length_m &&
@@ -258,8 +261,9 @@ static void command_drives(struct controller *controller, const struct controlle
             *request = sea_reference_update(&controller->sea[side], controller->params,
                                             input->sea[side].precompression_m);
             /* A drive that is not heard while it is to unload does it by itself. */
-            const bool silent = controller->supervisor.state == SUPERVISOR_UNLOADING &&
-                                input->sea[side].age_ticks > ticks_of(controller->params->sensor_age_max_s);
+            const bool silent =
+                controller->supervisor.state == SUPERVISOR_UNLOADING &&
+                input->sea[side].age_ticks > ticks_of(controller->params->sensor_age_max_s);
             request->enable = guard(controller, &controller->request[side], request) && !silent;
             request->latch_armed = request->latch_armed && may_release(controller, (enum side)side);
         }

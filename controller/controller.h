@@ -33,9 +33,9 @@ struct controller {
     struct zeroing zeroing;
     struct sea_request request[SIDE_COUNT]; /* of the last tick */
     struct sea_stop stop; /* from the parameters as they were at the start, as is */
-    real rise_max_m; /* what a command may rise in one tick */
-    real share; /* of the law's precompression that is given, 0..1: engaging ramps it */
-    bool request_spent; /* the bench's walk has ended: it takes a new request to load again */
+    real rise_max_m;      /* what a command may rise in one tick */
+    real share;           /* of the law's precompression that is given, 0..1: engaging ramps it */
+    bool request_spent;   /* the bench's walk has ended: it takes a new request to load again */
     bool step_pending;
     bool observing; /* the observer has been started */
 };

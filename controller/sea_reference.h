@@ -33,8 +33,8 @@ enum sea_phase {
 
 struct sea_reference {
     enum sea_phase phase;
-    real target_m;    /* where the motor shall go, metres of spring */
-    real position_m;  /* the reference now */
+    real target_m;   /* where the motor shall go, metres of spring */
+    real position_m; /* the reference now */
     real speed_m_s;
     real stop_speed_m_s; /* > 0: unloading because of a stop, with these limits */
     real stop_acceleration_m_s2;

@@ -87,8 +87,8 @@ static real begin_search(struct step_law *law, const struct control_params *para
         .r0_from_m = law->r0_m,
         .motor_speed_m_s = params->sea_speed_max_m_s,
         .motor_acceleration_m_s2 = params->sea_acceleration_m_s2,
-        .report_delay_s = params->apex_window_s + params->sensor_latency_s +
-                          REAL(2.0) * CONTROL_PERIOD_S,
+        .report_delay_s =
+            params->apex_window_s + params->sensor_latency_s + REAL(2.0) * CONTROL_PERIOD_S,
         .tick_s = CONTROL_PERIOD_S,
     };
     predictive_law_begin(&law->predictive, params->branch, &request);

@@ -30,7 +30,7 @@ struct controller_objects {
     /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
     uint8_t state;
     uint8_t fault;
-    uint8_t zeroing; /* enum zeroing_state */
+    uint8_t zeroing;       /* enum zeroing_state */
     uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
     /* 0x2002: last step as in TPDO1 */
     uint16_t step_measured;  /* 0.1 mrad/s */
@@ -100,7 +100,8 @@ bool controller_node_params_corrupt(struct controller_node *node);
 enum { CONTROLLER_CRC_BYTES = 16 };
 
 /* A node was refused at start: raises the emergency and keeps the reason. */
-void controller_node_report_setup(struct controller_node *node, const struct setup_failure *failure);
+void controller_node_report_setup(struct controller_node *node,
+                                  const struct setup_failure *failure);
 
 /* A node is set up: takes back what was said about it, if it had been refused. */
 void controller_node_setup_done(struct controller_node *node, uint8_t which);

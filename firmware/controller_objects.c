@@ -16,7 +16,7 @@ enum param_sub {
 #undef PARAM_SUB
 };
 
-#define PARAM_ENTRY(field, unit, minimum, maximum, meaning)                                      \
+#define PARAM_ENTRY(field, unit, minimum, maximum, meaning) \
     CO_ANY(OWNER, params.field, 0x2010, PARAM_SUB_##field, CO_REAL32, RW, #field),
 
 const struct co_entry controller_object_table[] = {
@@ -43,7 +43,7 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, record_r0_m, 0x2003, 4, CO_REAL32, RO, "Precompression m"),
     CO_ANY(OWNER, param_count, 0x2010, PARAM_SUB_COUNT, CO_UNSIGNED8, FIXED, "Parameters"),
     CONTROL_PARAM_TABLE(PARAM_ENTRY)
-    CO_ANY(OWNER, counter_count, 0x2020, 0, CO_UNSIGNED8, FIXED, "Counters"),
+        CO_ANY(OWNER, counter_count, 0x2020, 0, CO_UNSIGNED8, FIXED, "Counters"),
     CO_ANY(OWNER, ticks, 0x2020, 1, CO_UNSIGNED32, RO, "Ticks"),
     CO_ANY(OWNER, syncs_refused, 0x2020, 2, CO_UNSIGNED32, RO, "SYNCs refused by the bus"),
     CO_ANY(OWNER, send_failures, 0x2020, 3, CO_UNSIGNED32, RO, "Frames refused by the bus"),

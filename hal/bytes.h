@@ -29,8 +29,7 @@ static inline int32_t bytes_get_i32(const uint8_t *from)
 /* Signed 24 bit, sign extended. */
 static inline int32_t bytes_get_i24(const uint8_t *from)
 {
-    const uint32_t bits =
-        (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16;
+    const uint32_t bits = (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16;
     return (int32_t)(bits ^ 0x800000u) - 0x800000;
 }
 

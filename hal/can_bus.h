@@ -35,8 +35,8 @@ struct can_bus_status {
     uint8_t rx_error_count;
     uint32_t tx_frames;
     uint32_t rx_frames;
-    uint32_t tx_refused;    /* send returned CAN_FULL */
-    uint32_t rx_overflow;   /* frames lost because nobody fetched them in time */
+    uint32_t tx_refused;  /* send returned CAN_FULL */
+    uint32_t rx_overflow; /* frames lost because nobody fetched them in time */
     uint32_t error_frames;
     uint32_t bus_off_count;
 };

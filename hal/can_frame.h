@@ -4,11 +4,7 @@
 
 #include <stdint.h>
 
-enum {
-    CAN_FRAME_DATA_MAX = 8,
-    CAN_ID_STANDARD_MAX = 0x7FF,
-    CAN_ID_EXTENDED_MAX = 0x1FFFFFFF
-};
+enum { CAN_FRAME_DATA_MAX = 8, CAN_ID_STANDARD_MAX = 0x7FF, CAN_ID_EXTENDED_MAX = 0x1FFFFFFF };
 
 /* Bits of can_msg.flags. */
 enum can_frame_flag {
@@ -19,9 +15,9 @@ enum can_frame_flag {
 };
 
 struct can_msg {
-    uint32_t id;     /* 0..0x7FF, or 0..0x1FFFFFFF with CAN_FRAME_EXTENDED */
-    uint8_t length;  /* 0..8 data bytes */
-    uint8_t flags;   /* enum can_frame_flag */
+    uint32_t id;                      /* 0..0x7FF, or 0..0x1FFFFFFF with CAN_FRAME_EXTENDED */
+    uint8_t length;                   /* 0..8 data bytes */
+    uint8_t flags;                    /* enum can_frame_flag */
     uint8_t data[CAN_FRAME_DATA_MAX]; /* bytes beyond length are 0 */
 };
 

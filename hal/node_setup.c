@@ -30,8 +30,10 @@ struct setup_step {
     uint32_t mask; /* of the comparison */
 };
 
-#define EXPECT(index, sub, value, mask) ((struct setup_step){STEP_EXPECT, index, sub, 4, value, mask})
-#define WRITE(index, sub, bytes, value) ((struct setup_step){STEP_WRITE, index, sub, bytes, value, ALL_BITS})
+#define EXPECT(index, sub, value, mask) \
+    ((struct setup_step){STEP_EXPECT, index, sub, 4, value, mask})
+#define WRITE(index, sub, bytes, value) \
+    ((struct setup_step){STEP_WRITE, index, sub, bytes, value, ALL_BITS})
 #define COB(index, value) ((struct setup_step){STEP_WRITE, index, 1, 4, value, COB_ID_MASK})
 #define SCALING(index, sub) ((struct setup_step){STEP_SCALING, index, sub, 4, 0, 0})
 #define END ((struct setup_step){STEP_END, 0, 0, 0, 0, 0})
@@ -203,8 +205,8 @@ bool node_setup_receive(struct node_setup *setup, const struct can_msg *message,
 static enum setup_verdict fail(struct node_setup *setup, enum setup_verdict verdict,
                                const struct setup_step *step, uint32_t found)
 {
-    setup->failure = (struct setup_failure){verdict,     setup->node, step->sub,
-                                            step->index, step->value, found};
+    setup->failure =
+        (struct setup_failure){verdict, setup->node, step->sub, step->index, step->value, found};
     return verdict;
 }
 
@@ -235,8 +237,7 @@ static enum setup_verdict check_scaling(struct node_setup *setup)
     if (difference <= tolerance && difference >= -tolerance) {
         return SETUP_DONE;
     }
-    return fail(setup, SETUP_DIFFERS, &step,
-                found < 4.0e9f ? (uint32_t)found : ALL_BITS);
+    return fail(setup, SETUP_DIFFERS, &step, found < 4.0e9f ? (uint32_t)found : ALL_BITS);
 }
 
 /* The transfer of this step is done; compares, and goes on to the next one. */
@@ -249,12 +250,14 @@ static enum setup_verdict finish_step(struct node_setup *setup, const struct set
     setup->reading_back = false;
     const uint32_t found = value_read(&setup->client);
     if (step->kind == STEP_SCALING) {
-        setup->scaling[(step->index == 0x608F ? 0 : step->index == 0x6091 ? 2 : 4) + step->sub - 1] =
-            found;
+        setup->scaling[(step->index == 0x608F   ? 0
+                        : step->index == 0x6091 ? 2
+                                                : 4) +
+                       step->sub - 1] = found;
     } else {
-        const uint32_t width =
-            step->kind == STEP_EXPECT || step->bytes == 4 ? ALL_BITS
-                                                          : (UINT32_C(1) << (8 * step->bytes)) - 1;
+        const uint32_t width = step->kind == STEP_EXPECT || step->bytes == 4
+                                   ? ALL_BITS
+                                   : (UINT32_C(1) << (8 * step->bytes)) - 1;
         const uint32_t mask = step->mask & width;
         if ((found & mask) != (step->value & mask)) {
             return fail(setup, SETUP_DIFFERS, step, found & mask);
@@ -296,7 +299,8 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
                 (void)co_sdo_client_poll(&setup->client, bus, now_ns);
                 return SETUP_BUSY;
             }
-            return fail(setup, code == CO_ABORT_TIMEOUT ? SETUP_SILENT : SETUP_ABORTED, &step, code);
+            return fail(setup, code == CO_ABORT_TIMEOUT ? SETUP_SILENT : SETUP_ABORTED, &step,
+                        code);
         }
         setup->timeouts = 0;
         if (finish_step(setup, &step) < SETUP_DONE) {

@@ -19,8 +19,8 @@
 
 /* What the nodes must be told and must be like. */
 struct node_setup_config {
-    uint32_t counts_per_m[LEG_COUNT];       /* motor counts per metre of spring, expected */
-    int32_t limit_min_counts[LEG_COUNT];    /* software position limits, 0x607D */
+    uint32_t counts_per_m[LEG_COUNT];    /* motor counts per metre of spring, expected */
+    int32_t limit_min_counts[LEG_COUNT]; /* software position limits, 0x607D */
     int32_t limit_max_counts[LEG_COUNT];
     uint32_t following_error_counts[LEG_COUNT]; /* 0x6065 */
     bool ankle_is_lever[LEG_COUNT];

@@ -131,9 +131,9 @@ static enum can_result send_requests(struct cansimple_axis *axis, const struct s
         const enum can_result result =
             send(axis, CANSIMPLE_SET_CONTROLLER_MODE, 8, CANSIMPLE_MODE_POSITION,
                  CANSIMPLE_INPUT_PASSTHROUGH, bus);
-        return result != CAN_OK ? result
-                                : send(axis, CANSIMPLE_SET_AXIS_STATE, 4,
-                                       CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
+        return result != CAN_OK
+                   ? result
+                   : send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
     }
     if (!wish->enable && (state == SEA_DRIVE_ENABLED || state == SEA_DRIVE_STARTING)) {
         return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
@@ -147,8 +147,7 @@ static enum can_result command_axis(struct cansimple_axis *axis, enum leg leg,
 {
     const bool follows = wish->enable && state_of(axis) == SEA_DRIVE_ENABLED;
     const float target_turns =
-        follows ? axis->config.zero_turns + wish->precompression_m *
-                                                (float)axis->config.direction *
+        follows ? axis->config.zero_turns + wish->precompression_m * (float)axis->config.direction *
                                                 axis->config.turns_per_m
                 : axis->position_turns; /* no kick: where it is, until it is enabled */
     enum can_result first_failure = CAN_OK;

@@ -16,10 +16,10 @@
 #include "hal/sea_latch.h"
 
 struct cansimple_axis_config {
-    uint8_t node;       /* 1..63, not 4 */
-    float turns_per_m;  /* motor turns per metre of spring, > 0 */
-    float zero_turns;   /* estimate at the unloaded spring */
-    int8_t direction;   /* +1 or -1 */
+    uint8_t node;      /* 1..63, not 4 */
+    float turns_per_m; /* motor turns per metre of spring, > 0 */
+    float zero_turns;  /* estimate at the unloaded spring */
+    int8_t direction;  /* +1 or -1 */
 };
 
 struct cansimple_axis {
@@ -56,10 +56,7 @@ enum cansimple_command {
     CANSIMPLE_CLEAR_ERRORS = 0x18
 };
 
-enum cansimple_axis_state {
-    CANSIMPLE_STATE_IDLE = 1,
-    CANSIMPLE_STATE_CLOSED_LOOP = 8
-};
+enum cansimple_axis_state { CANSIMPLE_STATE_IDLE = 1, CANSIMPLE_STATE_CLOSED_LOOP = 8 };
 
 enum { CANSIMPLE_MODE_POSITION = 3, CANSIMPLE_INPUT_PASSTHROUGH = 1 };
 

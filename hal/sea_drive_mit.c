@@ -51,8 +51,7 @@ static void take(struct mit_drives *drives, struct mit_axis *axis, const struct 
     }
     const uint32_t field = (uint32_t)message->data[1] << 8 | message->data[2];
     const bool first = axis->age_ticks == UINT16_MAX;
-    axis->position_rad =
-        mit_decode(field, axis->config.ranges.position_rad, false, POSITION_BITS);
+    axis->position_rad = mit_decode(field, axis->config.ranges.position_rad, false, POSITION_BITS);
     axis->error = message->length >= 8 ? message->data[7] : 0;
     axis->age_ticks = 0;
     if (first) {
@@ -114,8 +113,8 @@ static enum can_result send_special(const struct mit_axis *axis, enum mit_specia
     return can_bus_send(bus, &message);
 }
 
-static enum can_result send_motion(const struct mit_axis *axis, float position_rad, float kp, float kd,
-                                   float torque_Nm, const struct can_bus *bus)
+static enum can_result send_motion(const struct mit_axis *axis, float position_rad, float kp,
+                                   float kd, float torque_Nm, const struct can_bus *bus)
 {
     const struct mit_ranges *ranges = &axis->config.ranges;
     uint32_t position = mit_encode(position_rad, ranges->position_rad, false, POSITION_BITS);
@@ -141,7 +140,8 @@ static enum can_result command_axis(struct mit_axis *axis, const struct sea_driv
                                     const struct can_bus *bus)
 {
     const struct mit_axis_config *config = &axis->config;
-    const bool may_enter = wish->enable && axis->age_ticks == 0 && axis->error == 0 && !axis->refused;
+    const bool may_enter =
+        wish->enable && axis->age_ticks == 0 && axis->error == 0 && !axis->refused;
     if (axis->enter_wait > 0) {
         axis->enter_wait--;
     }
@@ -157,7 +157,8 @@ static enum can_result command_axis(struct mit_axis *axis, const struct sea_driv
         return result;
     }
     if (!axis->entered || axis->age_ticks == UINT16_MAX) {
-        return send_motion(axis, axis->position_rad, 0.0f, 0.0f, 0.0f, bus); /* asks for an answer */
+        return send_motion(axis, axis->position_rad, 0.0f, 0.0f, 0.0f,
+                           bus); /* asks for an answer */
     }
     const float target_rad =
         config->zero_rad + wish->precompression_m * (float)config->direction * config->rad_per_m;

@@ -29,14 +29,14 @@ struct mit_ranges {
 };
 
 struct mit_axis_config {
-    uint8_t motor_id;     /* 1..31 */
-    uint16_t answer_id;   /* 1..0x7F, not a motor's */
-    float rad_per_m;      /* motor angle per metre of spring, > 0 */
-    float zero_rad;       /* angle at the unloaded spring */
-    int8_t direction;     /* +1 or -1 */
+    uint8_t motor_id;            /* 1..31 */
+    uint16_t answer_id;          /* 1..0x7F, not a motor's */
+    float rad_per_m;             /* motor angle per metre of spring, > 0 */
+    float zero_rad;              /* angle at the unloaded spring */
+    int8_t direction;            /* +1 or -1 */
     float kp_Nm_rad, kd_Nms_rad; /* position loop while enabled */
-    float spring_N_per_m; /* feed-forward of the spring's torque */
-    float stroke_max_m;   /* a first answer beyond this is not this actuator */
+    float spring_N_per_m;        /* feed-forward of the spring's torque */
+    float stroke_max_m;          /* a first answer beyond this is not this actuator */
     struct mit_ranges ranges;
 };
 

@@ -15,7 +15,8 @@
 /* The motor's loop settles, and the node samples, behind its reference. */
 #define MOTOR_MARGIN_S REAL(0.02)
 /* Learning of the bias, and what counts as a wrong prediction: 1/sqrt(l/g), beyond the bias. */
-#define BIAS_GAIN_STEADY REAL(0.35) /* the error has the sign of the one before: a slope, a wrong mass */
+#define BIAS_GAIN_STEADY \
+    REAL(0.35) /* the error has the sign of the one before: a slope, a wrong mass */
 #define BIAS_GAIN_RANDOM REAL(0.08) /* it has not: uneven ground, noise */
 #define SURPRISE_UNITS REAL(0.1)
 #define SURPRISES_MAX 30

@@ -76,7 +76,7 @@ struct predictive_law {
     struct apex predicted;     /* next apex, without bias; valid if has_prediction */
     bool has_prediction;       /* predicted belongs to the push-off that was given last */
     real bias[3];              /* measured minus predicted apex, filtered */
-    real last_error;   /* of the foretold stance rate, rad/s */
+    real last_error;           /* of the foretold stance rate, rad/s */
     uint8_t surprises;         /* counts up by 3 on a wrong prediction, down by 1 on a right one */
     uint32_t steps, fallbacks; /* answers given, and of these by the caller's first answer */
 };

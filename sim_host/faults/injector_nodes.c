@@ -93,9 +93,8 @@ static void start_drive(struct shot_state *state, struct loop *loop)
         break;
     case FAULT_DRIVE_RESET: {
         struct drive_node *drive = &loop->nodes.drive[injector_side(shot)];
-        const struct can_msg reset = {.id = FRAME_NMT,
-                                      .length = 2,
-                                      .data = {CO_NMT_RESET_NODE, drive->config.node_id}};
+        const struct can_msg reset = {
+            .id = FRAME_NMT, .length = 2, .data = {CO_NMT_RESET_NODE, drive->config.node_id}};
         (void)drive_node_receive(drive, &reset, drive->now_ns);
         break;
     }
@@ -109,9 +108,10 @@ static void start_drive(struct shot_state *state, struct loop *loop)
         params->speed_limit_m_s *= shot->magnitude;
         break;
     case FAULT_DRIVE_HANGS:
-        sim_bus_connect(&loop->bus, INJECTOR_PORT_FIRST_NODE +
-                                        (injector_side(shot) == SIDE_LEFT ? WALKER_DRIVE_LEFT
-                                                                          : WALKER_DRIVE_RIGHT),
+        sim_bus_connect(&loop->bus,
+                        INJECTOR_PORT_FIRST_NODE + (injector_side(shot) == SIDE_LEFT
+                                                        ? WALKER_DRIVE_LEFT
+                                                        : WALKER_DRIVE_RIGHT),
                         false);
         params->speed_limit_m_s = 1e-6;
         break;
@@ -134,9 +134,10 @@ static void stop_drive(struct shot_state *state, struct loop *loop)
     if (shot->kind == FAULT_DRIVE_FAULT) {
         drive_node_inject_fault(&loop->nodes.drive[injector_side(shot)], 0);
     } else if (shot->kind == FAULT_DRIVE_HANGS) {
-        sim_bus_connect(&loop->bus, INJECTOR_PORT_FIRST_NODE +
-                                        (injector_side(shot) == SIDE_LEFT ? WALKER_DRIVE_LEFT
-                                                                          : WALKER_DRIVE_RIGHT),
+        sim_bus_connect(&loop->bus,
+                        INJECTOR_PORT_FIRST_NODE + (injector_side(shot) == SIDE_LEFT
+                                                        ? WALKER_DRIVE_LEFT
+                                                        : WALKER_DRIVE_RIGHT),
                         true);
     }
 }
@@ -191,8 +192,8 @@ static void reset_controller(struct loop *loop)
     const bool pressed = loop->rig.stop_pressed;
     sim_bus_reset_port(&loop->bus, LOOP_PORT_CONTROLLER);
     (void)task_rig_init(&loop->rig, &config->subject, &config->params,
-                        sim_bus_port(&loop->bus, LOOP_PORT_CONTROLLER),
-                        config->desired_speed_rad_s, false); /* nobody has asked it yet */
+                        sim_bus_port(&loop->bus, LOOP_PORT_CONTROLLER), config->desired_speed_rad_s,
+                        false); /* nobody has asked it yet */
     loop->rig.stop_pressed = pressed;
 }
 

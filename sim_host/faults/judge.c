@@ -9,9 +9,8 @@ enum { ENABLED_MS = 100, SETTLED_MS = 500 };
 
 const char *judge_unsafe_name(int bit)
 {
-    static const char *const names[UNSAFE_BITS] = {"release", "loaded", "loaded after a fall",
-                                                   "force",   "stroke", "rate",
-                                                   "enabled", "step"};
+    static const char *const names[UNSAFE_BITS] = {
+        "release", "loaded", "loaded after a fall", "force", "stroke", "rate", "enabled", "step"};
     return bit >= 0 && bit < UNSAFE_BITS ? names[bit] : "?";
 }
 
@@ -64,7 +63,8 @@ static void follow_events(struct judge *judge)
             break;
         case WALK_EVENT_RELEASE: {
             const double slack_m = 0.001 * plant->config.walk.body.leg_length_m;
-            if ((!judge->double_support || event.side != judge->trailing) && event.value > slack_m) {
+            if ((!judge->double_support || event.side != judge->trailing) &&
+                event.value > slack_m) {
                 blame(judge, UNSAFE_RELEASE);
             }
             break;
@@ -171,7 +171,8 @@ static void check_step(struct judge *judge)
     }
     const double change_m = (double)step->r0_m - judge->r0_m;
     const double size_m = change_m < 0.0 ? -change_m : change_m;
-    if (judge->r0_number > 0 && step->number == judge->r0_number + 1 && size_m > 1.001 * (double)params->r0_change_max_m) {
+    if (judge->r0_number > 0 && step->number == judge->r0_number + 1 &&
+        size_m > 1.001 * (double)params->r0_change_max_m) {
         blame(judge, UNSAFE_STEP);
     }
     judge->r0_number = step->number;

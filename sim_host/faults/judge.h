@@ -44,20 +44,20 @@ enum { JUDGE_UNLOAD_MS = 300 };
 struct judge {
     struct loop *loop; /* the caller's */
     uint32_t tick;
-    uint32_t effect_tick;   /* first difference from the run without the fault */
+    uint32_t effect_tick; /* first difference from the run without the fault */
     uint32_t noticed_tick;
-    uint32_t unloaded_tick; /* both springs slack after the notice */
+    uint32_t unloaded_tick;    /* both springs slack after the notice */
     uint32_t must_notice_tick; /* JUDGE_NEVER: need not */
-    uint32_t fault_tick;    /* controller entered FAULT */
+    uint32_t fault_tick;       /* controller entered FAULT */
     uint32_t down_tick;
-    uint32_t unsafe_tick;   /* of the first unsafe bit */
+    uint32_t unsafe_tick; /* of the first unsafe bit */
     unsigned unsafe;
     double noticed_force_N[SIDE_COUNT];
     double before_m[SIDE_COUNT]; /* last command */
     bool was_enabled[SIDE_COUNT];
     double r0_m;
     uint32_t r0_number;
-    bool double_support;         /* as the events told */
+    bool double_support; /* as the events told */
     enum side trailing;
     enum supervisor_fault fault; /* first latched */
     enum walk_fault walk_fault;

@@ -70,13 +70,15 @@ static void print_row(FILE *stream, unsigned index, struct row *row, bool markdo
 
 static void print_head(FILE *stream, bool markdown)
 {
-    fputs(markdown ? "| fault | injected | effective | noticed | to notice, ms: median | worst | to unload, ms: "
-                     "median | worst | fell | late | unsafe |\n|---|---|---|---|---|---|---|---|---|---|---|\n"
-                   : "                                               effec-  notic-  to notice ms  to "
-                     "unload ms\n"
-                     "fault                            injected   tive     ed  median  worst median  worst   "
-                     "fell   late unsafe\n",
-          stream);
+    fputs(
+        markdown
+            ? "| fault | injected | effective | noticed | to notice, ms: median | worst | to unload, ms: "
+              "median | worst | fell | late | unsafe |\n|---|---|---|---|---|---|---|---|---|---|---|\n"
+            : "                                               effec-  notic-  to notice ms  to "
+              "unload ms\n"
+              "fault                            injected   tive     ed  median  worst median  worst   "
+              "fell   late unsafe\n",
+        stream);
 }
 
 unsigned summary_table(FILE *stream, const struct campaign_result *results, uint32_t count,

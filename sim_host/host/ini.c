@@ -43,7 +43,8 @@ static int read_line(const char *path, int line, char *text, char *section, ini_
     }
     *equals = '\0';
     char reason[256] = "";
-    if (handler(context, section, trim(content), trim(equals + 1), line, reason, sizeof reason) != 0) {
+    if (handler(context, section, trim(content), trim(equals + 1), line, reason, sizeof reason) !=
+        0) {
         snprintf(message, message_size, "%s:%d: %s", path, line, reason);
         return -1;
     }
@@ -75,7 +76,8 @@ static enum line_end take_line(FILE *file, char *text)
     }
 }
 
-int ini_read(const char *path, ini_handler handler, void *context, char *message, size_t message_size)
+int ini_read(const char *path, ini_handler handler, void *context, char *message,
+             size_t message_size)
 {
     FILE *file = fopen(path, "r");
     if (file == NULL) {

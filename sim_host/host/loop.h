@@ -62,9 +62,9 @@ struct loop {
     struct own_push own_push;
     struct loop_wake wake[WALKER_NODES];
     struct task_rig rig; /* the control task and its drives' protocol */
-    uint64_t tick;      /* SYNCs so far */
+    uint64_t tick;       /* SYNCs so far */
     bool fault_active;
-    FILE *log;          /* candump -L, or NULL */
+    FILE *log; /* candump -L, or NULL */
     uint64_t logged_frames;
 };
 

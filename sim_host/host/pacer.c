@@ -72,9 +72,9 @@ void pacer_report(const struct pacer *pacer, FILE *stream)
             1e-3 * (double)pacer->worst_late_ns);
     for (unsigned i = 0; i < PACER_BINS; i++) {
         if (pacer->bin[i] > 0) {
-            fprintf(stream, "             %s %6u us: %llu\n", i < PACER_BINS - 1 ? "below" : "from ",
-                    i < PACER_BINS - 1 ? 1u << i : 1u << (i - 1),
-                    (unsigned long long)pacer->bin[i]);
+            fprintf(
+                stream, "             %s %6u us: %llu\n", i < PACER_BINS - 1 ? "below" : "from ",
+                i < PACER_BINS - 1 ? 1u << i : 1u << (i - 1), (unsigned long long)pacer->bin[i]);
         }
     }
 }

@@ -15,14 +15,14 @@ enum { PACER_BINS = 16 };
 
 struct pacer {
     uint64_t period_ns;
-    uint64_t next_ns;       /* CLOCK_MONOTONIC of the next deadline */
+    uint64_t next_ns; /* CLOCK_MONOTONIC of the next deadline */
     uint64_t periods;
-    uint64_t missed;        /* deadlines that had passed before we waited for them */
+    uint64_t missed; /* deadlines that had passed before we waited for them */
     uint64_t worst_late_ns;
     uint64_t sum_late_ns;
     uint64_t bin[PACER_BINS];
-    bool fifo;              /* SCHED_FIFO was granted */
-    bool locked;            /* memory is locked */
+    bool fifo;   /* SCHED_FIFO was granted */
+    bool locked; /* memory is locked */
 };
 
 /* Asks for SCHED_FIFO and locked memory; does without where that is not allowed

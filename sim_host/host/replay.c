@@ -139,7 +139,8 @@ static void print_data(char *text, size_t size, const struct can_msg *message)
     }
 }
 
-static void differ(struct replay *replay, const struct replay_frame *frame, const struct can_msg *sent)
+static void differ(struct replay *replay, const struct replay_frame *frame,
+                   const struct can_msg *sent)
 {
     char logged[20];
     char made[20];
@@ -253,7 +254,8 @@ enum replay_verdict replay_run(struct replay *replay, FILE *log)
     bool started = false;
     enum candump_read_result result = CANDUMP_RECORD;
 
-    while (!replay->differs && (result = candump_read(log, &line, &record, &error)) == CANDUMP_RECORD) {
+    while (!replay->differs &&
+           (result = candump_read(log, &line, &record, &error)) == CANDUMP_RECORD) {
         replay->frames++;
         if (record.message.flags != 0) {
             continue; /* remote and error frames command nothing */

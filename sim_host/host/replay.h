@@ -19,9 +19,9 @@ enum { REPLAY_CYCLE_FRAMES = 256, REPLAY_QUEUE = 64, REPLAY_IDS = 32, REPLAY_MES
 
 enum replay_verdict {
     REPLAY_EQUAL = 0,
-    REPLAY_DIFFERS = 1,    /* message says frame, tick and field */
-    REPLAY_BAD_LOG = -1,   /* message says line, column and reason */
-    REPLAY_NO_SYNC = -2    /* the log holds no SYNC: nothing to replay */
+    REPLAY_DIFFERS = 1,  /* message says frame, tick and field */
+    REPLAY_BAD_LOG = -1, /* message says line, column and reason */
+    REPLAY_NO_SYNC = -2  /* the log holds no SYNC: nothing to replay */
 };
 
 struct replay_frame {

@@ -33,7 +33,8 @@ static const struct argp_option option_list[] = {
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
-    {"engage", KEY_ENGAGE, "STEPS", 0, "the walker has a push-off of its own; the device takes over after so many steady steps", 0},
+    {"engage", KEY_ENGAGE, "STEPS", 0,
+     "the walker has a push-off of its own; the device takes over after so many steady steps", 0},
     {"real-time", KEY_REAL_TIME, 0, 0, "one tick a millisecond, with a report of the jitter", 0},
     {0, 0, 0, 0, "What comes out:", 3},
     {"csv", KEY_CSV, "FILE", 0, "one line per step", 0},
@@ -161,8 +162,10 @@ static error_t take(int key, char *text, struct argp_state *state)
 
 void sim_options_parse(struct sim_options *options, int argc, char **argv)
 {
-    static const struct argp_child children[] = {
-        {&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {&ground_options_parser, 0, "", 4}, {0}};
+    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1},
+                                                 {&sensor_options_parser, 0, "", 3},
+                                                 {&ground_options_parser, 0, "", 4},
+                                                 {0}};
     static const struct argp parser = {
         option_list,
         take,

@@ -27,10 +27,10 @@ struct subject {
     enum ankle_kind ankle;
     double ankle_lever_m, ankle_neutral_rad;
     enum drive_protocol protocol;
-    double turns_per_m;                   /* CANSimple: motor turns per metre of spring */
-    double rad_per_m, zero_rad;           /* MIT mode: motor angle per metre, at the unloaded spring */
+    double turns_per_m;         /* CANSimple: motor turns per metre of spring */
+    double rad_per_m, zero_rad; /* MIT mode: motor angle per metre, at the unloaded spring */
     double position_range_rad, velocity_range_rad_s, torque_range_Nm; /* MIT mode: of the fields */
-    double kp_Nm_rad, kd_Nms_rad;         /* MIT mode: the drive's position loop */
+    double kp_Nm_rad, kd_Nms_rad;                 /* MIT mode: the drive's position loop */
     double control_override[CONTROL_PARAM_COUNT]; /* [controller] section, by parameter */
     bool control_overridden[CONTROL_PARAM_COUNT];
 };

@@ -23,9 +23,9 @@ static struct sea_drives init_cansimple(struct task_rig *rig, const struct subje
 {
     struct cansimple_axis_config axes[LEG_COUNT];
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        axes[leg] = (struct cansimple_axis_config){
-            leg == LEG_LEFT ? FOREIGN_DRIVE_ID_LEFT : FOREIGN_DRIVE_ID_RIGHT,
-            (float)subject->turns_per_m, 0.0f, 1};
+        axes[leg] = (struct cansimple_axis_config){leg == LEG_LEFT ? FOREIGN_DRIVE_ID_LEFT
+                                                                   : FOREIGN_DRIVE_ID_RIGHT,
+                                                   (float)subject->turns_per_m, 0.0f, 1};
     }
     cansimple_drives_init(&rig->cansimple, axes);
     return cansimple_drives_interface(&rig->cansimple);

@@ -13,9 +13,9 @@
 struct walk_options {
     double speed_rad_s; /* 0 = not given */
     bool open_loop;
-    double r0_m;              /* 0 = not given */
-    double start_r0_m;        /* 0 = not given */
-    double kp;                /* < 0 = not given */
+    double r0_m;       /* 0 = not given */
+    double start_r0_m; /* 0 = not given */
+    double kp;         /* < 0 = not given */
     bool law_given;
     enum law_mode law;
     const char *subject_path; /* NULL = the paper's walker */
@@ -30,8 +30,7 @@ void walk_options_init(struct walk_options *options);
  * parameters, the speed to walk at. Returns 0, or -1 with the reason in message
  * (SUBJECT_MESSAGE_MAX bytes). */
 int walk_options_resolve(const struct walk_options *options, struct subject *subject,
-                         struct control_params *params, double *desired_speed_rad_s,
-                         char *message);
+                         struct control_params *params, double *desired_speed_rad_s, char *message);
 
 /* For the parsers of the programs: a number within low..high, or a usage error. */
 double option_number(struct argp_state *state, const char *option, const char *text, double low,

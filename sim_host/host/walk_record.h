@@ -9,23 +9,23 @@
 #include "sim_host/host/loop.h"
 
 struct walk_row {
-    uint32_t number; /* 1 is the first apex */
-    enum side side;  /* stance leg */
-    double time_s;   /* of the apex */
-    double apex_speed_rad_s;    /* the plant's truth */
-    double step_length_m;       /* toe to toe at the heel strike that ends this stance; 0 = not reached */
-    bool measured;              /* the controller saw this apex: the fields below are valid */
+    uint32_t number;         /* 1 is the first apex */
+    enum side side;          /* stance leg */
+    double time_s;           /* of the apex */
+    double apex_speed_rad_s; /* the plant's truth */
+    double step_length_m; /* toe to toe at the heel strike that ends this stance; 0 = not reached */
+    bool measured;        /* the controller saw this apex: the fields below are valid */
     double measured_speed_rad_s;
     double command_rad_s;
-    double r0_m;                /* what the law asked for at this apex */
+    double r0_m; /* what the law asked for at this apex */
 };
 
 struct walk_record {
     struct walk_row *rows; /* owned; capacity rows */
     uint32_t capacity;
     uint32_t count;
-    uint32_t apexes[SIDE_COUNT];  /* seen by the controller */
-    uint32_t unmatched;           /* controller's apexes without one of the plant: false ones */
+    uint32_t apexes[SIDE_COUNT]; /* seen by the controller */
+    uint32_t unmatched;          /* controller's apexes without one of the plant: false ones */
     double first_apex_s;
     struct gait_record gait; /* events as the controller saw them, beside the truth */
 };

@@ -95,9 +95,8 @@ static void default_objects(struct drive_node *node)
     objects->max_speed =
         (uint32_t)node_round_i32(config->max_speed_m_per_s * (double)config->counts_per_m);
     /* One turn is at most a metre or so, for the feed in nanometres to fit its object. */
-    objects->encoder_increments = config->counts_per_m >= ENCODER_INCREMENTS
-                                      ? ENCODER_INCREMENTS
-                                      : COARSE_ENCODER_INCREMENTS;
+    objects->encoder_increments =
+        config->counts_per_m >= ENCODER_INCREMENTS ? ENCODER_INCREMENTS : COARSE_ENCODER_INCREMENTS;
     objects->encoder_revolutions = 1;
     objects->gear_motor = 1;
     objects->gear_shaft = 1;

@@ -149,7 +149,8 @@ static void cansimple_receive(struct foreign_drive *drive, const struct can_msg 
 static void cansimple_process(struct foreign_drive *drive, uint64_t now_ns)
 {
     if (now_ns >= drive->next_estimate_ns) {
-        struct can_msg estimate = {.id = cansimple_id(drive, CANSIMPLE_ENCODER_ESTIMATES), .length = 8};
+        struct can_msg estimate = {.id = cansimple_id(drive, CANSIMPLE_ENCODER_ESTIMATES),
+                                   .length = 8};
         bytes_put_u32(estimate.data, bytes_of_f32((float)position_units(drive)));
         bytes_put_u32(estimate.data + 4, bytes_of_f32((float)(drive->feedback.velocity_m_per_s *
                                                               drive->config.units_per_m)));

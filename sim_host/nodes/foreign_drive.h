@@ -32,14 +32,14 @@ struct foreign_ranges {
 
 struct foreign_drive_config {
     enum drive_protocol protocol;
-    uint8_t node_id;      /* of the latch board: 1 or 2 */
-    uint8_t drive_id;     /* CANSimple node, or MIT motor id */
-    uint16_t answer_id;   /* MIT: identifier of the answers */
-    double units_per_m;   /* turns or radians of the motor per metre of spring, > 0 */
-    double zero_units;    /* reading at the unloaded spring */
+    uint8_t node_id;    /* of the latch board: 1 or 2 */
+    uint8_t drive_id;   /* CANSimple node, or MIT motor id */
+    uint16_t answer_id; /* MIT: identifier of the answers */
+    double units_per_m; /* turns or radians of the motor per metre of spring, > 0 */
+    double zero_units;  /* reading at the unloaded spring */
     double stroke_m;
     struct foreign_ranges ranges; /* MIT */
-    uint32_t watchdog_ms; /* without a command for so long: idle; 0 = off */
+    uint32_t watchdog_ms;         /* without a command for so long: idle; 0 = off */
 };
 
 struct foreign_drive {
@@ -49,11 +49,11 @@ struct foreign_drive {
     uint32_t latch_outputs; /* the board's object 0x60FE:01 */
     struct drive_axis_feedback feedback;
     bool closed_loop;
-    bool position_mode;   /* CANSimple: controller mode was set */
+    bool position_mode; /* CANSimple: controller mode was set */
     bool error;
-    bool commanded;       /* a command has come since power-on: the watchdog runs */
-    double input_units;   /* the last position command */
-    double stiffness;     /* MIT: kp of the last command; 0 = no position loop */
+    bool commanded;     /* a command has come since power-on: the watchdog runs */
+    double input_units; /* the last position command */
+    double stiffness;   /* MIT: kp of the last command; 0 = no position loop */
     uint64_t now_ns, last_command_ns, next_estimate_ns, next_heartbeat_ns;
 };
 

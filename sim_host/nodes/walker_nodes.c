@@ -12,7 +12,8 @@ static bool is_foreign(const struct walker_nodes *nodes)
     return nodes->drives.protocol != DRIVE_PROTOCOL_CIA402;
 }
 
-static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus bus, uint64_t now_ns)
+static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus bus,
+                      uint64_t now_ns)
 {
     const struct sea_params *sea = &nodes->plant.config.sea[side];
     if (is_foreign(nodes)) {

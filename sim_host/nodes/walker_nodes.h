@@ -39,8 +39,13 @@ struct walker_drives {
 };
 
 /* Identifiers of the foreign protocols, clear of CANopen's. */
-enum { FOREIGN_DRIVE_ID_LEFT = 1, FOREIGN_DRIVE_ID_RIGHT = 2, MIT_ANSWER_ID_LEFT = 0x11,
-       MIT_ANSWER_ID_RIGHT = 0x12, FOREIGN_WATCHDOG_MS = 50 };
+enum {
+    FOREIGN_DRIVE_ID_LEFT = 1,
+    FOREIGN_DRIVE_ID_RIGHT = 2,
+    MIT_ANSWER_ID_LEFT = 0x11,
+    MIT_ANSWER_ID_RIGHT = 0x12,
+    FOREIGN_WATCHDOG_MS = 50
+};
 
 struct walker_nodes {
     struct plant plant;
@@ -56,7 +61,8 @@ struct walker_nodes {
  * their busses and measures for the first SYNC. Returns 0, or -1 with the reason in message
  * (PLANT_ERROR_MAX bytes); then nothing is held. *nodes must not move afterwards. */
 int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
-                      const struct walker_drives *drives, const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message);
+                      const struct walker_drives *drives, const struct can_bus bus[WALKER_NODES],
+                      uint64_t now_ns, char *message);
 void walker_nodes_free(struct walker_nodes *nodes);
 
 /* Gives one frame to all nodes: for an interface they share. True for a SYNC. */

@@ -50,8 +50,8 @@ void own_push_tick(struct own_push *push, struct plant *plant)
                                      params->ramp_rad_s);
         const double rest_m = steady_rest_m(params, push->speed_rad_s);
         const double off_rad_s = push->speed_rad_s - walk->current.apex_speed_rad_s;
-        push->wanted_m = limited(rest_m - params->gain_m_s_rad * off_rad_s, 0.1 * rest_m,
-                                 params->rest_max_m);
+        push->wanted_m =
+            limited(rest_m - params->gain_m_s_rad * off_rad_s, 0.1 * rest_m, params->rest_max_m);
     }
     push->share = 1.0 - ready_share(push, &plant->sea[walk->stance]);
     plant_set_own_push(plant, push->share > 0.01 ? push->share * params->spring_N_per_m : 0.0,

@@ -19,14 +19,14 @@
 enum { OWN_PUSH_GAITS_MAX = 128 };
 
 struct own_push_params {
-    bool present;          /* false: no push-off of their own, like the paper's walker */
-    double start_rad_s;    /* forward apex speed they begin at, */
-    double target_rad_s;   /* come to, */
-    double ramp_rad_s;     /* by so much a step */
-    int count;             /* steady gaits of this body: speed at a precompression of */
+    bool present;                     /* false: no push-off of their own, like the paper's walker */
+    double start_rad_s;               /* forward apex speed they begin at, */
+    double target_rad_s;              /* come to, */
+    double ramp_rad_s;                /* by so much a step */
+    int count;                        /* steady gaits of this body: speed at a precompression of */
     double rest_first_m, rest_step_m; /* rest_first_m + i * rest_step_m */
     double speed_rad_s[OWN_PUSH_GAITS_MAX]; /* rising */
-    double gain_m_s_rad;   /* of the law, > 0 stabilises */
+    double gain_m_s_rad;                    /* of the law, > 0 stabilises */
     double rest_max_m;
     double spring_N_per_m;
 };

@@ -175,8 +175,8 @@ static double loop_force_N(struct sea *sea)
     const double off_m = sea->reference_m - sea->measured_m;
     const double off_m_s = sea->reference_speed_m_s - sea->measured_speed_m_s;
     const double damping = 2.0 * p->loop_damping * p->motor_mass_kg * w;
-    double direct_N = stiffness * off_m + damping * off_m_s +
-                      p->motor_mass_kg * sea->reference_acceleration_m_s2;
+    double direct_N =
+        stiffness * off_m + damping * off_m_s + p->motor_mass_kg * sea->reference_acceleration_m_s2;
     /* The same as a cascade: the position loop asks for a speed, and that has its limit, so
      * that a motor far off (it had no force for a while) does not rush. */
     const double asked_m_s = sea->reference_speed_m_s + stiffness * off_m / damping;

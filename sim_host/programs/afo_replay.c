@@ -44,13 +44,14 @@ static error_t take(int key, char *text, struct argp_state *state)
     return 0;
 }
 
-static int report(const struct replay *replay, enum replay_verdict verdict, const char *path, bool quiet)
+static int report(const struct replay *replay, enum replay_verdict verdict, const char *path,
+                  bool quiet)
 {
     switch (verdict) {
     case REPLAY_EQUAL:
         if (!quiet) {
-            printf("%s: %llu frames, %llu ticks; all %llu frames of the controller reproduced\n", path,
-                   (unsigned long long)replay->frames, (unsigned long long)replay->ticks,
+            printf("%s: %llu frames, %llu ticks; all %llu frames of the controller reproduced\n",
+                   path, (unsigned long long)replay->frames, (unsigned long long)replay->ticks,
                    (unsigned long long)replay->compared);
         }
         return EXIT_EQUAL;
@@ -67,11 +68,15 @@ int main(int argc, char **argv)
 {
     static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
     static const struct argp parser = {
-        option_list, take, "LOG",
+        option_list,
+        take,
+        "LOG",
         "Feeds a candump log to the control task and compares every frame that the controller "
         "sent, bit by bit. Subject, speed and law must be those of the recorded run.\v"
         "Exit status: 0 all frames reproduced, 1 a frame differs, 2 wrong usage or log.",
-        children, 0, 0};
+        children,
+        0,
+        0};
     static struct replay replay;
     struct options options = {0};
     struct subject subject;

@@ -16,8 +16,12 @@
 enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
 
 /* After the last apex asked for, the controller's record of it is still to come. */
-enum { RECORD_DELAY_TICKS = 150, FIRST_STEP_TICKS = 20000, STEP_TICKS = 10000,
-       LAST_FRAMES_TICKS = 3 };
+enum {
+    RECORD_DELAY_TICKS = 150,
+    FIRST_STEP_TICKS = 20000,
+    STEP_TICKS = 10000,
+    LAST_FRAMES_TICKS = 3
+};
 
 /* A person's other foot lands as early as 0.17 s after the apex, so the fit around
  * it ends sooner than on the paper's walker. */

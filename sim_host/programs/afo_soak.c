@@ -84,7 +84,8 @@ static int set_up(struct soak *soak, const struct options *options)
     struct loop_config config;
     subject_default(&subject);
     if (subject_control_params(&subject, &params, message) != 0 ||
-        loop_configure(&config, &subject, &params, 0.45, SENSORS_17BIT, options->seed, message) != 0) {
+        loop_configure(&config, &subject, &params, 0.45, SENSORS_17BIT, options->seed, message) !=
+            0) {
         fprintf(stderr, "afo-soak: %s\n", message);
         return -1;
     }
@@ -95,9 +96,13 @@ static int set_up(struct soak *soak, const struct options *options)
     }
     struct control_task *task = &soak->loop.rig.task;
     task->tick = UINT32_MAX - TICKS_BEFORE_WRAP;
-    task->counters = (struct control_task_counters){
-        UINT32_MAX - TICKS_BEFORE_WRAP, UINT32_MAX - 1, UINT32_MAX - 1, UINT32_MAX - 1,
-        UINT32_MAX - 1, UINT32_MAX - 1, UINT32_MAX - 1};
+    task->counters = (struct control_task_counters){UINT32_MAX - TICKS_BEFORE_WRAP,
+                                                    UINT32_MAX - 1,
+                                                    UINT32_MAX - 1,
+                                                    UINT32_MAX - 1,
+                                                    UINT32_MAX - 1,
+                                                    UINT32_MAX - 1,
+                                                    UINT32_MAX - 1};
     soak->rng = options->seed;
     return 0;
 }
@@ -211,15 +216,19 @@ static bool judge(const struct soak *soak)
     for (int i = 0; i < REPORT_PARTS; i++) {
         const struct part *part = &soak->part[i];
         walks = walks && part->steps > 0;
-        steady = steady && (part->counted == 0 ||
-                            fabs(part->off_sum / (double)part->counted) < 2e-3);
+        steady =
+            steady && (part->counted == 0 || fabs(part->off_sum / (double)part->counted) < 2e-3);
     }
     bool well = expect(walks, "it walks in every part");
-    well = expect(steady, "the mean apex speed is the commanded one within 0.2 % in every part") && well;
-    well = expect(soak->loop.tick < TICKS_BEFORE_WRAP || task->tick < UINT32_MAX - TICKS_BEFORE_WRAP,
-                  "the controller's clock ran over") && well;
+    well = expect(steady, "the mean apex speed is the commanded one within 0.2 % in every part") &&
+           well;
+    well =
+        expect(soak->loop.tick < TICKS_BEFORE_WRAP || task->tick < UINT32_MAX - TICKS_BEFORE_WRAP,
+               "the controller's clock ran over") &&
+        well;
     well = expect(soak->loop.tick < TICKS_BEFORE_WRAP || counters->syncs_sent == UINT32_MAX,
-                  "full counters stay full") && well;
+                  "full counters stay full") &&
+           well;
     well = expect(resident_pages() <= soak->pages_before + 16, "memory does not grow") && well;
     return well;
 }
@@ -230,10 +239,15 @@ int main(int argc, char **argv)
         {"ticks", KEY_TICKS, "N", 0, "control ticks to walk (default 100000000: 28 hours)", 0},
         {"seed", KEY_SEED, "N", 0, "seed of commands and disturbances (default 1)", 0},
         {0}};
-    static const struct argp parser = {option_list, take, 0,
-                                       "Walks for days of simulated time and watches what must not change.\v"
-                                       "Exit status: 0 all well, 1 not, 2 wrong usage.",
-                                       0, 0, 0};
+    static const struct argp parser = {
+        option_list,
+        take,
+        0,
+        "Walks for days of simulated time and watches what must not change.\v"
+        "Exit status: 0 all well, 1 not, 2 wrong usage.",
+        0,
+        0,
+        0};
     struct options options = {.ticks = 100000000, .seed = 1};
     static struct soak soak;
     option_identity("afo-soak");

@@ -46,8 +46,8 @@ static int walker_is_good(const struct gait_walker *walker)
 
 static int grid_is_good(double first, double last, int count, double length)
 {
-    return count >= 1 && first >= GAIT_CURVE_FLOOR * length && last <= GAIT_CURVE_CEILING * length &&
-           (count == 1 || last > first);
+    return count >= 1 && first >= GAIT_CURVE_FLOOR * length &&
+           last <= GAIT_CURVE_CEILING * length && (count == 1 || last > first);
 }
 
 enum gait_curve_error gait_curve(const struct gait_walker *walker, double r0_min_m,

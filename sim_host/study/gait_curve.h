@@ -29,7 +29,7 @@ enum gait_curve_error {
     GAIT_CURVE_OK = 0,
     GAIT_CURVE_BAD_WALKER = -1, /* a parameter out of range */
     GAIT_CURVE_BAD_GRID =
-        -2,              /* r0 outside GAIT_CURVE_FLOOR..GAIT_CURVE_CEILING leg lengths, or fewer than one point */
+        -2, /* r0 outside GAIT_CURVE_FLOOR..GAIT_CURVE_CEILING leg lengths, or fewer than one point */
     GAIT_CURVE_LOST = -3 /* the branch could not be followed to this walker or this far */
 };
 

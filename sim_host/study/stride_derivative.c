@@ -178,8 +178,8 @@ static void push_off(const struct walker *w, const struct stride_settings *setti
                      const struct stride_result *result, const struct stride_derivative *derivative,
                      double *after)
 {
-    struct push_off push = {{.walker = w, .toe_distance_m = result->step_length_m, .spring_rest_m = r0},
-                            {0.0}};
+    struct push_off push = {
+        {.walker = w, .toe_distance_m = result->step_length_m, .spring_rest_m = r0}, {0.0}};
     const struct ode ode = {double_variational, &push, DOUBLE_STATES};
     double y[DOUBLE_STATES] = {0.0, result->ankle_rate_m_s}, rates[DOUBLE_STATES],
            event_by[COLUMNS];

@@ -24,8 +24,8 @@ static struct rig *start(double speed_rad_s, unsigned engage_steps)
     subject_default(&subject);
     ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
     params.start_r0_m = speed_table_inverse(&params.table, (real)speed_rad_s);
-    ck_assert_int_eq(loop_configure(&config, &subject, &params, speed_rad_s, SENSORS_17BIT, 1, message),
-                     0);
+    ck_assert_int_eq(
+        loop_configure(&config, &subject, &params, speed_rad_s, SENSORS_17BIT, 1, message), 0);
     if (engage_steps > 0) {
         loop_configure_wearer(&config, engage_steps);
     }

@@ -21,7 +21,8 @@ static struct sea_request run(struct sea_reference *sea, const struct control_pa
     for (int i = 0; i < n; i++) {
         request = sea_reference_update(sea, params, sea->position_m);
         const float speed = (request.precompression_m - last) / 0.001f;
-        ck_assert_msg(fabsf(speed) <= params->sea_speed_max_m_s * 1.001f, "speed %g", (double)speed);
+        ck_assert_msg(fabsf(speed) <= params->sea_speed_max_m_s * 1.001f, "speed %g",
+                      (double)speed);
         ck_assert_msg(fabsf(speed - last_speed) <= params->sea_acceleration_m_s2 * 0.00205f,
                       "speed step %g", (double)(speed - last_speed));
         last = request.precompression_m;

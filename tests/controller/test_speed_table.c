@@ -28,8 +28,7 @@ static struct speed_table sampled_curve(void)
 {
     struct speed_table table = {.count = SPEED_TABLE_MAX, .r0_min_m = 0.005f, .r0_step_m = 0.0047f};
     for (int i = 0; i < SPEED_TABLE_MAX; i++) {
-        table.speed_rad_s[i] =
-            (float)curve((double)table.r0_min_m + i * (double)table.r0_step_m);
+        table.speed_rad_s[i] = (float)curve((double)table.r0_min_m + i * (double)table.r0_step_m);
     }
     return table;
 }

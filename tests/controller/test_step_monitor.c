@@ -10,7 +10,8 @@ struct walk {
 static void strike(struct walk *walk, enum side side)
 {
     struct gait_state gait = {0};
-    gait.event[GAIT_HEEL_STRIKE] = (struct gait_event){.happened = true, .side = side, .tick = walk->tick};
+    gait.event[GAIT_HEEL_STRIKE] =
+        (struct gait_event){.happened = true, .side = side, .tick = walk->tick};
     ck_assert(!step_monitor_update(&walk->monitor, &gait, walk->tick));
 }
 

@@ -107,7 +107,8 @@ START_TEST(under_every_combination)
                     after((enum supervisor_state)state, bits,
                           latched ? SUPERVISOR_FAULT_DRIVE : SUPERVISOR_FAULT_NONE);
                 if (bits & SUPERVISOR_IF_FAULT) {
-                    ck_assert_msg(!supervisor_may_assist(to), "assists with a fault, from %d", state);
+                    ck_assert_msg(!supervisor_may_assist(to), "assists with a fault, from %d",
+                                  state);
                 }
                 if (state == SUPERVISOR_FAULT && to != SUPERVISOR_FAULT) {
                     ck_assert_int_eq(to, SUPERVISOR_INIT);

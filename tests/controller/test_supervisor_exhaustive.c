@@ -1,8 +1,8 @@
 /* Every state under every combination of conditions, and what every mutation of every row
  * does: build/tests/controller/test_supervisor_exhaustive prints the table. */
 #include "controller/supervisor.h"
-#include "tests/support/supervisor_rules.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/supervisor_rules.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ END_TEST
 
 struct tally {
     int made, caught;
-    int same; /* no mutation at all: the same answer in every state under every input */
+    int same;      /* no mutation at all: the same answer in every state under every input */
     char why[256]; /* what caught them, each once */
 };
 
@@ -50,7 +50,8 @@ static void examine(const struct supervisor_row *rows, int count, struct tally *
         return;
     }
     tally->caught++;
-    if (strstr(tally->why, wrong) == NULL && strlen(tally->why) + strlen(wrong) + 3 < sizeof tally->why) {
+    if (strstr(tally->why, wrong) == NULL &&
+        strlen(tally->why) + strlen(wrong) + 3 < sizeof tally->why) {
         strcat(tally->why, tally->why[0] != '\0' ? "; " : "");
         strcat(tally->why, wrong);
     }
@@ -90,8 +91,8 @@ START_TEST(every_mutation_of_a_row_is_caught)
 {
     struct tally tally = {0};
     mutate(_i, &tally);
-    printf("  row %2d: %d mutations, %d change nothing, %d caught: %s\n", _i, tally.made, tally.same,
-           tally.caught, tally.why);
+    printf("  row %2d: %d mutations, %d change nothing, %d caught: %s\n", _i, tally.made,
+           tally.same, tally.caught, tally.why);
     ck_assert_int_eq(tally.caught + tally.same, tally.made);
     ck_assert_int_le(tally.same, 4); /* rows before it decide those, or the state stays */
 }

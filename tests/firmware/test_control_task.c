@@ -61,18 +61,20 @@ static struct control_params some_params(void)
 
 static void start(struct bench *b)
 {
-    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1, 0.0f}, {1.0e6f, 0, 1, 0.0f}};
+    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1, 0.0f},
+                                                              {1.0e6f, 0, 1, 0.0f}};
     memset(b, 0, sizeof *b);
     fake_bus_init(&b->fake);
     b->params = some_params();
     cia402_drives_init(&b->cia402, axes);
-    struct control_task_config config = {.params = &b->params,
-                                         .bus = fake_bus_interface(&b->fake),
-                                         .drives = cia402_drives_interface(&b->cia402),
-                                         .stop = {&stop_ops, b},
-                                         .leg_sensor = {{.angle_direction = 1}, {.angle_direction = 1}},
-                                         .desired_speed_rad_s = 0.4f,
-                                         .walk_requested = true};
+    struct control_task_config config = {
+        .params = &b->params,
+        .bus = fake_bus_interface(&b->fake),
+        .drives = cia402_drives_interface(&b->cia402),
+        .stop = {&stop_ops, b},
+        .leg_sensor = {{.angle_direction = 1}, {.angle_direction = 1}},
+        .desired_speed_rad_s = 0.4f,
+        .walk_requested = true};
     ck_assert_int_eq(control_task_init(&b->task, &config), CONTROL_PARAMS_OK);
     /* As if on for long enough: a walk may begin. */
     b->task.now_ns = (uint64_t)CONTROL_TASK_START_TICK * TICK_PERIOD_US * 1000u;
@@ -98,8 +100,8 @@ static void put_answers(struct bench *b, uint16_t statusword)
 {
     put(b, 0x181, 6, statusword);
     put(b, 0x182, 6, statusword);
-    put(b, 0x283, 5, 0x050000);  /* +0.12 rad */
-    put(b, 0x284, 5, 0xFB0000);  /* -0.12 rad */
+    put(b, 0x283, 5, 0x050000); /* +0.12 rad */
+    put(b, 0x284, 5, 0xFB0000); /* -0.12 rad */
 }
 
 static void put_heartbeats(struct bench *b)
@@ -218,7 +220,8 @@ START_TEST(emergency_stop_is_obeyed_and_told)
     ck_assert_msg(b.task.output.state == SUPERVISOR_FAULT, "let go, and it forgot: state %d",
                   (int)b.task.output.state);
     ck_assert(!b.task.output.sea[SIDE_LEFT].enable && !b.task.output.sea[SIDE_RIGHT].enable);
-    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].sender.sent_controlword, 0x06); /* out of operation enabled */
+    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].sender.sent_controlword,
+                     0x06); /* out of operation enabled */
 }
 END_TEST
 
@@ -347,7 +350,8 @@ START_TEST(a_node_that_was_silent_at_set_up_is_asked_again)
     ck_assert_uint_eq(b.task.node.objects.refused_node, 1);
     ck_assert_uint_eq(b.task.node.objects.refused_verdict, 3);
     run_setup(&b, SETUP_TIMEOUT_MS + 10, true);
-    ck_assert_uint_eq(b.task.node.objects.refused_index, 0x1017); /* past the question that was lost */
+    ck_assert_uint_eq(b.task.node.objects.refused_index,
+                      0x1017); /* past the question that was lost */
 }
 END_TEST
 

@@ -1,12 +1,12 @@
 /* Frames of the leg sensors, byte by byte, and at the limits of their fields. */
-#include "hal/leg_sensors.h"
 #include "hal/frame_table.h"
+#include "hal/leg_sensors.h"
 #include "tests/support/assert_close.h"
 
 #include <math.h>
 
-static const struct leg_sensor_config straight[LEG_COUNT] = {
-    {.angle_direction = 1}, {.angle_direction = 1}};
+static const struct leg_sensor_config straight[LEG_COUNT] = {{.angle_direction = 1},
+                                                             {.angle_direction = 1}};
 
 static struct can_msg leg_frame(uint32_t id, int32_t angle, int16_t ankle)
 {
@@ -24,19 +24,18 @@ START_TEST(counts_become_radians_and_metres)
     static const struct {
         int32_t counts;
         double turns;
-    } cases[] = {{0, 0.0},
-                 {1, 1.0 / 16777216.0},
-                 {-1, -1.0 / 16777216.0},
-                 {4194304, 0.25},
-                 {-4194304, -0.25},
-                 {8388607, 0.5 - 1.0 / 16777216.0}};
+    } cases[] = {{0, 0.0},        {1, 1.0 / 16777216.0}, {-1, -1.0 / 16777216.0},
+                 {4194304, 0.25}, {-4194304, -0.25},     {8388607, 0.5 - 1.0 / 16777216.0}};
     struct leg_sensors sensors;
     leg_sensors_init(&sensors, straight);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const struct can_msg frame = leg_frame(0x283, cases[i].counts, (int16_t)(100 * (int)i - 250));
+        const struct can_msg frame =
+            leg_frame(0x283, cases[i].counts, (int16_t)(100 * (int)i - 250));
         ck_assert(leg_sensors_receive(&sensors, &frame));
-        assert_close(sensors.reading[LEG_LEFT].leg_angle_rad, cases[i].turns * 2.0 * M_PI, 1e-9, 2e-7);
-        assert_close(sensors.reading[LEG_LEFT].ankle_extension_m, 1e-3 * (double)i - 2.5e-3, 1e-9, 1e-6);
+        assert_close(sensors.reading[LEG_LEFT].leg_angle_rad, cases[i].turns * 2.0 * M_PI, 1e-9,
+                     2e-7);
+        assert_close(sensors.reading[LEG_LEFT].ankle_extension_m, 1e-3 * (double)i - 2.5e-3, 1e-9,
+                     1e-6);
         ck_assert_int_eq(sensors.reading[LEG_LEFT].age_ticks, 0);
     }
     ck_assert_int_eq(sensors.reading[LEG_RIGHT].age_ticks, UINT16_MAX);
@@ -45,8 +44,8 @@ END_TEST
 
 START_TEST(offset_and_direction_of_the_mounting)
 {
-    struct leg_sensor_config config[LEG_COUNT] = {
-        {.angle_direction = 1, .angle_zero_rad = 3.0f}, {.angle_direction = -1, .angle_zero_rad = -0.5f}};
+    struct leg_sensor_config config[LEG_COUNT] = {{.angle_direction = 1, .angle_zero_rad = 3.0f},
+                                                  {.angle_direction = -1, .angle_zero_rad = -0.5f}};
     struct leg_sensors sensors;
     leg_sensors_init(&sensors, config);
     struct can_msg frame = leg_frame(0x283, -8388608, 0); /* -pi: across the wrap from +3 rad */
@@ -60,9 +59,11 @@ END_TEST
 
 START_TEST(lever_ankle_is_the_sine_and_never_negative)
 {
-    struct leg_sensor_config config[LEG_COUNT] = {
-        {.angle_direction = 1, .ankle_is_lever = true, .ankle_lever_m = 0.12f, .ankle_neutral_rad = 0.1f},
-        {.angle_direction = 1}};
+    struct leg_sensor_config config[LEG_COUNT] = {{.angle_direction = 1,
+                                                   .ankle_is_lever = true,
+                                                   .ankle_lever_m = 0.12f,
+                                                   .ankle_neutral_rad = 0.1f},
+                                                  {.angle_direction = 1}};
     struct leg_sensors sensors;
     leg_sensors_init(&sensors, config);
     for (int counts = -32768; counts <= 32767; counts += 97) {

@@ -1,6 +1,6 @@
 /* Heartbeats both ways and NMT start, against the frames of CiA 301. */
-#include "hal/network.h"
 #include "hal/frame_table.h"
+#include "hal/network.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 

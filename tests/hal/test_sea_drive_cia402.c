@@ -1,13 +1,13 @@
 /* The master's half of CiA 402, driven by statuswords as the standard spells them. */
-#include "hal/sea_drive_cia402.h"
 #include "hal/frame_table.h"
+#include "hal/sea_drive_cia402.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 
 #include <string.h>
 
 static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 500, 1, 50.0f},
-                                                            {1.0e6f, -500, -1, 50.0f}};
+                                                          {1.0e6f, -500, -1, 50.0f}};
 
 struct bench {
     struct fake_bus fake;
@@ -94,11 +94,12 @@ START_TEST(states_are_read_as_the_standard_spells_them)
     static const struct {
         uint16_t statusword;
         enum sea_drive_state state;
-    } cases[] = {{0x0000, SEA_DRIVE_DISABLED}, {0x0240, SEA_DRIVE_DISABLED}, {0x0260, SEA_DRIVE_DISABLED},
-                 {0x0231, SEA_DRIVE_DISABLED}, {0x0233, SEA_DRIVE_STARTING}, {0x1637, SEA_DRIVE_ENABLED},
-                 {0x0637, SEA_DRIVE_STOPPING}, /* enabled, but ignores its target */
-                 {0x0002, SEA_DRIVE_DISABLED}, /* none of the profile's */
-                 {0x0217, SEA_DRIVE_STOPPING}, {0x021F, SEA_DRIVE_STOPPING}, {0x0218, SEA_DRIVE_FAULT}};
+    } cases[] = {
+        {0x0000, SEA_DRIVE_DISABLED}, {0x0240, SEA_DRIVE_DISABLED}, {0x0260, SEA_DRIVE_DISABLED},
+        {0x0231, SEA_DRIVE_DISABLED}, {0x0233, SEA_DRIVE_STARTING}, {0x1637, SEA_DRIVE_ENABLED},
+        {0x0637, SEA_DRIVE_STOPPING}, /* enabled, but ignores its target */
+        {0x0002, SEA_DRIVE_DISABLED}, /* none of the profile's */
+        {0x0217, SEA_DRIVE_STOPPING}, {0x021F, SEA_DRIVE_STOPPING}, {0x0218, SEA_DRIVE_FAULT}};
     struct bench b;
     struct sea_drive_reading reading;
     start(&b);

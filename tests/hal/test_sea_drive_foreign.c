@@ -1,8 +1,8 @@
 /* CANSimple and MIT mode frames against bytes worked out by hand from the makers'
  * descriptions, and the way to enabled and back. */
+#include "hal/frame_table.h"
 #include "hal/sea_drive_cansimple.h"
 #include "hal/sea_drive_mit.h"
-#include "hal/frame_table.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 

@@ -165,7 +165,8 @@ START_TEST(what_cannot_be_walked_has_a_name)
     const struct apex from = {-0.8, -0.106, 2.985};
     struct stride_result r;
     ck_assert_int_eq(timed_stride(&walker, &settings, &from, (real)NAN, 0.0, &r), STRIDE_BAD_INPUT);
-    ck_assert_int_eq(timed_stride(&walker, &settings, &from, 0.17, (real)NAN, &r), STRIDE_BAD_INPUT);
+    ck_assert_int_eq(timed_stride(&walker, &settings, &from, 0.17, (real)NAN, &r),
+                     STRIDE_BAD_INPUT);
     /* so early that the spring runs out in mid-air */
     ck_assert_int_ne(timed_stride(&walker, &settings, &from, 0.25, -0.4, &r), STRIDE_OK);
 }

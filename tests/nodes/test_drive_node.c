@@ -415,8 +415,8 @@ START_TEST(a_coarse_scaling_fits_its_objects_too)
         struct drive_node_config config = node.config;
         config.counts_per_m = counts_per_m[i];
         ck_assert_int_eq(drive_node_init(&other, &config, node.device.bus, 0), 0);
-        assert_close(other.objects.encoder_increments * 1e9 / other.objects.feed, counts_per_m[i], 0,
-                     1e-6);
+        assert_close(other.objects.encoder_increments * 1e9 / other.objects.feed, counts_per_m[i],
+                     0, 1e-6);
     }
 }
 END_TEST

@@ -80,8 +80,8 @@ static const char *judge(int from, int to, unsigned conditions)
     if (HAS(FAULT) && supervisor_may_assist((enum supervisor_state)to)) {
         return "loads springs while something is wrong";
     }
-    if (supervisor_may_assist((enum supervisor_state)from) && to != from && to != SUPERVISOR_WALKING &&
-        to != SUPERVISOR_UNLOADING) {
+    if (supervisor_may_assist((enum supervisor_state)from) && to != from &&
+        to != SUPERVISOR_WALKING && to != SUPERVISOR_UNLOADING) {
         return "leaves a loaded spring without unloading it";
     }
     if (to == SUPERVISOR_WALKING && from != to && from != SUPERVISOR_ENGAGING) {
