@@ -130,7 +130,8 @@ static int configure(const struct scene_spec *spec, struct loop_config *config, 
     }
     /* Starts in the steady gait of its speed, so that the walk is steady soon. */
     params.start_r0_m = speed_table_inverse(&params.table, (real)spec->speed_rad_s);
-    if (loop_configure(config, &subject, &params, spec->speed_rad_s, spec->sensors, 1, message) != 0) {
+    if (loop_configure(config, &subject, &params, spec->speed_rad_s, spec->sensors, 1, message) !=
+        0) {
         return -1;
     }
     if (spec->engage_steps > 0) {
@@ -162,8 +163,7 @@ static int walk_scene(struct campaign *campaign, unsigned index)
         return -1;
     }
     injector_begin(&injector, loop, NULL, 0);
-    while (loop->tick < SETTLE_TICKS_MAX &&
-           loop->rig.task.controller.law.steps < spec->steps) {
+    while (loop->tick < SETTLE_TICKS_MAX && loop->rig.task.controller.law.steps < spec->steps) {
         injector_tick(&injector);
     }
     if (loop->rig.task.output.state != SUPERVISOR_WALKING ||
@@ -232,6 +232,13 @@ static void set_deadline(struct judge *judge, const struct campaign_plan *plan)
     }
 }
 
+/* A foreign node that only collides has changed the bus, but said nothing. */
+static bool came_through(const struct injector *injector, const struct campaign_plan *plan)
+{
+    return plan->count == 2 || !injector_is_foreign(plan->shot[0].kind) ||
+           injector_intrusions(injector) > 0;
+}
+
 void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, FILE *log,
                   FILE *ticks, struct campaign_result *result)
 {
@@ -262,7 +269,8 @@ void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, F
     }
     campaign->log = NULL;
     *result = (struct campaign_result){.plan = *plan,
-                                       .effective = judge.effect_tick != JUDGE_NEVER,
+                                       .effective = judge.effect_tick != JUDGE_NEVER &&
+                                                    came_through(&injector, plan),
                                        .effect_tick = judge.effect_tick,
                                        .noticed_tick = judge.noticed_tick,
                                        .unloaded_tick = judge.unloaded_tick,
@@ -270,8 +278,9 @@ void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, F
                                        .fault = judge.fault,
                                        .walk_fault = judge.walk_fault,
                                        .unsafe = judge.unsafe};
-    result->late = judge.must_notice_tick != JUDGE_NEVER &&
-                   (judge.noticed_tick == JUDGE_NEVER || judge.noticed_tick > judge.must_notice_tick);
+    result->late =
+        judge.must_notice_tick != JUDGE_NEVER &&
+        (judge.noticed_tick == JUDGE_NEVER || judge.noticed_tick > judge.must_notice_tick);
 }
 
 /* ---- results file ----------------------------------------------------------------------- */
@@ -287,8 +296,8 @@ bool campaign_read(const char *line, uint64_t seed, struct campaign_result *resu
 {
     unsigned index, effect, noticed, unloaded, unsafe_at, unsafe;
     int effective, late, fault, walk_fault, used = 0;
-    if (sscanf(line, "%u %d %d %u %u %u %u %d %d %u%n", &index, &effective, &late, &effect, &noticed,
-               &unloaded, &unsafe_at, &fault, &walk_fault, &unsafe, &used) != 10 ||
+    if (sscanf(line, "%u %d %d %u %u %u %u %d %d %u%n", &index, &effective, &late, &effect,
+               &noticed, &unloaded, &unsafe_at, &fault, &walk_fault, &unsafe, &used) != 10 ||
         line[used] != '\n') {
         return false;
     }

@@ -48,9 +48,9 @@ enum fault_group {
     X(BABBLE_LOW, "babbling at low priority", BUS, 0, 0, 1, 1000, 0, 0, "")                         \
     X(FOREIGN_SENSOR, "foreign node with a sensor's id", BUS, 0, 0, 10, 1500, -0.6, 0.6, "rad")     \
     X(FOREIGN_DRIVE, "foreign node with a drive's id", BUS, 0, 0, 10, 1500, 0, 0.3, "m")            \
-    X(FOREIGN_TARGETS, "foreign node sends targets", BUS, 0, 0, 10, 1500, 0, 0.3, "m")              \
-    X(FOREIGN_COMMAND, "foreign node sends commands", BUS, 0, 0, 10, 1500, 0, 1, "")                \
-    X(FOREIGN_SYNC, "foreign node sends SYNC", BUS, 0, 0, 10, 1500, 0, 0, "")                       \
+    X(FOREIGN_TARGETS, "foreign node sends targets", BUS, 1, 20, 10, 1500, 0, 0.3, "m")             \
+    X(FOREIGN_COMMAND, "foreign node sends commands", BUS, 1, 20, 10, 1500, 0, 1, "")               \
+    X(FOREIGN_SYNC, "foreign node sends SYNC", BUS, 1, 20, 10, 1500, 0, 0, "")                      \
     X(FOREIGN_NMT, "foreign node sends NMT", BUS, 1, 300, 1, 5, 0, 3, "")                           \
     X(ANGLE_STUCK, "leg angle stuck", SENSOR, 2500, 2500, 50, 3000, 0, 0, "")                       \
     X(ANKLE_STUCK, "ankle stuck", SENSOR, 0, 0, 50, 3000, 0, 0, "")                                 \

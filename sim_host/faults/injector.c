@@ -23,6 +23,16 @@ bool injector_is_drive(const struct fault_shot *shot)
     return shot->node == WALKER_DRIVE_LEFT || shot->node == WALKER_DRIVE_RIGHT;
 }
 
+uint32_t injector_by_side(const struct fault_shot *shot, uint32_t left)
+{
+    return left + (uint32_t)injector_side(shot);
+}
+
+uint32_t injector_node_id(const struct fault_shot *shot)
+{
+    return injector_by_side(shot, injector_is_drive(shot) ? NODE_DRIVE_LEFT : NODE_SENSOR_LEFT);
+}
+
 bool injector_prepare(struct loop *loop)
 {
     return sim_bus_attach(&loop->bus, "intruder", NULL, NULL) == INJECTOR_PORT_INTRUDER;
@@ -43,6 +53,16 @@ static struct sim_bus_fault on_frame(void *context, const struct can_msg *messag
     return fault;
 }
 
+static uint32_t intruder_frames(const struct loop *loop)
+{
+    return loop->bus.ports[INJECTOR_PORT_INTRUDER].status.tx_frames;
+}
+
+uint32_t injector_intrusions(const struct injector *injector)
+{
+    return intruder_frames(injector->loop) - injector->intruder_frames;
+}
+
 void injector_begin(struct injector *injector, struct loop *loop, const struct fault_shot *shots,
                     unsigned count)
 {
@@ -50,7 +70,9 @@ void injector_begin(struct injector *injector, struct loop *loop, const struct f
     for (unsigned i = 0; i < count; i++) {
         injector->shot[i].shot = shots[i];
         injector->shot[i].rng = shots[i].seed;
+        injector->shot[i].next_ns = UINT64_MAX;
     }
+    injector->intruder_frames = intruder_frames(loop);
     sim_bus_set_fault_hook(&loop->bus, on_frame, injector);
 }
 
@@ -62,10 +84,12 @@ static void begin_and_end(struct injector *injector)
         if (!state->active && !state->done && injector->tick >= shot->start_tick) {
             state->active = true;
             injector_start(state, injector->loop);
+            intruder_begin(state, injector->loop->tick * (uint64_t)TICK_NS);
         }
         if (state->active && injector->tick >= shot->start_tick + shot->duration_ticks) {
             state->active = false;
             state->done = true;
+            state->next_ns = UINT64_MAX;
             injector_stop(state, injector->loop);
         }
         if (state->active) {
@@ -95,21 +119,37 @@ static uint64_t jitter_ns(struct injector *injector)
     return 0;
 }
 
+/* The bus up to until_ns, with what foreign nodes send by their own clocks meanwhile. */
+static void run_bus(struct injector *injector, uint64_t until_ns)
+{
+    struct loop *loop = injector->loop;
+    for (;;) {
+        struct shot_state *next = NULL;
+        for (unsigned i = 0; i < injector->count; i++) {
+            struct shot_state *state = &injector->shot[i];
+            if (state->next_ns <= until_ns && (next == NULL || state->next_ns < next->next_ns)) {
+                next = state;
+            }
+        }
+        if (next == NULL) {
+            break;
+        }
+        sim_bus_run_until(&loop->bus, next->next_ns);
+        intruder_send(next, loop);
+    }
+    sim_bus_run_until(&loop->bus, until_ns);
+}
+
 void injector_tick(struct injector *injector)
 {
     struct loop *loop = injector->loop;
     const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
     begin_and_end(injector);
-    sim_bus_run_until(&loop->bus, sync_ns + jitter_ns(injector));
-    for (unsigned i = 0; i < injector->count; i++) {
-        if (injector->shot[i].active) {
-            injector_send_foreign(&injector->shot[i], loop);
-        }
-    }
+    run_bus(injector, sync_ns + jitter_ns(injector));
     if (!misses_tick(injector)) {
         (void)control_task_start_cycle(&loop->rig.task);
     }
-    sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
+    run_bus(injector, sync_ns + TICK_NS - 1);
     for (int i = 0; i < WALKER_NODES; i++) {
         (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, sync_ns + TICK_NS - 1);
     }

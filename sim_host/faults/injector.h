@@ -17,8 +17,8 @@ enum { INJECTOR_SHOTS = 2, INJECTOR_PORT_FIRST_NODE = 1, INJECTOR_PORT_INTRUDER 
 
 struct fault_shot {
     enum fault_kind kind;
-    uint8_t node;         /* 0..3, enum walker_node: which of them; its side for sides */
-    uint32_t start_tick;  /* after the injector's begin */
+    uint8_t node;        /* 0..3, enum walker_node: which of them; its side for sides */
+    uint32_t start_tick; /* after the injector's begin */
     uint32_t duration_ticks;
     double magnitude;
     uint64_t seed;
@@ -33,11 +33,15 @@ struct shot_state {
     struct walk_params walk;
     float speed;
     uint32_t changed; /* samples or frames changed */
+    uint64_t next_ns; /* foreign node: when its own clock sends next; UINT64_MAX = never */
+    uint64_t period_ns;
+    bool sporadic; /* single frames in irregular distances of period_ns on average */
 };
 
 struct injector {
     struct loop *loop;
     uint32_t tick;
+    uint32_t intruder_frames; /* the intruder's at the beginning */
     unsigned count;
     struct shot_state shot[INJECTOR_SHOTS];
 };
@@ -48,6 +52,12 @@ bool injector_prepare(struct loop *loop);
 /* Begins with these shots; takes over the bus's fault hook. *loop must outlive it. */
 void injector_begin(struct injector *injector, struct loop *loop, const struct fault_shot *shots,
                     unsigned count);
+
+/* Whether a foreign node sends in this kind of fault. */
+bool injector_is_foreign(enum fault_kind kind);
+
+/* Frames of foreign nodes that came through, so far. */
+uint32_t injector_intrusions(const struct injector *injector);
 
 /* One SYNC period with whatever is injected in it. */
 void injector_tick(struct injector *injector);

@@ -14,13 +14,23 @@
 
 enum { EXIT_SAFE = 0, EXIT_UNSAFE = 1, EXIT_USAGE = 2, PATH_BYTES = 1024, JOBS_MAX = 64 };
 
-enum { KEY_RUNS = 0x500, KEY_JOBS, KEY_SEED, KEY_OUT, KEY_RUN, KEY_LOG, KEY_TICKS, KEY_MARKDOWN };
+enum {
+    KEY_RUNS = 0x500,
+    KEY_JOBS,
+    KEY_SEED,
+    KEY_OUT,
+    KEY_RUN,
+    KEY_LOG,
+    KEY_TICKS,
+    KEY_MARKDOWN,
+    KEY_ONLY
+};
 
 struct options {
     uint32_t runs, jobs, run;
     uint64_t seed;
     bool single, markdown;
-    const char *out, *log, *ticks;
+    const char *out, *log, *ticks, *only;
 };
 
 static const struct argp_option option_list[] = {
@@ -28,6 +38,8 @@ static const struct argp_option option_list[] = {
     {"jobs", KEY_JOBS, "N", 0, "processes (default 1)", 0},
     {"seed", KEY_SEED, "N", 0, "which campaign (default 1)", 0},
     {"out", KEY_OUT, "DIR", 0, "keep results there; runs that are there are not made again", 0},
+    {"only", KEY_ONLY, "TEXT", 0,
+     "of those N only the runs whose first fault's name contains TEXT, such as \"foreign\"", 0},
     {"markdown", KEY_MARKDOWN, 0, 0, "the table as Markdown", 0},
     {"run", KEY_RUN, "I", 0, "run number I alone, and tell", 1},
     {"log", KEY_LOG, "FILE", 0, "with --run: every frame, as candump -L writes it", 1},
@@ -49,6 +61,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_OUT:
         options->out = text;
+        break;
+    case KEY_ONLY:
+        options->only = text;
         break;
     case KEY_MARKDOWN:
         options->markdown = true;
@@ -144,6 +159,13 @@ static void read_results(const struct options *options, struct campaign_result *
     }
 }
 
+/* Whether run i is asked for. */
+static bool is_wanted(const struct options *options, uint32_t i)
+{
+    return options->only == NULL ||
+           strstr(fault_kinds[i % FAULT_KINDS].name, options->only) != NULL;
+}
+
 static int work(const struct options *options, struct campaign *campaign, unsigned job,
                 const bool *done)
 {
@@ -157,7 +179,7 @@ static int work(const struct options *options, struct campaign *campaign, unsign
     for (uint32_t i = job; i < options->runs; i += options->jobs) {
         struct campaign_plan plan;
         struct campaign_result result;
-        if (done[i]) {
+        if (done[i] || !is_wanted(options, i)) {
             continue;
         }
         campaign_plan(options->seed, i, &plan);
@@ -171,10 +193,10 @@ static int work(const struct options *options, struct campaign *campaign, unsign
     return fclose(file) == 0 ? EXIT_SAFE : EXIT_USAGE;
 }
 
-static bool all_done(const bool *done, uint32_t runs)
+static bool all_done(const struct options *options, const bool *done)
 {
-    for (uint32_t i = 0; i < runs; i++) {
-        if (!done[i]) {
+    for (uint32_t i = 0; i < options->runs; i++) {
+        if (!done[i] && is_wanted(options, i)) {
             return false;
         }
     }
@@ -184,7 +206,7 @@ static bool all_done(const bool *done, uint32_t runs)
 /* Children share the saved walks of the parent; a fork keeps their addresses. */
 static int run_many(const struct options *options, const bool *done)
 {
-    if (all_done(done, options->runs)) {
+    if (all_done(options, done)) {
         return EXIT_SAFE;
     }
     struct campaign *campaign = campaign_create();
@@ -208,6 +230,18 @@ static int run_many(const struct options *options, const bool *done)
     return worst;
 }
 
+/* Moves the results of the runs asked for to the front; how many they are. */
+static uint32_t keep_wanted(const struct options *options, struct campaign_result *results)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < options->runs; i++) {
+        if (is_wanted(options, i)) {
+            results[count++] = results[i];
+        }
+    }
+    return count;
+}
+
 static int run_campaign(struct options *options)
 {
     char scratch[] = "/tmp/afo-faults-XXXXXX";
@@ -228,8 +262,9 @@ static int run_campaign(struct options *options)
     read_results(options, results, done);
     int status = run_many(options, done);
     read_results(options, results, done);
-    if (status == EXIT_SAFE && all_done(done, options->runs)) {
-        const unsigned bad = summary_table(stdout, results, options->runs, options->markdown);
+    if (status == EXIT_SAFE && all_done(options, done)) {
+        const uint32_t count = keep_wanted(options, results);
+        const unsigned bad = summary_table(stdout, results, count, options->markdown);
         status = bad == 0 ? EXIT_SAFE : EXIT_UNSAFE;
     }
     for (unsigned job = 0; !keeps && job < options->jobs; job++) {
@@ -248,11 +283,15 @@ static int run_campaign(struct options *options)
 int main(int argc, char **argv)
 {
     static const struct argp parser = {
-        option_list, take, 0,
+        option_list,
+        take,
+        0,
         "Injects faults into steady walks of the simulated walker and judges by the plant what "
         "came of them.\v"
         "Exit status: 0 nothing unsafe or unnoticed, 1 something, 2 wrong usage.",
-        0, 0, 0};
+        0,
+        0,
+        0};
     struct options options = {.runs = 500, .jobs = 1, .seed = 1};
     option_identity("afo-faults");
     if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0) {
