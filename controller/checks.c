@@ -369,7 +369,7 @@ enum supervisor_fault checks_find(struct checks *checks, const struct control_pa
     if (!input->nodes_operational) {
         return SUPERVISOR_FAULT_NODE_LOST;
     }
-    if (input->foreign_master) {
+    if (input->foreign_node) {
         return SUPERVISOR_FAULT_FOREIGN;
     }
     if (input->parameters_corrupt) {

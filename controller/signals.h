@@ -61,9 +61,10 @@ struct controller_input {
     struct leg_measurement leg[SIDE_COUNT];
     struct sea_measurement sea[SIDE_COUNT];
     real desired_speed_rad_s; /* forward apex speed asked for, > 0 */
-    bool nodes_operational;   /* all four nodes alive and in NMT operational */
+    bool nodes_operational;   /* all four nodes alive, in NMT operational, without an error */
+    bool node_error;          /* one of them tells of an error of its own */
     bool emergency_stop;      /* true = pressed, or its state unknown */
-    bool foreign_master;      /* somebody else commands the drives */
+    bool foreign_node;        /* somebody else sends with identifiers of this bus */
     bool parameters_corrupt;  /* their checksum is no longer that of the checked ones */
     bool walk_requested;      /* the operator's wish that the device assists */
     bool reset_requested;     /* clear a latched fault; obeyed at standstill only */

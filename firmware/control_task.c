@@ -5,6 +5,7 @@
 #include "hal/bytes.h"
 #include "hal/contract.h"
 #include "hal/frame_table.h"
+#include "hal/sample_surplus.h"
 
 static_assert((int)SIDE_LEFT == (int)LEG_LEFT && (int)SIDE_RIGHT == (int)LEG_RIGHT,
               "controller and HAL index legs alike");
@@ -69,32 +70,32 @@ static bool may_start(const struct control_task *task)
 
 static void collect_input(struct control_task *task, struct controller_input *input)
 {
-    *input =
-        (struct controller_input){.tick = task->tick,
-                                  .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,
-                                  .nodes_operational = network_all_operational(&task->network),
-                                  .emergency_stop = task->emergency_stop,
-                                  .foreign_master = task->foreign_master,
-                                  .parameters_corrupt =
-                                      controller_node_params_corrupt(&task->node),
-                                  .walk_requested =
-                                      task->node.objects.walk_requested != 0 && may_start(task),
-                                  .reset_requested = task->node.objects.reset_requested != 0,
-                                  .zero_requested = task->node.objects.zero_requested != 0};
+    *input = (struct controller_input){
+        .tick = task->tick,
+        .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,
+        .nodes_operational = network_all_operational(&task->network),
+        .node_error = network_has_error(&task->network),
+        .emergency_stop = task->emergency_stop,
+        .parameters_corrupt = controller_node_params_corrupt(&task->node),
+        .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
+        .reset_requested = task->node.objects.reset_requested != 0,
+        .zero_requested = task->node.objects.zero_requested != 0};
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const struct leg_sensor_reading *reading = &task->sensors.reading[leg];
         struct sea_drive_reading drive;
         sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
         input->leg[leg] = (struct leg_measurement){reading->leg_angle_rad,
                                                    reading->ankle_extension_m, reading->age_ticks};
-        input->sea[leg] = (struct sea_measurement){drive.precompression_m,
-                                                   (enum drive_state)drive.state, drive.age_ticks,
-                                                   (enum latch_state)drive.latch, drive.force_N,
-                                                   drive.force_age_ticks};
+        input->sea[leg] =
+            (struct sea_measurement){drive.precompression_m, (enum drive_state)drive.state,
+                                     drive.age_ticks,        (enum latch_state)drive.latch,
+                                     drive.force_N,          drive.force_age_ticks};
         if (reading->age_ticks != 0 || drive.age_ticks != 0) {
             count(&task->counters.late_answers);
         }
+        task->foreign = task->foreign || drive.foreign || reading->surplus >= SAMPLE_SURPLUS_LIMIT;
     }
+    input->foreign_node = task->foreign;
 }
 
 static void send_commands(struct control_task *task)
@@ -112,7 +113,7 @@ static void send_commands(struct control_task *task)
 }
 
 /* A drive that still follows its target a while after the torque was to be off has not
- * understood its controlword: out of NMT operational it unloads by itself (0x6007). */
+ * understood its controlword: stopped (NMT) it unloads by itself (0x6007). */
 static void force_stop(struct control_task *task)
 {
     for (int leg = 0; leg < LEG_COUNT; leg++) {
@@ -124,9 +125,14 @@ static void force_stop(struct control_task *task)
         if (task->disobeys[leg] >= FORCE_STOP_TICKS) {
             task->disobeys[leg] = 0;
             count(&task->counters.forced_stops);
-            (void)network_command(&task->config.bus, NMT_ENTER_PRE_OPERATIONAL,
-                                  (uint8_t)(NODE_DRIVE_LEFT + leg));
+            (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
         }
+    }
+    /* Whoever speaks with our identifiers is heard by the drives as we are: no command of
+     * ours could outdo theirs, and no answer be trusted. Stopped, a drive obeys no PDO. */
+    if (task->foreign) {
+        count(&task->counters.forced_stops);
+        (void)network_stop_all(&task->network, &task->config.bus);
     }
 }
 
@@ -201,7 +207,7 @@ static unsigned run_tick(struct control_task *task)
     show_counters(task);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);
-    task->foreign_master = false;
+    task->foreign = false;
     sea_drives_age(&task->config.drives);
     leg_sensors_age(&task->sensors);
     return CONTROL_TASK_TICKED | CONTROL_TASK_BUS_ALIVE | CONTROL_TASK_SUPERVISED |
@@ -219,28 +225,22 @@ static uint32_t frame_hash(const struct can_msg *message)
     return (hash ^ bytes_get_u32(message->data + 4)) * prime;
 }
 
-/* Frames by which the drives are commanded: on this bus they come from here only. */
-static bool is_masters(uint32_t id)
-{
-    return id == FRAME_DRIVE_TARGETS || id == FRAME_DRIVE_COMMAND_LEFT ||
-           id == FRAME_DRIVE_COMMAND_RIGHT;
-}
-
 static void take_frame(struct control_task *task, const struct can_msg *message)
 {
-    if (!leg_sensors_receive(&task->sensors, message) &&
-        !sea_drives_receive(&task->config.drives, message) &&
-        !network_receive(&task->network, message) &&
-        !node_setup_receive(&task->setup, message, task->now_ns) &&
-        !controller_node_receive(&task->node, message, task->now_ns)) {
-        count(&task->counters.foreign_frames);
-        if (is_masters(message->id)) {
-            task->foreign_master = true;
-            task->node.objects.input_digest += frame_hash(message);
-        }
+    const bool masters = frame_is_masters(message->id);
+    task->foreign = task->foreign || masters;
+    if (!masters && (leg_sensors_receive(&task->sensors, message) ||
+                     sea_drives_receive(&task->config.drives, message) ||
+                     network_receive(&task->network, message) ||
+                     node_setup_receive(&task->setup, message, task->now_ns) ||
+                     controller_node_receive(&task->node, message, task->now_ns))) {
+        task->node.objects.input_digest += frame_hash(message);
         return;
     }
-    task->node.objects.input_digest += frame_hash(message);
+    count(&task->counters.foreign_frames);
+    if (masters) {
+        task->node.objects.input_digest += frame_hash(message);
+    }
 }
 
 unsigned control_task_poll(struct control_task *task)

@@ -52,7 +52,7 @@ struct control_task_counters { /* all saturate */
     uint32_t error_frames;
     uint32_t foreign_frames; /* received, nobody's */
     uint32_t late_answers;   /* answers missing when their tick was processed */
-    uint32_t forced_stops;   /* drives taken out of operation because they stayed enabled */
+    uint32_t forced_stops;   /* NMT stops: a drive stayed enabled, or a foreign node spoke */
 };
 
 struct control_task {
@@ -68,7 +68,7 @@ struct control_task {
     uint64_t now_ns;      /* since the task's start, in periods of SYNC; does not wrap */
     uint8_t configured;   /* bit i: node i of the network is set up */
     uint16_t sync_waits;  /* cycles the SYNC under way has been waited for; 0 = none is */
-    bool foreign_master;  /* in this tick, another node sent what only this one may */
+    bool foreign;         /* in this tick: another node sends with an identifier of ours */
     uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
     bool emergency_stop;  /* as used in the last tick, and as sent */
 };

@@ -13,6 +13,9 @@
 #ifndef HAL_FRAME_TABLE_H
 #define HAL_FRAME_TABLE_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 enum node_id {
     NODE_DRIVE_LEFT = 1,
     NODE_DRIVE_RIGHT = 2,
@@ -72,6 +75,14 @@ enum frame_id { FRAME_TABLE(FRAME_ID_ENTRY) };
     FRAME_BYTES_##name = bytes,
 enum frame_bytes { FRAME_TABLE(FRAME_BYTES_ENTRY) };
 #undef FRAME_BYTES_ENTRY
+
+/* Frames by which the nodes are led: on this bus they come from the controller only. From
+ * anybody else they are a reason to stop, so a controller must hear them. */
+static inline bool frame_is_masters(uint32_t id)
+{
+    return id == FRAME_SYNC || id == FRAME_DRIVE_TARGETS || id == FRAME_DRIVE_COMMAND_LEFT ||
+           id == FRAME_DRIVE_COMMAND_RIGHT || id == FRAME_HEARTBEAT_CONTROLLER;
+}
 
 /* What the numbers in the frames mean. */
 enum {

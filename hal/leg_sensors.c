@@ -2,6 +2,7 @@
 
 #include "hal/bytes.h"
 #include "hal/frame_table.h"
+#include "hal/sample_surplus.h"
 #include "hal/small_trig.h"
 
 #define TWO_PI 6.28318530717958647692f
@@ -52,17 +53,27 @@ bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *mess
     const struct leg_sensor_config *config = &sensors->config[leg];
     const float raw_rad =
         (float)bytes_get_i24(message->data) * (TWO_PI / (float)LEG_ANGLE_COUNTS_PER_TURN);
-    sensors->reading[leg] = (struct leg_sensor_reading){
-        wrap_turn((raw_rad - config->angle_zero_rad) * (float)config->angle_direction),
-        ankle_extension_m(config, bytes_get_i16(message->data + 3)), 0};
+    const float angle_rad =
+        wrap_turn((raw_rad - config->angle_zero_rad) * (float)config->angle_direction);
+    const float extension_m = ankle_extension_m(config, bytes_get_i16(message->data + 3));
+    struct leg_sensor_reading *reading = &sensors->reading[leg];
+    if (reading->age_ticks == 0 &&
+        (reading->leg_angle_rad != angle_rad || reading->ankle_extension_m != extension_m)) {
+        sample_surplus_more(&reading->surplus);
+    }
+    *reading = (struct leg_sensor_reading){angle_rad, extension_m, 0, reading->surplus};
     return true;
 }
 
 void leg_sensors_age(struct leg_sensors *sensors)
 {
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        if (sensors->reading[leg].age_ticks < UINT16_MAX) {
-            sensors->reading[leg].age_ticks++;
+        struct leg_sensor_reading *reading = &sensors->reading[leg];
+        if (reading->age_ticks > 0) {
+            sample_surplus_missed(&reading->surplus);
+        }
+        if (reading->age_ticks < UINT16_MAX) {
+            reading->age_ticks++;
         }
     }
 }

@@ -5,8 +5,8 @@
 
 enum { START_REPEAT_TICKS = 50 };
 
-static const uint8_t node_ids[NETWORK_NODES] = {NODE_DRIVE_LEFT, NODE_DRIVE_RIGHT,
-                                                NODE_SENSOR_LEFT, NODE_SENSOR_RIGHT};
+static const uint8_t node_ids[NETWORK_NODES] = {NODE_DRIVE_LEFT, NODE_DRIVE_RIGHT, NODE_SENSOR_LEFT,
+                                                NODE_SENSOR_RIGHT};
 
 void network_init(struct network *network)
 {
@@ -70,6 +70,14 @@ enum can_result network_command(const struct can_bus *bus, enum nmt_command comm
     return can_bus_send(bus, &message);
 }
 
+enum can_result network_stop_all(struct network *network, const struct can_bus *bus)
+{
+    for (int i = 0; i < NETWORK_NODES; i++) {
+        network->node[i].start_wait = NETWORK_HOLD_TICKS;
+    }
+    return network_command(bus, NMT_STOP, 0);
+}
+
 unsigned network_index(uint8_t node)
 {
     unsigned index = 0;
@@ -98,8 +106,8 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
         if (node->start_wait > 0) {
             node->start_wait--;
         }
-        if (node->state == NMT_PRE_OPERATIONAL && node->start_wait == 0 &&
-            (may_start & (1u << i)) != 0) {
+        const bool waits = node->state != NMT_OPERATIONAL && node->state != NMT_UNKNOWN;
+        if (waits && node->start_wait == 0 && (may_start & (1u << i)) != 0) {
             if (network_command(bus, NMT_START, node->id) == CAN_OK) {
                 node->start_wait = START_REPEAT_TICKS;
             }
@@ -107,12 +115,21 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
     }
 }
 
+bool network_has_error(const struct network *network)
+{
+    bool has = false;
+    for (int i = 0; i < NETWORK_NODES; i++) {
+        has = has || network->node[i].error_code != 0;
+    }
+    return has;
+}
+
 bool network_all_operational(const struct network *network)
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
-        if (network->node[i].state != NMT_OPERATIONAL || network->node[i].error_code != 0) {
+        if (network->node[i].state != NMT_OPERATIONAL) {
             return false;
         }
     }
-    return true;
+    return !network_has_error(network);
 }

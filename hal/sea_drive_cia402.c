@@ -2,6 +2,7 @@
 
 #include "hal/bytes.h"
 #include "hal/frame_table.h"
+#include "hal/sample_surplus.h"
 
 /* Controlwords, object 0x6040 (CiA 402-2, table of device control commands). */
 enum {
@@ -91,8 +92,14 @@ static bool receive(void *context, const struct can_msg *message)
     }
     struct cia402_axis *axis =
         &drives->axis[message->id == FRAME_DRIVE_STATE_RIGHT ? LEG_RIGHT : LEG_LEFT];
-    axis->statusword = bytes_get_u16(message->data);
-    axis->position_counts = bytes_get_i32(message->data + 2);
+    const uint16_t statusword = bytes_get_u16(message->data);
+    const int32_t counts = bytes_get_i32(message->data + 2);
+    if (axis->age_ticks == 0 &&
+        (axis->statusword != statusword || axis->position_counts != counts)) {
+        sample_surplus_more(&axis->surplus);
+    }
+    axis->statusword = statusword;
+    axis->position_counts = counts;
     axis->age_ticks = 0;
     return true;
 }
@@ -124,6 +131,7 @@ static void read_axis(const void *context, enum leg leg, struct sea_drive_readin
     };
     const bool has_force = axis->config.rated_force_N > 0.0f;
     reading->age_ticks = axis->age_ticks;
+    reading->foreign = axis->surplus >= SAMPLE_SURPLUS_LIMIT;
     reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
     reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
                        axis->config.rated_force_N / 1000.0f;
@@ -143,6 +151,9 @@ static void age(void *context)
     struct cia402_drives *drives = (struct cia402_drives *)context;
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
+        if (axis->age_ticks > 0) {
+            sample_surplus_missed(&axis->surplus);
+        }
         if (axis->age_ticks < UINT16_MAX) {
             axis->age_ticks++;
         }

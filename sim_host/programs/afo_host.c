@@ -141,7 +141,8 @@ static int open_bus(struct host *host)
     struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
     unsigned count = 0;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        if (table[i].sender != NODE_CONTROLLER && count < SOCKETCAN_FILTERS_MAX) {
+        const bool heard = table[i].sender != NODE_CONTROLLER || frame_is_masters(table[i].id);
+        if (heard && table[i].id != FRAME_SYNC && count < SOCKETCAN_FILTERS_MAX) {
             filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
         }
     }

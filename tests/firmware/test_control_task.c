@@ -252,16 +252,74 @@ START_TEST(a_lost_frame_is_bridged_a_lost_sensor_is_not)
 }
 END_TEST
 
+/* Whatever only the controller may send. All nodes are stopped in the same tick: no command
+ * of ours could outdo the other's. */
+static const struct {
+    uint32_t id;
+    uint8_t length;
+} masters[] = {{0x080, 0}, {0x201, 8}, {0x301, 6}, {0x302, 6}, {0x710, 1}, {0x201, 3}};
+
 START_TEST(somebody_elses_commands_are_a_fault)
 {
     struct bench b;
     start(&b);
     run_ticks(&b, 110, 0x1227);
     ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
-    put(&b, 0x201, 8, 0);
+    ck_assert_ptr_null(fake_bus_last(&b.fake, 0x000));
+    fake_bus_clear(&b.fake);
+    put(&b, masters[_i].id, masters[_i].length, 5);
     run_ticks(&b, 1, 0x1227);
     ck_assert_int_eq(b.task.output.state, SUPERVISOR_UNLOADING);
     ck_assert_int_eq(b.task.output.fault, SUPERVISOR_FAULT_FOREIGN);
+    const struct can_msg *stop = fake_bus_last(&b.fake, 0x000);
+    ck_assert_ptr_nonnull(stop);
+    ck_assert_uint_eq(stop->data[0], 2);
+    ck_assert_uint_eq(stop->data[1], 0);
+    ck_assert_uint_eq(b.task.counters.forced_stops, 1);
+}
+END_TEST
+
+/* Two different answers of one node in a cycle, twice. */
+START_TEST(somebody_elses_answers_are_a_fault)
+{
+    static const uint32_t ids[] = {0x181, 0x182, 0x283, 0x284};
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 110, 0x1227);
+    put(&b, ids[_i], _i < 2 ? 6 : 5, 0x1226);
+    run_ticks(&b, 1, 0x1227);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING); /* one may have been late */
+    put(&b, ids[_i], _i < 2 ? 6 : 5, 0x1226);
+    run_ticks(&b, 1, 0x1227);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(b.task.output.fault, SUPERVISOR_FAULT_FOREIGN);
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x000));
+}
+END_TEST
+
+/* A drive in fault from power-up on: not waited for without end. */
+START_TEST(what_is_wrong_with_the_nodes_at_power_up_is_a_fault)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 450, 0x0218);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_INIT);
+    run_ticks(&b, 100, 0x0218);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_FAULT);
+    ck_assert_int_eq(b.task.output.fault, SUPERVISOR_FAULT_DRIVE);
+    start(&b);
+    put(&b, 0x082, 8, 0x4310); /* as its emergency says it */
+    run_ticks(&b, 550, 0x0240);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_FAULT);
+    ck_assert_int_eq(b.task.output.fault, SUPERVISOR_FAULT_NODE_LOST);
+    start(&b);
+    for (int i = 0; i < 5000; i++) { /* a node that is not there may still come */
+        put(&b, 0x701, 1, 5);
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+        fake_bus_clear(&b.fake);
+    }
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_INIT);
 }
 END_TEST
 
@@ -277,7 +335,8 @@ START_TEST(a_drive_that_stays_enabled_is_stopped)
     ck_assert_uint_gt(b.task.counters.forced_stops, 0);
     const struct can_msg *stop = fake_bus_last(&b.fake, 0x000);
     ck_assert_ptr_nonnull(stop);
-    ck_assert_uint_eq(stop->data[0], 128);
+    ck_assert_uint_eq(stop->data[0], 2);
+    ck_assert_uint_ge(stop->data[1], 1);
     ck_assert_uint_le(stop->data[1], 2);
 }
 END_TEST
@@ -377,7 +436,10 @@ int main(void)
     tcase_add_test(tests, engages_when_all_is_well_and_loads_the_leg_in_front);
     tcase_add_test(tests, emergency_stop_is_obeyed_and_told);
     tcase_add_test(tests, a_lost_frame_is_bridged_a_lost_sensor_is_not);
-    tcase_add_test(tests, somebody_elses_commands_are_a_fault);
+    tcase_add_loop_test(tests, somebody_elses_commands_are_a_fault, 0,
+                        (int)(sizeof masters / sizeof masters[0]));
+    tcase_add_loop_test(tests, somebody_elses_answers_are_a_fault, 0, 4);
+    tcase_add_test(tests, what_is_wrong_with_the_nodes_at_power_up_is_a_fault);
     tcase_add_test(tests, a_drive_that_stays_enabled_is_stopped);
     tcase_add_test(tests, parameters_out_of_range_are_refused);
     tcase_add_test(tests, the_tick_counter_may_wrap);

@@ -116,6 +116,39 @@ START_TEST(age_grows_and_saturates)
 }
 END_TEST
 
+/* Somebody else with the sensor's identifier: more frames than cycles. */
+START_TEST(frames_beyond_one_a_cycle_are_counted)
+{
+    struct leg_sensors sensors;
+    leg_sensors_init(&sensors, straight);
+    const struct can_msg own = leg_frame(0x283, 1000, 5), other = leg_frame(0x283, 1001, 5),
+                         ankle = leg_frame(0x283, 1000, 6);
+    const uint8_t *surplus = &sensors.reading[LEG_LEFT].surplus;
+    for (int cycle = 0; cycle < 100; cycle++) { /* repeated by CAN itself: nothing */
+        ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &own));
+        leg_sensors_age(&sensors);
+    }
+    ck_assert_uint_eq(*surplus, 0);
+    for (int late = 0; late < 100; late++) { /* a cycle late, and again: one at most */
+        leg_sensors_age(&sensors);
+        ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
+        leg_sensors_age(&sensors);
+        ck_assert_uint_eq(*surplus, 1);
+    }
+    ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &ankle));
+    ck_assert_uint_eq(*surplus, 2);
+    ck_assert_uint_eq(sensors.reading[LEG_RIGHT].surplus, 0);
+    for (int i = 0; i < 1000; i++) {
+        ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
+    }
+    ck_assert_uint_eq(*surplus, UINT8_MAX);
+    for (int i = 0; i < 1000; i++) {
+        leg_sensors_age(&sensors);
+    }
+    ck_assert_uint_eq(*surplus, 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("leg_sensors");
@@ -125,6 +158,7 @@ int main(void)
     tcase_add_test(tests, lever_ankle_is_the_sine_and_never_negative);
     tcase_add_test(tests, malformed_frames_change_nothing_and_are_counted);
     tcase_add_test(tests, age_grows_and_saturates);
+    tcase_add_test(tests, frames_beyond_one_a_cycle_are_counted);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

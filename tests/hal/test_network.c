@@ -94,8 +94,10 @@ START_TEST(an_error_of_a_node_is_a_node_lost)
     hear_all(&network, 5);
     ck_assert(network_receive(&network, &emergency));
     ck_assert(!network_all_operational(&network));
+    ck_assert(network_has_error(&network));
     emergency.data[1] = 0x00; /* over */
     ck_assert(network_receive(&network, &emergency));
+    ck_assert(!network_has_error(&network));
     ck_assert(network_all_operational(&network));
     emergency.data[1] = 0x81; /* communication: left to its time-outs */
     ck_assert(network_receive(&network, &emergency));
@@ -118,6 +120,33 @@ START_TEST(an_error_of_a_node_is_a_node_lost)
 }
 END_TEST
 
+/* All at once, and not started again before it is over. */
+START_TEST(stopped_nodes_are_held_and_started_again)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    hear_all(&network, 5);
+    ck_assert_int_eq(network_stop_all(&network, &bus), CAN_OK);
+    ck_assert_uint_eq(fake.sent_count, 1);
+    ck_assert_uint_eq(fake.sent[0].id, 0x000);
+    ck_assert_uint_eq(fake.sent[0].data[0], 2);
+    ck_assert_uint_eq(fake.sent[0].data[1], 0);
+    for (int tick = 1; tick < NETWORK_HOLD_TICKS; tick++) {
+        hear_all(&network, tick % 2 == 0 ? 4 : 127);
+        network_update(&network, &bus, 0xF);
+        ck_assert_uint_eq(fake.sent_count, 1);
+    }
+    hear_all(&network, 4); /* stopped */
+    network_update(&network, &bus, 0xF);
+    ck_assert_uint_eq(fake.sent_count, 5);
+    ck_assert_uint_eq(fake.sent[4].data[0], 1);
+    ck_assert_uint_eq(fake.sent[4].data[1], 4);
+}
+END_TEST
+
 START_TEST(nodes_have_their_index)
 {
     for (uint8_t node = 1; node <= NETWORK_NODES; node++) {
@@ -136,6 +165,7 @@ int main(void)
     tcase_add_test(tests, silence_is_noticed_within_the_time_out);
     tcase_add_test(tests, an_error_of_a_node_is_a_node_lost);
     tcase_add_test(tests, nodes_have_their_index);
+    tcase_add_test(tests, stopped_nodes_are_held_and_started_again);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

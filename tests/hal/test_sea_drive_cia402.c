@@ -115,6 +115,35 @@ START_TEST(states_are_read_as_the_standard_spells_them)
 }
 END_TEST
 
+/* Somebody else with the drive's identifier. One frame that came late is none. */
+START_TEST(more_states_than_cycles_are_a_foreign_node)
+{
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    for (int cycle = 0; cycle < 100; cycle++) {
+        answer(&b, 0x182, 0x0240, -500);
+        answer(&b, 0x182, 0x0240, -500); /* CAN's own repetition */
+        sea_drives_age(&b.drives);
+        answer(&b, 0x181, 0x0240, 500 + cycle);
+        answer(&b, 0x181, 0x0240, 501 + cycle); /* the one before was missed */
+        sea_drives_age(&b.drives);
+        sea_drives_age(&b.drives);
+    }
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        sea_drives_read(&b.drives, (enum leg)leg, &reading);
+        ck_assert(!reading.foreign);
+    }
+    for (int frame = 0; frame < 3; frame++) { /* one by another statusword, one by its position */
+        answer(&b, 0x181, frame == 1 ? 0x1237 : 0x0240, frame == 2 ? 7 : 500);
+    }
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert(reading.foreign);
+    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    ck_assert(!reading.foreign);
+}
+END_TEST
+
 START_TEST(no_kick_target_is_the_position_until_enabled)
 {
     struct bench b;
@@ -274,6 +303,7 @@ int main(void)
     tcase_add_test(tests, a_refused_frame_is_sent_again);
     tcase_add_test(tests, malformed_frames_change_nothing_and_are_counted);
     tcase_add_test(tests, force_and_latch);
+    tcase_add_test(tests, more_states_than_cycles_are_a_foreign_node);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -297,6 +297,28 @@ START_TEST(leaving_operational_unloads_the_spring)
 }
 END_TEST
 
+/* Stopped because somebody else speaks: whatever targets and commands come, it unloads. */
+START_TEST(stopped_it_unloads_and_obeys_nobody)
+{
+    enable();
+    hold(0.15, 200);
+    control_armed(0x0F);
+    bench_nmt(&bench, 2);
+    fastest_m_per_s = 0;
+    for (int tick = 0; tick < 400; tick++) {
+        target(0.15);
+        control_armed(0x0F);
+        control_armed(0x80);
+        ck_assert(!command.latch_armed);
+    }
+    ck_assert(!command.powered);
+    assert_close(fastest_m_per_s, 0.5, 1e-6, 0);
+    bench_nmt(&bench, 1);
+    bench_run(&bench, 2);
+    ck_assert_uint_eq(status() & 0x4F, 0x08);
+}
+END_TEST
+
 START_TEST(options_choose_the_reaction)
 {
     ck_assert_uint_eq(bench_write(&bench, 0x6007, 0, 3, 2), 0); /* quick stop */
@@ -464,6 +486,7 @@ int main(void)
     tcase_add_test(tcase, a_lost_heartbeat_unloads_the_spring_at_the_bounded_rate);
     tcase_add_test(tcase, missing_targets_unload_the_spring_too);
     tcase_add_test(tcase, leaving_operational_unloads_the_spring);
+    tcase_add_test(tcase, stopped_it_unloads_and_obeys_nobody);
     tcase_add_test(tcase, options_choose_the_reaction);
     tcase_add_test(tcase, quick_stop_unloads_and_shutdown_does_so_before_the_torque_goes);
     tcase_add_test(tcase, a_fault_is_reset_by_a_rising_edge_only_and_not_while_it_lasts);
