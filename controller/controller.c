@@ -20,6 +20,7 @@ int controller_init(struct controller *controller, const struct control_params *
         return verdict;
     }
     controller->stop = sea_reference_stop_limits(params);
+    controller->change_max_m = params->r0_change_max_m;
     controller->rise_max_m = RISE_SHARE * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
     supervisor_init(&controller->supervisor);
     checks_init(&controller->checks);
@@ -88,6 +89,12 @@ static bool is_at_rest(const struct controller *controller, uint32_t tick)
            tick - controller->supervisor.since_tick >= REST_TICKS;
 }
 
+/* A node that tells of an error need not be waited for. */
+static bool has_nodes(const struct controller_input *input)
+{
+    return input->nodes_operational || input->node_error;
+}
+
 static uint16_t conditions_of(const struct controller *controller,
                               const struct controller_input *input, enum supervisor_fault fault)
 {
@@ -95,7 +102,7 @@ static uint16_t conditions_of(const struct controller *controller,
     const bool stepping = is_stepping(controller, input->tick);
     unsigned bits = 0;
     bits |= fault != SUPERVISOR_FAULT_NONE ? SUPERVISOR_IF_FAULT : 0u;
-    bits |= input->nodes_operational ? SUPERVISOR_IF_NODES : 0u;
+    bits |= has_nodes(input) ? SUPERVISOR_IF_NODES : 0u;
     bits |= fault == SUPERVISOR_FAULT_NONE && slack && is_at_rest(controller, input->tick)
                 ? SUPERVISOR_IF_PLAUSIBLE
                 : 0u;
@@ -160,8 +167,26 @@ static void ramp_share(struct controller *controller)
 static void load(struct controller *controller, enum side side)
 {
     if (controller->share > REAL(0.0)) {
-        sea_reference_load(&controller->sea[side], controller->share * controller->law.r0_m);
+        const bool given = controller->law.steps > 0 && controller->law.is_final;
+        sea_reference_load(&controller->sea[side], given
+                                                       ? controller->last_step.r0_m
+                                                       : controller->share * controller->law.r0_m);
     }
+}
+
+/* The step's precompression is decided. The law keeps to its limits; like the last gate, this
+ * does so without the parameters. */
+static void finish_step(struct controller *controller)
+{
+    const real before_m = controller->last_step.r0_m, limit_m = controller->change_max_m;
+    const uint32_t number = controller->last_step.number;
+    real r0_m = controller->share * controller->law.r0_m;
+    if (number > 0 && controller->pending_step.number == number + 1) {
+        r0_m = real_clamp(r0_m, before_m - limit_m, before_m + limit_m);
+    }
+    controller->step_pending = false;
+    controller->last_step = controller->pending_step;
+    controller->last_step.r0_m = r0_m;
 }
 
 /* The step's events drive the springs: loading at the own heel strike, the law at
@@ -195,9 +220,7 @@ static void follow_gait(struct controller *controller, const struct controller_i
         }
     }
     if (controller->step_pending && controller->law.is_final) {
-        controller->step_pending = false;
-        controller->last_step = controller->pending_step;
-        controller->last_step.r0_m = controller->share * controller->law.r0_m;
+        finish_step(controller);
         output->new_step = true;
         sea_reference_trim(&controller->sea[controller->last_step.side],
                            controller->last_step.r0_m);
@@ -314,6 +337,9 @@ void controller_update(struct controller *controller, const struct controller_in
         checks_find(&controller->checks, controller->params, &raw, &values, &context);
     if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
         fault = SUPERVISOR_FAULT_LEGS;
+    }
+    if (controller->supervisor.state == SUPERVISOR_INIT && !has_nodes(&values)) {
+        controller->supervisor.since_tick = values.tick; /* its time begins with the nodes */
     }
     if (supervisor_update(&controller->supervisor, values.tick,
                           conditions_of(controller, &values, fault), fault)) {

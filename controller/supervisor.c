@@ -22,6 +22,7 @@ const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS] = {
     /* what took too long */
     {IN(UNLOADING), IF(TIMEOUT), 0, SUPERVISOR_FAULT},
     {IN(SELF_TEST), IF(TIMEOUT), 0, SUPERVISOR_FAULT},
+    {IN(INIT), IF(NODES) | IF(TIMEOUT), 0, SUPERVISOR_FAULT},
 };
 
 enum supervisor_state supervisor_next(const struct supervisor_row *rows, int count,
@@ -69,7 +70,7 @@ bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t co
     if (to == SUPERVISOR_INIT) {
         supervisor->latched = SUPERVISOR_FAULT_NONE;
     } else if (to == SUPERVISOR_FAULT && supervisor->latched == SUPERVISOR_FAULT_NONE) {
-        supervisor->latched = overdue(from);
+        supervisor->latched = (conditions & IF(FAULT)) != 0 ? fault : overdue(from);
     }
     return true;
 }
@@ -104,6 +105,6 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "value not finite",
                                                          "spring not unloaded in time",
                                                          "restarted by itself",
-                                                         "somebody else commands the drives"};
+                                                         "foreign node on the bus"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }

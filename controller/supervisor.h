@@ -7,6 +7,8 @@
  *   INIT -> SELF_TEST -> STANDBY -> ENGAGING -> WALKING -> UNLOADING -> STANDBY
  *   any fault: a powered spring is unloaded first (UNLOADING), then torque goes
  *   off and FAULT is latched until a reset at standstill.
+ *   In INIT nodes may be missing for as long as they like; once they are there, what is
+ *   wrong then (a drive in fault from power-up on) is a fault after a while.
  *
  * Engaging: with engage_steps = 0 (the bench: a hand holds the walker, which has no
  * push-off of its own) the first spring is loaded at once and the first apex counts;
@@ -30,7 +32,7 @@
 
 /* The values appear on the bus and in logs. */
 enum supervisor_state {
-    SUPERVISOR_INIT = 0,      /* waiting for the nodes */
+    SUPERVISOR_INIT = 0,      /* waiting for the nodes, and for them to be well */
     SUPERVISOR_SELF_TEST = 1, /* values fresh and plausible, springs slack? */
     SUPERVISOR_STANDBY = 2,   /* all well, torque off */
     SUPERVISOR_ENGAGING = 3,  /* drives enabled, steps not verified yet */
@@ -60,14 +62,14 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_NOT_FINITE = 15,
     SUPERVISOR_FAULT_UNLOAD = 16,    /* springs not known to be slack in time */
     SUPERVISOR_FAULT_RESTARTED = 17, /* the processor restarted by itself: crash or watchdog */
-    SUPERVISOR_FAULT_FOREIGN = 18,   /* another node commands the drives */
+    SUPERVISOR_FAULT_FOREIGN = 18,   /* another node sends with identifiers of this bus */
     SUPERVISOR_FAULTS = 19
 };
 
 /* Conditions, one bit each. */
 enum supervisor_condition {
     SUPERVISOR_IF_FAULT = 1 << 0,          /* some fault condition holds now */
-    SUPERVISOR_IF_NODES = 1 << 1,          /* all nodes operational */
+    SUPERVISOR_IF_NODES = 1 << 1,          /* all nodes operational, or one tells of an error */
     SUPERVISOR_IF_PLAUSIBLE = 1 << 2,      /* no fault, all values fresh, springs slack */
     SUPERVISOR_IF_WALK_REQUESTED = 1 << 3,
     SUPERVISOR_IF_ENABLED = 1 << 4,        /* both drives report enabled */
@@ -91,7 +93,7 @@ struct supervisor_row {
     enum supervisor_state to;
 };
 
-enum { SUPERVISOR_ROWS = 14 };
+enum { SUPERVISOR_ROWS = 15 };
 extern const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS];
 
 struct supervisor {
@@ -109,7 +111,7 @@ void supervisor_init(struct supervisor *supervisor);
 
 /* One tick. conditions: bits of enum supervisor_condition (IF_LATCHED is set by
  * this function itself). fault: the reason when IF_FAULT is set. The first fault is
- * latched, except in INIT, where nodes are still missing; FAULT is never entered
+ * latched, in INIT only when it lasts (nodes are still missing); FAULT is never entered
  * without one. At most one transition a tick. Returns true when the state changed. */
 bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t conditions,
                        enum supervisor_fault fault);

@@ -186,6 +186,29 @@ START_TEST(the_last_gate)
 }
 END_TEST
 
+/* And r0 from step to step. */
+START_TEST(the_step_of_r0_is_bounded_without_the_parameters)
+{
+    struct rig *rig = start(0.6, 0);
+    walk(rig, 6);
+    struct control_params *params = &rig->loop.rig.task.node.objects.params;
+    const real limit_m = params->r0_change_max_m;
+    const real before_m = controller_of(rig)->last_step.r0_m;
+    const uint32_t number = controller_of(rig)->last_step.number;
+    params->r0_change_max_m = REAL(0.3);
+    for (unsigned i = 0; i < params->table.count; i++) {
+        params->table.speed_rad_s[i] *= REAL(0.5); /* asks for much more push-off */
+    }
+    for (int i = 0; i < 3000 && controller_of(rig)->last_step.number == number; i++) {
+        rig->loop.rig.task.node.crc_at = 0; /* the checksum's round never ends */
+        run(rig, 1);
+    }
+    ck_assert_uint_eq(controller_of(rig)->last_step.number, number + 1);
+    assert_close((double)controller_of(rig)->last_step.r0_m, (double)(before_m + limit_m), 1e-6, 0.0);
+    free(rig);
+}
+END_TEST
+
 /* The drive with an encoder that says zero is given the time to follow. */
 START_TEST(unloading_lasts_its_time)
 {
@@ -223,6 +246,7 @@ int main(void)
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);
     tcase_add_test(tests, the_last_gate);
+    tcase_add_test(tests, the_step_of_r0_is_bounded_without_the_parameters);
     tcase_add_test(tests, unloading_lasts_its_time);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

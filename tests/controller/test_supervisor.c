@@ -20,6 +20,9 @@ static const struct {
     {SUPERVISOR_INIT, 0, false, SUPERVISOR_INIT},
     {SUPERVISOR_INIT, SUPERVISOR_IF_NODES, false, SUPERVISOR_SELF_TEST},
     {SUPERVISOR_INIT, SUPERVISOR_IF_NODES | SUPERVISOR_IF_FAULT, false, SUPERVISOR_INIT},
+    {SUPERVISOR_INIT, SUPERVISOR_IF_NODES | SUPERVISOR_IF_FAULT | SUPERVISOR_IF_TIMEOUT, false,
+     SUPERVISOR_FAULT},
+    {SUPERVISOR_INIT, SUPERVISOR_IF_FAULT | SUPERVISOR_IF_TIMEOUT, false, SUPERVISOR_INIT},
     {SUPERVISOR_SELF_TEST, 0, false, SUPERVISOR_SELF_TEST},
     {SUPERVISOR_SELF_TEST, SUPERVISOR_IF_PLAUSIBLE, false, SUPERVISOR_STANDBY},
     {SUPERVISOR_SELF_TEST, SUPERVISOR_IF_FAULT, false, SUPERVISOR_FAULT},
@@ -95,6 +98,12 @@ START_TEST(what_took_too_long_is_a_fault)
     supervisor = (struct supervisor){SUPERVISOR_SELF_TEST, SUPERVISOR_FAULT_NONE, 0};
     ck_assert(supervisor_update(&supervisor, 9, SUPERVISOR_IF_TIMEOUT, SUPERVISOR_FAULT_NONE));
     ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_SELF_TEST);
+    supervisor_init(&supervisor);
+    ck_assert(supervisor_update(&supervisor, 9,
+                                SUPERVISOR_IF_NODES | SUPERVISOR_IF_FAULT | SUPERVISOR_IF_TIMEOUT,
+                                SUPERVISOR_FAULT_DRIVE));
+    ck_assert_int_eq(supervisor.state, SUPERVISOR_FAULT);
+    ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_DRIVE); /* what lasted, not that it did */
 }
 END_TEST
 

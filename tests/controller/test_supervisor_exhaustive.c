@@ -27,26 +27,60 @@ struct tally {
     char why[256]; /* what caught them, each once */
 };
 
-static bool is_same(const struct supervisor_row *rows, int count)
+/* Whether this row by itself applies. */
+static bool matches(const struct supervisor_row *row, int state, unsigned c)
 {
-    for (int state = 0; state < SUPERVISOR_STATES; state++) {
-        for (unsigned c = 0; c < SUPERVISOR_INPUTS; c++) {
-            if (supervisor_next(rows, count, (enum supervisor_state)state, (uint16_t)c) !=
-                supervisor_next(supervisor_rows, SUPERVISOR_ROWS, (enum supervisor_state)state,
-                                (uint16_t)c)) {
-                return false;
-            }
-        }
-    }
-    return true;
+    return (row->from & (1u << state)) != 0 && (c & row->require) == row->require &&
+           (c & row->forbid) == 0;
 }
 
-static void examine(const struct supervisor_row *rows, int count, struct tally *tally)
+/* Why a mutation of one row is none: of all pairs of state and input, those in which the
+ * row's own answer has changed, by what decides them instead. The machine's output is its
+ * state, so equal answers in every state under every input are equal behaviour for ever. */
+struct proof {
+    unsigned differ;    /* pairs in which the next state is another: 0, or it is a mutation */
+    unsigned shadowed;  /* the row's answer changed, but a row before it decides */
+    unsigned fallen;    /* ... but where it no longer decides, a later row or none leads there */
+};
+
+static struct proof compare(const struct supervisor_row *rows, int row)
+{
+    struct proof proof = {0, 0, 0};
+    for (int state = 0; state < SUPERVISOR_STATES; state++) {
+        for (unsigned c = 0; c < SUPERVISOR_INPUTS; c++) {
+            const enum supervisor_state now =
+                supervisor_next(rows, SUPERVISOR_ROWS, (enum supervisor_state)state, (uint16_t)c);
+            const enum supervisor_state before = supervisor_next(
+                supervisor_rows, SUPERVISOR_ROWS, (enum supervisor_state)state, (uint16_t)c);
+            const bool changed = matches(&rows[row], state, c) != matches(&supervisor_rows[row], state, c) ||
+                                 (matches(&rows[row], state, c) && rows[row].to != supervisor_rows[row].to);
+            int first = 0;
+            while (first < row && !matches(&supervisor_rows[first], state, c)) {
+                first++;
+            }
+            proof.differ += now != before ? 1u : 0u;
+            proof.shadowed += changed && first < row ? 1u : 0u;
+            proof.fallen += changed && first == row ? 1u : 0u;
+        }
+    }
+    return proof;
+}
+
+/* row < 0: not a mutation of one row in place. */
+static void examine(const struct supervisor_row *rows, int count, struct tally *tally, int row,
+                    const char *field, int bit)
 {
     const char *wrong = supervisor_examine(rows, count);
     tally->made++;
     if (wrong == NULL) {
-        tally->same += is_same(rows, count) ? 1 : 0;
+        ck_assert_msg(row >= 0, "a row that can be left out");
+        const struct proof proof = compare(rows, row);
+        ck_assert_msg(proof.differ == 0, "row %d, %s %d: not caught, and it changes %u pairs", row,
+                      field, bit, proof.differ);
+        printf("  row %2d, %s %d changes nothing: of %u pairs, %u are decided by rows before it, "
+               "%u lead to the same state\n",
+               row, field, bit, proof.shadowed + proof.fallen, proof.shadowed, proof.fallen);
+        tally->same++;
         return;
     }
     tally->caught++;
@@ -63,26 +97,26 @@ static void mutate(int row, struct tally *tally)
     struct supervisor_row rows[SUPERVISOR_ROWS];
     memcpy(rows, supervisor_rows, sizeof rows);
     memmove(&rows[row], &rows[row + 1], (size_t)(SUPERVISOR_ROWS - row - 1) * sizeof rows[0]);
-    examine(rows, SUPERVISOR_ROWS - 1, tally);
+    examine(rows, SUPERVISOR_ROWS - 1, tally, -1, "left out", 0);
     ck_assert_int_eq(tally->caught, 1);
     memcpy(rows, supervisor_rows, sizeof rows);
     for (int bit = 0; bit < SUPERVISOR_STATES; bit++) {
         rows[row].from = (uint16_t)(supervisor_rows[row].from ^ (1u << bit));
-        examine(rows, SUPERVISOR_ROWS, tally);
+        examine(rows, SUPERVISOR_ROWS, tally, row, "from state", bit);
         rows[row].from = supervisor_rows[row].from;
     }
     for (int bit = 0; bit < SUPERVISOR_CONDITION_BITS; bit++) {
         rows[row].require = (uint16_t)(supervisor_rows[row].require ^ (1u << bit));
-        examine(rows, SUPERVISOR_ROWS, tally);
+        examine(rows, SUPERVISOR_ROWS, tally, row, "require bit", bit);
         rows[row].require = supervisor_rows[row].require;
         rows[row].forbid = (uint16_t)(supervisor_rows[row].forbid ^ (1u << bit));
-        examine(rows, SUPERVISOR_ROWS, tally);
+        examine(rows, SUPERVISOR_ROWS, tally, row, "forbid bit", bit);
         rows[row].forbid = supervisor_rows[row].forbid;
     }
     for (int to = 0; to < SUPERVISOR_STATES; to++) {
         if (to != (int)supervisor_rows[row].to) {
             rows[row].to = (enum supervisor_state)to;
-            examine(rows, SUPERVISOR_ROWS, tally);
+            examine(rows, SUPERVISOR_ROWS, tally, row, "to state", to);
         }
     }
 }

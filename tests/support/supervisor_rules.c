@@ -9,8 +9,15 @@ enum supervisor_state supervisor_rule(enum supervisor_state state, unsigned cond
 {
     switch (state) {
     case SUPERVISOR_INIT:
-        /* Waits for the nodes; what is wrong meanwhile only makes it wait. */
-        return HAS(NODES) && !HAS(FAULT) ? SUPERVISOR_SELF_TEST : state;
+        /* Waits for the nodes; what is wrong meanwhile only makes it wait, but not for
+         * ever once they are there. */
+        if (!HAS(NODES)) {
+            return state;
+        }
+        if (!HAS(FAULT)) {
+            return SUPERVISOR_SELF_TEST;
+        }
+        return HAS(TIMEOUT) ? SUPERVISOR_FAULT : state;
     case SUPERVISOR_SELF_TEST:
         if (HAS(FAULT)) {
             return SUPERVISOR_FAULT;
