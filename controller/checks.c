@@ -194,13 +194,13 @@ static void watch_force(struct leg_checks *leg, const struct control_params *par
     }
     const real stiffness = params->spring_stiffness_n_m;
     const real expected_N = stiffness * sea->precompression_m;
-    const real tolerance_N =
-        FORCE_TOLERANCE_SHARE * real_abs(expected_N) +
-        FORCE_FRICTION_LENGTH_SHARE * stiffness * params->leg_length_m;
+    const real tolerance_N = FORCE_TOLERANCE_SHARE * real_abs(expected_N) +
+                             FORCE_FRICTION_LENGTH_SHARE * stiffness * params->leg_length_m;
     const bool explained = real_abs(sea->force_N - expected_N) <= tolerance_N;
-    leg->force_strikes = explained ? 0 : (uint8_t)(leg->force_strikes < UINT8_MAX
-                                                       ? leg->force_strikes + 1
-                                                       : leg->force_strikes);
+    leg->force_strikes = explained
+                             ? 0
+                             : (uint8_t)(leg->force_strikes < UINT8_MAX ? leg->force_strikes + 1
+                                                                        : leg->force_strikes);
 }
 
 /* Ankle against latch and motor; only where the body leaves the ankle no freedom. */
@@ -240,8 +240,8 @@ static void watch_following(struct leg_checks *leg, const struct control_params 
 {
     const bool follows = command->enable && sea->state == DRIVE_ENABLED;
     const real behind = real_abs(leg->command_m[COMMAND_DELAY] - sea->precompression_m);
-    leg->follow_strikes = strike(leg->follow_strikes,
-                                 follows && behind > FOLLOW_SHARE * params->leg_length_m);
+    leg->follow_strikes =
+        strike(leg->follow_strikes, follows && behind > FOLLOW_SHARE * params->leg_length_m);
     leg->off_strikes =
         strike(leg->off_strikes, follows && behind > OFF_SHARE * params->leg_length_m);
     for (int i = COMMAND_DELAY; i > 0; i--) {

@@ -80,7 +80,7 @@ enum gait_event_kind {
 };
 
 struct gait_event {
-    bool happened;      /* reported in this tick; the event itself may be older */
+    bool happened; /* reported in this tick; the event itself may be older */
     enum side side;
     uint32_t tick;      /* first SYNC at or after the event */
     real before_tick_s; /* the event lies this long before that SYNC, >= 0: interpolated */

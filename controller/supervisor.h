@@ -46,14 +46,14 @@ enum supervisor_state {
 enum supervisor_fault {
     SUPERVISOR_FAULT_NONE = 0,
     SUPERVISOR_FAULT_EMERGENCY_STOP = 1,
-    SUPERVISOR_FAULT_NODE_LOST = 2,    /* heartbeat or NMT state */
+    SUPERVISOR_FAULT_NODE_LOST = 2, /* heartbeat or NMT state */
     SUPERVISOR_FAULT_SENSOR_STALE = 3,
     SUPERVISOR_FAULT_DRIVE_STALE = 4,
     SUPERVISOR_FAULT_DRIVE = 5,        /* a drive reports fault or left enabled by itself */
     SUPERVISOR_FAULT_SENSOR_RANGE = 6, /* not finite or beyond what a leg can do */
     SUPERVISOR_FAULT_FALL = 7,         /* a leg beyond the fall angle */
-    SUPERVISOR_FAULT_PARAMETERS = 8,    /* none usable, or their checksum changed by itself */
-    SUPERVISOR_FAULT_SENSOR_RATE = 9,   /* values that no motion explains */
+    SUPERVISOR_FAULT_PARAMETERS = 8,   /* none usable, or their checksum changed by itself */
+    SUPERVISOR_FAULT_SENSOR_RATE = 9,  /* values that no motion explains */
     SUPERVISOR_FAULT_SENSOR_STUCK = 10,
     SUPERVISOR_FAULT_SPRING = 11,    /* motor, ankle, latch and force contradict */
     SUPERVISOR_FAULT_SELF_TEST = 12, /* springs not slack or values not fresh in time: homing */
@@ -68,19 +68,19 @@ enum supervisor_fault {
 
 /* Conditions, one bit each. */
 enum supervisor_condition {
-    SUPERVISOR_IF_FAULT = 1 << 0,          /* some fault condition holds now */
-    SUPERVISOR_IF_NODES = 1 << 1,          /* all nodes operational, or one tells of an error */
-    SUPERVISOR_IF_PLAUSIBLE = 1 << 2,      /* no fault, all values fresh, springs slack */
+    SUPERVISOR_IF_FAULT = 1 << 0,     /* some fault condition holds now */
+    SUPERVISOR_IF_NODES = 1 << 1,     /* all nodes operational, or one tells of an error */
+    SUPERVISOR_IF_PLAUSIBLE = 1 << 2, /* no fault, all values fresh, springs slack */
     SUPERVISOR_IF_WALK_REQUESTED = 1 << 3,
-    SUPERVISOR_IF_ENABLED = 1 << 4,        /* both drives report enabled */
-    SUPERVISOR_IF_STEPPING = 1 << 5,       /* an apex within the step time-out */
-    SUPERVISOR_IF_UNLOADED = 1 << 6,       /* both springs slack */
-    SUPERVISOR_IF_TIMEOUT = 1 << 7,        /* the state has lasted as long as it may */
-    SUPERVISOR_IF_RESET = 1 << 8,          /* reset asked for */
+    SUPERVISOR_IF_ENABLED = 1 << 4,  /* both drives report enabled */
+    SUPERVISOR_IF_STEPPING = 1 << 5, /* an apex within the step time-out */
+    SUPERVISOR_IF_UNLOADED = 1 << 6, /* both springs slack */
+    SUPERVISOR_IF_TIMEOUT = 1 << 7,  /* the state has lasted as long as it may */
+    SUPERVISOR_IF_RESET = 1 << 8,    /* reset asked for */
     SUPERVISOR_IF_STANDSTILL = 1 << 9,
-    SUPERVISOR_IF_LATCHED = 1 << 10,       /* a fault is latched */
-    SUPERVISOR_IF_STEADY = 1 << 11,        /* enough steady steps to begin */
-    SUPERVISOR_IF_REGULAR = 1 << 12,       /* not two unsteady steps in a row */
+    SUPERVISOR_IF_LATCHED = 1 << 10, /* a fault is latched */
+    SUPERVISOR_IF_STEADY = 1 << 11,  /* enough steady steps to begin */
+    SUPERVISOR_IF_REGULAR = 1 << 12, /* not two unsteady steps in a row */
     SUPERVISOR_CONDITION_BITS = 13
 };
 

@@ -41,8 +41,8 @@ struct control_task_config {
     struct leg_sensor_config leg_sensor[LEG_COUNT];
     struct node_setup_config setup; /* what the nodes are told, and must be like */
     bool configure_nodes;           /* false: nodes of another protocol than CANopen */
-    float desired_speed_rad_s; /* at the start; forward apex speed */
-    bool walk_requested;       /* at the start */
+    float desired_speed_rad_s;      /* at the start; forward apex speed */
+    bool walk_requested;            /* at the start */
 };
 
 struct control_task_counters { /* all saturate */
@@ -64,13 +64,13 @@ struct control_task {
     struct controller controller;
     struct controller_output output; /* of the last tick */
     struct control_task_counters counters;
-    uint32_t tick;        /* number of the last own SYNC seen; 0 = none yet; wraps after 49 days */
-    uint64_t now_ns;      /* since the task's start, in periods of SYNC; does not wrap */
-    uint8_t configured;   /* bit i: node i of the network is set up */
-    uint16_t sync_waits;  /* cycles the SYNC under way has been waited for; 0 = none is */
-    bool foreign;         /* in this tick: another node sends with an identifier of ours */
+    uint32_t tick;       /* number of the last own SYNC seen; 0 = none yet; wraps after 49 days */
+    uint64_t now_ns;     /* since the task's start, in periods of SYNC; does not wrap */
+    uint8_t configured;  /* bit i: node i of the network is set up */
+    uint16_t sync_waits; /* cycles the SYNC under way has been waited for; 0 = none is */
+    bool foreign;        /* in this tick: another node sends with an identifier of ours */
     uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
-    bool emergency_stop;  /* as used in the last tick, and as sent */
+    bool emergency_stop;         /* as used in the last tick, and as sent */
 };
 
 /* Prepares the task; nothing is sent yet. *config is copied, what it points to

@@ -33,11 +33,16 @@ enum cia402_state {
 /* By bits 0-3, 5 and 6, as CiA 402 masks them: bit 5 (quick stop) counts in some states
  * only. What is not listed is not ready. */
 static const uint8_t state_by_bits[0x70] = {
-    [0x40] = CIA402_SWITCH_ON_DISABLED, [0x60] = CIA402_SWITCH_ON_DISABLED,
-    [0x0F] = CIA402_FAULT_REACTION,     [0x2F] = CIA402_FAULT_REACTION,
-    [0x08] = CIA402_FAULT,              [0x28] = CIA402_FAULT,
-    [0x21] = CIA402_READY,              [0x23] = CIA402_SWITCHED_ON,
-    [0x27] = CIA402_ENABLED,            [0x07] = CIA402_QUICK_STOP,
+    [0x40] = CIA402_SWITCH_ON_DISABLED,
+    [0x60] = CIA402_SWITCH_ON_DISABLED,
+    [0x0F] = CIA402_FAULT_REACTION,
+    [0x2F] = CIA402_FAULT_REACTION,
+    [0x08] = CIA402_FAULT,
+    [0x28] = CIA402_FAULT,
+    [0x21] = CIA402_READY,
+    [0x23] = CIA402_SWITCHED_ON,
+    [0x27] = CIA402_ENABLED,
+    [0x07] = CIA402_QUICK_STOP,
 };
 
 static enum cia402_state state_of(uint16_t statusword)
@@ -124,10 +129,14 @@ static void read_axis(const void *context, enum leg leg, struct sea_drive_readin
 {
     const struct cia402_axis *axis = &((const struct cia402_drives *)context)->axis[leg];
     static const enum sea_drive_state meaning[] = {
-        [CIA402_NOT_READY] = SEA_DRIVE_DISABLED,      [CIA402_SWITCH_ON_DISABLED] = SEA_DRIVE_DISABLED,
-        [CIA402_READY] = SEA_DRIVE_DISABLED,          [CIA402_SWITCHED_ON] = SEA_DRIVE_STARTING,
-        [CIA402_ENABLED] = SEA_DRIVE_ENABLED,         [CIA402_QUICK_STOP] = SEA_DRIVE_STOPPING,
-        [CIA402_FAULT_REACTION] = SEA_DRIVE_STOPPING, [CIA402_FAULT] = SEA_DRIVE_FAULT,
+        [CIA402_NOT_READY] = SEA_DRIVE_DISABLED,
+        [CIA402_SWITCH_ON_DISABLED] = SEA_DRIVE_DISABLED,
+        [CIA402_READY] = SEA_DRIVE_DISABLED,
+        [CIA402_SWITCHED_ON] = SEA_DRIVE_STARTING,
+        [CIA402_ENABLED] = SEA_DRIVE_ENABLED,
+        [CIA402_QUICK_STOP] = SEA_DRIVE_STOPPING,
+        [CIA402_FAULT_REACTION] = SEA_DRIVE_STOPPING,
+        [CIA402_FAULT] = SEA_DRIVE_FAULT,
     };
     const bool has_force = axis->config.rated_force_N > 0.0f;
     reading->age_ticks = axis->age_ticks;
@@ -135,12 +144,12 @@ static void read_axis(const void *context, enum leg leg, struct sea_drive_readin
     reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
     reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
                        axis->config.rated_force_N / 1000.0f;
-    reading->latch = axis->age_ticks == UINT16_MAX ? SEA_LATCH_STATE_UNKNOWN
+    reading->latch = axis->age_ticks == UINT16_MAX                       ? SEA_LATCH_STATE_UNKNOWN
                      : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? SEA_LATCH_STATE_CLOSED
                                                                          : SEA_LATCH_STATE_OPEN;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
-    const bool ignores =
-        state_of(axis->statusword) == CIA402_ENABLED && (axis->statusword & STATUSWORD_FOLLOWS) == 0;
+    const bool ignores = state_of(axis->statusword) == CIA402_ENABLED &&
+                         (axis->statusword & STATUSWORD_FOLLOWS) == 0;
     reading->state = axis->age_ticks == UINT16_MAX ? SEA_DRIVE_UNKNOWN
                      : ignores                     ? SEA_DRIVE_STOPPING
                                                    : meaning[state_of(axis->statusword)];

@@ -18,7 +18,7 @@
 #include "hal/sea_latch.h"
 
 struct cia402_axis_config {
-    float counts_per_m; /* motor counts per metre of spring, > 0 */
+    float counts_per_m;  /* motor counts per metre of spring, > 0 */
     int32_t zero_counts; /* count at the unloaded spring */
     int8_t direction;    /* +1 when counts rise with compression, else -1 */
     float rated_force_N; /* 1000 per mille of 0x6077; 0 = the force is not known */
@@ -32,8 +32,8 @@ struct cia402_axis {
     uint16_t age_ticks;
     uint16_t torque_age_ticks;
     struct sea_latch_sender sender; /* of controlword and outputs */
-    uint8_t surplus;           /* different states more than cycles: sample_surplus.h */
-    bool resetting;            /* the fault reset bit was set in the last controlword */
+    uint8_t surplus;                /* different states more than cycles: sample_surplus.h */
+    bool resetting;                 /* the fault reset bit was set in the last controlword */
 };
 
 struct cia402_drives {

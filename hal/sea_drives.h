@@ -23,7 +23,11 @@ enum sea_drive_state {
     SEA_DRIVE_FAULT = 5
 };
 
-enum sea_latch_state { SEA_LATCH_STATE_UNKNOWN = 0, SEA_LATCH_STATE_CLOSED = 1, SEA_LATCH_STATE_OPEN = 2 };
+enum sea_latch_state {
+    SEA_LATCH_STATE_UNKNOWN = 0,
+    SEA_LATCH_STATE_CLOSED = 1,
+    SEA_LATCH_STATE_OPEN = 2
+};
 
 struct sea_drive_reading {
     float precompression_m; /* motor position in metres of spring */
@@ -60,7 +64,8 @@ struct sea_drives {
     void *context;
 };
 
-static inline bool sea_drives_receive(const struct sea_drives *drives, const struct can_msg *message)
+static inline bool sea_drives_receive(const struct sea_drives *drives,
+                                      const struct can_msg *message)
 {
     return drives->ops->receive(drives->context, message);
 }

@@ -23,72 +23,72 @@ enum fault_group {
     FAULT_GROUP_COMMAND = 5
 };
 
-#define FAULT_TABLE(X)                                                                              \
-    X(SENSOR_FRAMES_LOST, "sensor frames lost", BUS, 15, 30, 1, 1000, 0, 0, "")                     \
-    X(DRIVE_FRAMES_LOST, "drive frames lost", BUS, 15, 30, 1, 1000, 0, 0, "")                       \
-    X(TARGETS_LOST, "targets lost to one drive", BUS, 60, 120, 1, 1000, 0, 0, "")                   \
-    X(COMMANDS_LOST, "commands lost to one drive", BUS, 0, 0, 100, 3000, 0, 0, "")                  \
-    X(SLOW_LOST, "slow drive frames lost", BUS, 600, 600, 100, 2000, 0, 0, "")                      \
-    X(NODE_HEARTBEAT_LOST, "heartbeat of a node lost", BUS, 360, 400, 50, 1500, 0, 0, "")           \
-    X(MASTER_HEARTBEAT_LOST, "controller's heartbeat lost", BUS, 360, 400, 50, 1500, 0, 0, "")      \
-    X(SYNC_LOST, "SYNC lost to one node", BUS, 15, 40, 1, 500, 0, 0, "")                            \
-    X(NODE_UNPLUGGED, "node unplugged", BUS, 15, 60, 1, 2000, 0, 0, "")                             \
-    X(CONTROLLER_UNPLUGGED, "controller unplugged", BUS, 60, 120, 1, 2000, 0, 0, "")                \
-    X(RANDOM_LOSS, "frames lost at random", BUS, 0, 0, 50, 2000, 0.01, 0.5, "")                     \
-    X(DELAYED, "sensor frames delayed, reordered", BUS, 0, 0, 10, 2000, 0.1, 10, "ms")              \
-    X(DUPLICATED, "frames duplicated", BUS, 0, 0, 10, 2000, 0.05, 1, "")                            \
-    X(CORRUPT_ANGLE, "leg angle bits flipped", BUS, 0, 0, 1, 1000, 0.01, 1, "")                     \
-    X(CORRUPT_DRIVE, "drive frame bits flipped", BUS, 0, 0, 1, 1000, 0.01, 1, "")                   \
-    X(CORRUPT_TARGETS, "target bits flipped", BUS, 0, 0, 1, 1000, 0.01, 1, "")                      \
-    X(CORRUPT_COMMAND, "command bits flipped", BUS, 0, 0, 1, 1000, 0.1, 1, "")                      \
-    X(CORRUPT_ANY, "any bits flipped", BUS, 0, 0, 1, 1000, 0.01, 0.5, "")                           \
-    X(ERROR_BURSTS, "error frames", BUS, 0, 0, 1, 1000, 0.02, 1, "")                                \
-    X(BUS_OFF, "node driven to bus-off", BUS, 40, 80, 40, 500, 0, 0, "")                            \
-    X(BABBLE_HIGH, "babbling at high priority", BUS, 60, 150, 1, 1000, 0, 0, "")                    \
-    X(BABBLE_LOW, "babbling at low priority", BUS, 0, 0, 1, 1000, 0, 0, "")                         \
-    X(FOREIGN_SENSOR, "foreign node with a sensor's id", BUS, 0, 0, 10, 1500, -0.6, 0.6, "rad")     \
-    X(FOREIGN_DRIVE, "foreign node with a drive's id", BUS, 0, 0, 10, 1500, 0, 0.3, "m")            \
-    X(FOREIGN_TARGETS, "foreign node sends targets", BUS, 1, 20, 10, 1500, 0, 0.3, "m")             \
-    X(FOREIGN_COMMAND, "foreign node sends commands", BUS, 1, 20, 10, 1500, 0, 1, "")               \
-    X(FOREIGN_SYNC, "foreign node sends SYNC", BUS, 1, 20, 10, 1500, 0, 0, "")                      \
-    X(FOREIGN_NMT, "foreign node sends NMT", BUS, 1, 300, 1, 5, 0, 3, "")                           \
-    X(ANGLE_STUCK, "leg angle stuck", SENSOR, 2500, 2500, 50, 3000, 0, 0, "")                       \
-    X(ANKLE_STUCK, "ankle stuck", SENSOR, 0, 0, 50, 3000, 0, 0, "")                                 \
-    X(ANGLE_OFFSET, "leg angle offset", SENSOR, 0, 0, 100, 3000, -0.6, 0.6, "rad")                  \
-    X(ANGLE_DRIFT, "leg angle drifts", SENSOR, 0, 0, 100, 3000, -0.6, 0.6, "rad/s")                 \
-    X(ANGLE_JUMP, "leg angle spikes", SENSOR, 0, 0, 1, 8, -1, 1, "rad")                             \
-    X(ANGLE_NOISE, "leg angle noise", SENSOR, 0, 0, 100, 3000, 0.001, 0.1, "rad")                   \
-    X(ANKLE_OFFSET, "ankle offset", SENSOR, 0, 0, 100, 3000, -0.1, 0.1, "m")                        \
-    X(ANKLE_NOISE, "ankle noise", SENSOR, 0, 0, 100, 3000, 0.0005, 0.03, "m")                       \
-    X(SENSOR_DEAD, "sensor dead: zeros", SENSOR, 2500, 2500, 20, 3000, 0, 0, "")                    \
-    X(SENSOR_SILENT, "sensor silent", SENSOR, 15, 30, 1, 1000, 0, 0, "")                            \
-    X(SENSORS_SWAPPED, "left and right swapped", SENSOR, 2500, 2500, 20, 3000, 0, 0, "")            \
-    X(SENSOR_NOT_FINITE, "sensor reads no number", SENSOR, 2500, 2500, 20, 3000, 0, 0, "")          \
-    X(DRIVE_FAULT, "drive fault", DRIVE, 1, 20, 1, 500, 0, 0, "")                                   \
-    X(DRIVE_RESET, "drive resets", DRIVE, 1, 60, 1, 1, 0, 0, "")                                    \
-    X(DRIVE_DEAF, "drive hears SYNC only", DRIVE, 60, 120, 1, 2000, 0, 0, "")                       \
-    X(DRIVE_FORCELESS, "drive without force (wrong mode)", DRIVE, 0, 0, 50, 3000, 0, 0, "")         \
-    X(DRIVE_WEAK, "drive force limited", DRIVE, 0, 0, 50, 3000, 0.01, 0.3, "")                      \
-    X(DRIVE_SLOW, "drive speed limited", DRIVE, 0, 0, 50, 3000, 0.02, 0.5, "")                      \
-    X(DRIVE_HANGS, "drive hangs, holds its motor", DRIVE, 15, 60, 50, 3000, 0, 0, "")               \
-    X(MOTOR_JAMMED, "motor jammed", DRIVE, 0, 0, 500, 3000, 0, 0, "")                               \
-    X(LATCH_STUCK_ARMED, "latch always armed", DRIVE, 0, 0, 50, 3000, 0, 0, "")                     \
-    X(LATCH_NEVER_ARMED, "latch never armed", DRIVE, 0, 0, 500, 3000, 0, 0, "")                     \
-    X(ENCODER_OFFSET, "motor encoder offset", DRIVE, 0, 0, 500, 3000, -0.05, 0.05, "m")             \
-    X(ENCODER_STUCK, "motor encoder stuck", DRIVE, 0, 0, 100, 3000, 0, 0, "")                       \
-    X(SPRING_BROKEN, "spring broken", PLANT, 2500, 2500, 3000, 3000, 0, 0, "")                      \
-    X(SPRING_SOFT, "spring softer", PLANT, 0, 0, 3000, 3000, 0.2, 0.9, "")                          \
-    X(SPRING_STIFF, "spring stiffer", PLANT, 0, 0, 3000, 3000, 1.1, 3, "")                          \
-    X(PUSH, "push", PLANT, 0, 0, 1, 1, -0.4, 0.4, "Ns")                                             \
-    X(SLIP, "slippery ground", PLANT, 0, 0, 100, 2000, 0.02, 0.3, "")                               \
-    X(TRIP, "trip", PLANT, 0, 0, 100, 1000, 0, 0, "")                                               \
-    X(STAIRS, "stair", PLANT, 0, 0, 1000, 3000, -0.06, 0.06, "m")                                   \
-    X(TICKS_MISSED, "controller misses ticks", TIME, 60, 350, 1, 1000, 0, 0, "")                    \
-    X(TICK_JITTER, "SYNC jitter", TIME, 0, 0, 100, 2000, 0.05, 0.4, "ms")                           \
-    X(CONTROLLER_RESET, "controller resets", TIME, 1, 350, 1, 1, 0, 0, "")                          \
-    X(EMERGENCY_STOP, "emergency stop", COMMAND, 1, 10, 5, 500, 0, 0, "")                           \
-    X(REQUEST_ENDS, "walk request withdrawn", COMMAND, 1, 10, 5, 1000, 0, 0, "")                    \
-    X(SPEED_JUMPS, "speed command jumps", COMMAND, 0, 0, 100, 3000, 0.2, 1.1, "rad/s")              \
+#define FAULT_TABLE(X)                                                                          \
+    X(SENSOR_FRAMES_LOST, "sensor frames lost", BUS, 15, 30, 1, 1000, 0, 0, "")                 \
+    X(DRIVE_FRAMES_LOST, "drive frames lost", BUS, 15, 30, 1, 1000, 0, 0, "")                   \
+    X(TARGETS_LOST, "targets lost to one drive", BUS, 60, 120, 1, 1000, 0, 0, "")               \
+    X(COMMANDS_LOST, "commands lost to one drive", BUS, 0, 0, 100, 3000, 0, 0, "")              \
+    X(SLOW_LOST, "slow drive frames lost", BUS, 600, 600, 100, 2000, 0, 0, "")                  \
+    X(NODE_HEARTBEAT_LOST, "heartbeat of a node lost", BUS, 360, 400, 50, 1500, 0, 0, "")       \
+    X(MASTER_HEARTBEAT_LOST, "controller's heartbeat lost", BUS, 360, 400, 50, 1500, 0, 0, "")  \
+    X(SYNC_LOST, "SYNC lost to one node", BUS, 15, 40, 1, 500, 0, 0, "")                        \
+    X(NODE_UNPLUGGED, "node unplugged", BUS, 15, 60, 1, 2000, 0, 0, "")                         \
+    X(CONTROLLER_UNPLUGGED, "controller unplugged", BUS, 60, 120, 1, 2000, 0, 0, "")            \
+    X(RANDOM_LOSS, "frames lost at random", BUS, 0, 0, 50, 2000, 0.01, 0.5, "")                 \
+    X(DELAYED, "sensor frames delayed, reordered", BUS, 0, 0, 10, 2000, 0.1, 10, "ms")          \
+    X(DUPLICATED, "frames duplicated", BUS, 0, 0, 10, 2000, 0.05, 1, "")                        \
+    X(CORRUPT_ANGLE, "leg angle bits flipped", BUS, 0, 0, 1, 1000, 0.01, 1, "")                 \
+    X(CORRUPT_DRIVE, "drive frame bits flipped", BUS, 0, 0, 1, 1000, 0.01, 1, "")               \
+    X(CORRUPT_TARGETS, "target bits flipped", BUS, 0, 0, 1, 1000, 0.01, 1, "")                  \
+    X(CORRUPT_COMMAND, "command bits flipped", BUS, 0, 0, 1, 1000, 0.1, 1, "")                  \
+    X(CORRUPT_ANY, "any bits flipped", BUS, 0, 0, 1, 1000, 0.01, 0.5, "")                       \
+    X(ERROR_BURSTS, "error frames", BUS, 0, 0, 1, 1000, 0.02, 1, "")                            \
+    X(BUS_OFF, "node driven to bus-off", BUS, 40, 80, 40, 500, 0, 0, "")                        \
+    X(BABBLE_HIGH, "babbling at high priority", BUS, 60, 150, 1, 1000, 0, 0, "")                \
+    X(BABBLE_LOW, "babbling at low priority", BUS, 0, 0, 1, 1000, 0, 0, "")                     \
+    X(FOREIGN_SENSOR, "foreign node with a sensor's id", BUS, 0, 0, 10, 1500, -0.6, 0.6, "rad") \
+    X(FOREIGN_DRIVE, "foreign node with a drive's id", BUS, 0, 0, 10, 1500, 0, 0.3, "m")        \
+    X(FOREIGN_TARGETS, "foreign node sends targets", BUS, 1, 20, 10, 1500, 0, 0.3, "m")         \
+    X(FOREIGN_COMMAND, "foreign node sends commands", BUS, 1, 20, 10, 1500, 0, 1, "")           \
+    X(FOREIGN_SYNC, "foreign node sends SYNC", BUS, 1, 20, 10, 1500, 0, 0, "")                  \
+    X(FOREIGN_NMT, "foreign node sends NMT", BUS, 1, 300, 1, 5, 0, 3, "")                       \
+    X(ANGLE_STUCK, "leg angle stuck", SENSOR, 2500, 2500, 50, 3000, 0, 0, "")                   \
+    X(ANKLE_STUCK, "ankle stuck", SENSOR, 0, 0, 50, 3000, 0, 0, "")                             \
+    X(ANGLE_OFFSET, "leg angle offset", SENSOR, 0, 0, 100, 3000, -0.6, 0.6, "rad")              \
+    X(ANGLE_DRIFT, "leg angle drifts", SENSOR, 0, 0, 100, 3000, -0.6, 0.6, "rad/s")             \
+    X(ANGLE_JUMP, "leg angle spikes", SENSOR, 0, 0, 1, 8, -1, 1, "rad")                         \
+    X(ANGLE_NOISE, "leg angle noise", SENSOR, 0, 0, 100, 3000, 0.001, 0.1, "rad")               \
+    X(ANKLE_OFFSET, "ankle offset", SENSOR, 0, 0, 100, 3000, -0.1, 0.1, "m")                    \
+    X(ANKLE_NOISE, "ankle noise", SENSOR, 0, 0, 100, 3000, 0.0005, 0.03, "m")                   \
+    X(SENSOR_DEAD, "sensor dead: zeros", SENSOR, 2500, 2500, 20, 3000, 0, 0, "")                \
+    X(SENSOR_SILENT, "sensor silent", SENSOR, 15, 30, 1, 1000, 0, 0, "")                        \
+    X(SENSORS_SWAPPED, "left and right swapped", SENSOR, 2500, 2500, 20, 3000, 0, 0, "")        \
+    X(SENSOR_NOT_FINITE, "sensor reads no number", SENSOR, 2500, 2500, 20, 3000, 0, 0, "")      \
+    X(DRIVE_FAULT, "drive fault", DRIVE, 1, 20, 1, 500, 0, 0, "")                               \
+    X(DRIVE_RESET, "drive resets", DRIVE, 1, 60, 1, 1, 0, 0, "")                                \
+    X(DRIVE_DEAF, "drive hears SYNC only", DRIVE, 60, 120, 1, 2000, 0, 0, "")                   \
+    X(DRIVE_FORCELESS, "drive without force (wrong mode)", DRIVE, 0, 0, 50, 3000, 0, 0, "")     \
+    X(DRIVE_WEAK, "drive force limited", DRIVE, 0, 0, 50, 3000, 0.01, 0.3, "")                  \
+    X(DRIVE_SLOW, "drive speed limited", DRIVE, 0, 0, 50, 3000, 0.02, 0.5, "")                  \
+    X(DRIVE_HANGS, "drive hangs, holds its motor", DRIVE, 15, 60, 50, 3000, 0, 0, "")           \
+    X(MOTOR_JAMMED, "motor jammed", DRIVE, 0, 0, 500, 3000, 0, 0, "")                           \
+    X(LATCH_STUCK_ARMED, "latch always armed", DRIVE, 0, 0, 50, 3000, 0, 0, "")                 \
+    X(LATCH_NEVER_ARMED, "latch never armed", DRIVE, 0, 0, 500, 3000, 0, 0, "")                 \
+    X(ENCODER_OFFSET, "motor encoder offset", DRIVE, 0, 0, 500, 3000, -0.05, 0.05, "m")         \
+    X(ENCODER_STUCK, "motor encoder stuck", DRIVE, 0, 0, 100, 3000, 0, 0, "")                   \
+    X(SPRING_BROKEN, "spring broken", PLANT, 2500, 2500, 3000, 3000, 0, 0, "")                  \
+    X(SPRING_SOFT, "spring softer", PLANT, 0, 0, 3000, 3000, 0.2, 0.9, "")                      \
+    X(SPRING_STIFF, "spring stiffer", PLANT, 0, 0, 3000, 3000, 1.1, 3, "")                      \
+    X(PUSH, "push", PLANT, 0, 0, 1, 1, -0.4, 0.4, "Ns")                                         \
+    X(SLIP, "slippery ground", PLANT, 0, 0, 100, 2000, 0.02, 0.3, "")                           \
+    X(TRIP, "trip", PLANT, 0, 0, 100, 1000, 0, 0, "")                                           \
+    X(STAIRS, "stair", PLANT, 0, 0, 1000, 3000, -0.06, 0.06, "m")                               \
+    X(TICKS_MISSED, "controller misses ticks", TIME, 60, 350, 1, 1000, 0, 0, "")                \
+    X(TICK_JITTER, "SYNC jitter", TIME, 0, 0, 100, 2000, 0.05, 0.4, "ms")                       \
+    X(CONTROLLER_RESET, "controller resets", TIME, 1, 350, 1, 1, 0, 0, "")                      \
+    X(EMERGENCY_STOP, "emergency stop", COMMAND, 1, 10, 5, 500, 0, 0, "")                       \
+    X(REQUEST_ENDS, "walk request withdrawn", COMMAND, 1, 10, 5, 1000, 0, 0, "")                \
+    X(SPEED_JUMPS, "speed command jumps", COMMAND, 0, 0, 100, 3000, 0.2, 1.1, "rad/s")          \
     X(PARAMETER_FLIPS, "parameter changes in memory", COMMAND, 1, 700, 3000, 3000, 0, 0, "")
 
 #define FAULT_ENUM(NAME, ...) FAULT_##NAME,

@@ -115,11 +115,15 @@ static void parse(struct options *options, int argc, char **argv)
 {
     static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
     static const struct argp parser = {
-        option_list, take, 0,
+        option_list,
+        take,
+        0,
         "Runs the control task on a CAN interface. An interrupt (Ctrl-C) unloads the springs, "
         "switches the drives off and ends.\v"
         "Exit status: 0 walked, 1 stopped by a fault, 2 wrong usage, input or interface.",
-        children, 0, 0};
+        children,
+        0,
+        0};
     walk_options_init(&options->walk);
     option_identity("afo-host");
     if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
@@ -146,15 +150,15 @@ static int open_bus(struct host *host)
             filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
         }
     }
-    const int result = socketcan_bus_open(&host->socket, host->options.interface, filters, count, true);
+    const int result =
+        socketcan_bus_open(&host->socket, host->options.interface, filters, count, true);
     if (result == 0) {
         return 0;
     }
     fprintf(stderr, "afo-host: %s: %s%s\n", host->options.interface, strerror(-result),
-            result == -EAFNOSUPPORT
-                ? " (this kernel has no CAN; scripts/vcan-guest brings one)"
-            : result == -ENODEV ? " (ip link shows the interfaces)"
-                                : "");
+            result == -EAFNOSUPPORT ? " (this kernel has no CAN; scripts/vcan-guest brings one)"
+            : result == -ENODEV     ? " (ip link shows the interfaces)"
+                                    : "");
     return -1;
 }
 
@@ -162,8 +166,13 @@ static int open_bus(struct host *host)
 
 static const char *state_name(enum supervisor_state state)
 {
-    static const char *const names[SUPERVISOR_STATES] = {
-        "waiting for the nodes", "self test", "standby", "engaging", "walking", "unloading", "FAULT"};
+    static const char *const names[SUPERVISOR_STATES] = {"waiting for the nodes",
+                                                         "self test",
+                                                         "standby",
+                                                         "engaging",
+                                                         "walking",
+                                                         "unloading",
+                                                         "FAULT"};
     return (unsigned)state < SUPERVISOR_STATES ? names[state] : "unknown";
 }
 
@@ -238,9 +247,8 @@ static void run(struct host *host)
         const bool answers =
             network_all_operational(&task->network) && silent_cycles < PATIENT_CYCLES;
         const uint64_t patience_ns = answers ? ANSWER_TIMEOUT_NS : TICK_NS;
-        const uint64_t deadline_ns = host->options.real_time
-                                         ? host->pacer.next_ns - TICK_NS / 10
-                                         : socketcan_now_ns() + patience_ns;
+        const uint64_t deadline_ns = host->options.real_time ? host->pacer.next_ns - TICK_NS / 10
+                                                             : socketcan_now_ns() + patience_ns;
         if (!run_cycle(host, deadline_ns, !host->options.real_time) && answers &&
             !host->options.real_time) {
             host->lost_cycles++;
@@ -296,16 +304,17 @@ static void report_json(const struct host *host)
     struct can_bus_status status;
     const struct can_bus bus = task->config.bus;
     can_bus_get_status(&bus, &status);
-    printf("{\"steps\": %u, \"ticks\": %u, \"lost_cycles\": %llu, \"late_answers\": %u, "
-           "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
-           "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
-           "\"error_frames\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
-           host->steps, task->tick, (unsigned long long)host->lost_cycles,
-           task->counters.late_answers, (double)task->controller.last_step.measured_speed_rad_s,
-           (double)task->controller.last_step.r0_m, (int)task->output.state,
-           (int)task->output.fault, host->faults, status.tx_frames, status.rx_frames, status.tx_refused,
-           status.rx_overflow, status.error_frames, (unsigned long long)host->pacer.missed,
-           1e-3 * (double)host->pacer.worst_late_ns);
+    printf(
+        "{\"steps\": %u, \"ticks\": %u, \"lost_cycles\": %llu, \"late_answers\": %u, "
+        "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
+        "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
+        "\"error_frames\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
+        host->steps, task->tick, (unsigned long long)host->lost_cycles, task->counters.late_answers,
+        (double)task->controller.last_step.measured_speed_rad_s,
+        (double)task->controller.last_step.r0_m, (int)task->output.state, (int)task->output.fault,
+        host->faults, status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
+        status.error_frames, (unsigned long long)host->pacer.missed,
+        1e-3 * (double)host->pacer.worst_late_ns);
 }
 
 int main(int argc, char **argv)

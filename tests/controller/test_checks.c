@@ -29,11 +29,10 @@ static void start(struct rig *rig, enum supervisor_state state)
     rig->input.desired_speed_rad_s = REAL(0.5);
     rig->input.nodes_operational = true;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        rig->input.sea[side] = (struct sea_measurement){.state = supervisor_may_enable(state)
-                                                                     ? DRIVE_ENABLED
-                                                                     : DRIVE_DISABLED,
-                                                        .latch = LATCH_CLOSED,
-                                                        .force_age_ticks = 1};
+        rig->input.sea[side] = (struct sea_measurement){
+            .state = supervisor_may_enable(state) ? DRIVE_ENABLED : DRIVE_DISABLED,
+            .latch = LATCH_CLOSED,
+            .force_age_ticks = 1};
         rig->command[side].enable = supervisor_may_enable(state);
     }
     checks_init(&rig->checks);
@@ -102,9 +101,9 @@ START_TEST(wrong_at_once)
     const real nan = (real)(__builtin_nanf(""));
     warm_up(&rig, SUPERVISOR_WALKING);
     const struct rig well = rig;
-#define AT_ONCE(change, fault)                                                                     \
-    rig = well;                                                                                    \
-    change;                                                                                        \
+#define AT_ONCE(change, fault) \
+    rig = well;                \
+    change;                    \
     ck_assert_int_eq(tick(&rig), fault)
     AT_ONCE(rig.input.emergency_stop = true, SUPERVISOR_FAULT_EMERGENCY_STOP);
     AT_ONCE(rig.input.nodes_operational = false, SUPERVISOR_FAULT_NODE_LOST);
@@ -273,8 +272,8 @@ START_TEST(force_against_spring)
         real force_N;
         enum supervisor_fault fault;
     } cases[] = {
-        {REAL(10.0), SUPERVISOR_FAULT_NONE}, {REAL(13.0), SUPERVISOR_FAULT_NONE},
-        {REAL(7.0), SUPERVISOR_FAULT_NONE},  {REAL(0.0), SUPERVISOR_FAULT_SPRING},
+        {REAL(10.0), SUPERVISOR_FAULT_NONE},  {REAL(13.0), SUPERVISOR_FAULT_NONE},
+        {REAL(7.0), SUPERVISOR_FAULT_NONE},   {REAL(0.0), SUPERVISOR_FAULT_SPRING},
         {REAL(5.9), SUPERVISOR_FAULT_SPRING}, {REAL(14.0), SUPERVISOR_FAULT_SPRING},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -204,7 +204,8 @@ START_TEST(the_step_of_r0_is_bounded_without_the_parameters)
         run(rig, 1);
     }
     ck_assert_uint_eq(controller_of(rig)->last_step.number, number + 1);
-    assert_close((double)controller_of(rig)->last_step.r0_m, (double)(before_m + limit_m), 1e-6, 0.0);
+    assert_close((double)controller_of(rig)->last_step.r0_m, (double)(before_m + limit_m), 1e-6,
+                 0.0);
     free(rig);
 }
 END_TEST

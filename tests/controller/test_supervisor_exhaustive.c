@@ -38,9 +38,9 @@ static bool matches(const struct supervisor_row *row, int state, unsigned c)
  * row's own answer has changed, by what decides them instead. The machine's output is its
  * state, so equal answers in every state under every input are equal behaviour for ever. */
 struct proof {
-    unsigned differ;    /* pairs in which the next state is another: 0, or it is a mutation */
-    unsigned shadowed;  /* the row's answer changed, but a row before it decides */
-    unsigned fallen;    /* ... but where it no longer decides, a later row or none leads there */
+    unsigned differ;   /* pairs in which the next state is another: 0, or it is a mutation */
+    unsigned shadowed; /* the row's answer changed, but a row before it decides */
+    unsigned fallen;   /* ... but where it no longer decides, a later row or none leads there */
 };
 
 static struct proof compare(const struct supervisor_row *rows, int row)
@@ -52,8 +52,9 @@ static struct proof compare(const struct supervisor_row *rows, int row)
                 supervisor_next(rows, SUPERVISOR_ROWS, (enum supervisor_state)state, (uint16_t)c);
             const enum supervisor_state before = supervisor_next(
                 supervisor_rows, SUPERVISOR_ROWS, (enum supervisor_state)state, (uint16_t)c);
-            const bool changed = matches(&rows[row], state, c) != matches(&supervisor_rows[row], state, c) ||
-                                 (matches(&rows[row], state, c) && rows[row].to != supervisor_rows[row].to);
+            const bool changed =
+                matches(&rows[row], state, c) != matches(&supervisor_rows[row], state, c) ||
+                (matches(&rows[row], state, c) && rows[row].to != supervisor_rows[row].to);
             int first = 0;
             while (first < row && !matches(&supervisor_rows[first], state, c)) {
                 first++;
