@@ -7,10 +7,17 @@
 #include "firmware/version.h"
 #include "hal/bytes.h"
 #include "hal/canopen/co_defs.h"
+#include "hal/canopen/co_pdo_objects.h"
 #include "hal/crc.h"
 #include "hal/frame_table.h"
 
-enum { TPDO_STEP = 0, TPDO_STATE = 1, INDEX_COMMANDS = 0x2000, INDEX_PARAMS = 0x2010 };
+enum {
+    TPDO_STEP = 0,
+    TPDO_STATE = 1,
+    TPDO_COUNT = 2,
+    INDEX_COMMANDS = 0x2000,
+    INDEX_PARAMS = 0x2010
+};
 
 #define SPEED_UNITS_PER_RAD_S 10000.0f
 #define R0_UNITS_PER_METRE 100000.0f
@@ -59,7 +66,7 @@ static uint32_t check_range(float value, float minimum, float maximum)
     return value < minimum ? CO_ABORT_TOO_LOW : CO_ABORT_VALUE; /* the last: not a number */
 }
 
-static uint32_t check_parameter(const struct controller_node *node, unsigned parameter, float value)
+static uint32_t check_parameter(struct controller_node *node, unsigned parameter, float value)
 {
     const struct control_param_descriptor *d = &control_param_descriptors[parameter];
     const uint32_t verdict = check_range(value, d->minimum, d->maximum);
@@ -69,15 +76,19 @@ static uint32_t check_parameter(const struct controller_node *node, unsigned par
     if (node->powered && !may_change_live(parameter)) {
         return CO_ABORT_DEVICE_STATE;
     }
-    struct control_params changed = node->objects.params;
-    *(float *)((char *)&changed + d->offset) = value;
-    return control_params_validate(&changed) == CONTROL_PARAMS_OK ? CO_ABORT_NONE : CO_ABORT_VALUE;
+    /* Tried in place, between two ticks: a copy of all is more than the stack has to spare. */
+    float *field = (float *)((char *)&node->objects.params + d->offset);
+    const float before = *field;
+    *field = value;
+    const int verdict_of_all = control_params_validate(&node->objects.params);
+    *field = before;
+    return verdict_of_all == CONTROL_PARAMS_OK ? CO_ABORT_NONE : CO_ABORT_VALUE;
 }
 
 static uint32_t writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
                         unsigned length)
 {
-    const struct controller_node *node = (const struct controller_node *)context;
+    struct controller_node *node = (struct controller_node *)context;
     if (entry->type != CO_REAL32 || length != sizeof(float)) {
         return CO_ABORT_NONE; /* the dictionary's own limits decide */
     }
@@ -201,11 +212,16 @@ int controller_node_init(struct controller_node *node, const struct control_para
     node->objects.walk_requested = walk_requested ? 1 : 0;
     dictionary.count = controller_object_count;
     dictionary.base = &node->objects;
-    const struct co_device_config config = {.node_id = NODE_CONTROLLER,
-                                            .application = &dictionary,
-                                            .ops = &device_ops,
-                                            .context = node,
-                                            .defaults = defaults};
+    node->pdos.subs = CO_PDO_SUBS;
+    const struct co_device_config config = {
+        .node_id = NODE_CONTROLLER,
+        .application = &dictionary,
+        .ops = &device_ops,
+        .context = node,
+        .pdos = {.objects = {controller_pdo_table, controller_pdo_count, &node->pdos},
+                 .tpdo = node->pdos.tpdo,
+                 .tpdo_count = TPDO_COUNT},
+        .defaults = defaults};
     if (co_device_init(&node->device, &config, bus, 0) != 0) {
         return -1;
     }

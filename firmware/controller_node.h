@@ -55,8 +55,15 @@ struct controller_objects {
     uint32_t refused_expected, refused_found;
 };
 
+/* The PDOs it has: it sends two and listens to none. */
+struct controller_pdos {
+    uint8_t subs;
+    struct co_pdo tpdo[2];
+};
+
 struct controller_node {
     struct co_device device;
+    struct controller_pdos pdos;
     struct controller_objects objects;
     bool powered; /* drives may be under torque: body parameters are locked */
     uint8_t sent_state, sent_fault;
@@ -68,6 +75,8 @@ struct controller_node {
 
 extern const struct co_entry controller_object_table[];
 extern const uint16_t controller_object_count;
+extern const struct co_entry controller_pdo_table[];
+extern const uint16_t controller_pdo_count;
 
 /* Emergency codes of this node (CiA 301: 0xFF00.. are the device's own). The
  * vendor bytes are state, fault, and for a refused node: node, index, sub. */

@@ -1,5 +1,6 @@
 /* Object dictionary of the controller. Indices never change their meaning. */
 #include "firmware/controller_node.h"
+#include "hal/canopen/co_pdo_objects.h"
 
 #define OWNER struct controller_objects
 #define RO CO_READ
@@ -65,3 +66,13 @@ const struct co_entry controller_object_table[] = {
 
 const uint16_t controller_object_count =
     (uint16_t)(sizeof controller_object_table / sizeof controller_object_table[0]);
+
+const struct co_entry controller_pdo_table[] = {
+    CO_PDO_TPDO(struct controller_pdos, 0, 0x1800),
+    CO_PDO_TPDO(struct controller_pdos, 1, 0x1801),
+    CO_PDO_MAPPING(struct controller_pdos, tpdo[0], 0x1A00, "TPDO mapping parameter"),
+    CO_PDO_MAPPING(struct controller_pdos, tpdo[1], 0x1A01, "TPDO mapping parameter"),
+};
+
+const uint16_t controller_pdo_count =
+    (uint16_t)(sizeof controller_pdo_table / sizeof controller_pdo_table[0]);

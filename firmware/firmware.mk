@@ -19,16 +19,20 @@ ARM_OBJ = $(patsubst %.c,$(ARM_BUILD)/obj/%.o,$(1))
 ARM_ALL := $(call ARM_OBJ,$(ARM_SRC) $(foreach b,$(ARM_BOARDS),$(ARM_SRC_$(b))))
 
 $(ARM_BUILD)/stamp/flags: FORCE
-	$(call STAMP,$(shell $(ARM)gcc --version 2>&1 | head -1) $(ARM_CC) $(ARM_CFLAGS) $(value ARM_OPT) $(ARM_HOT) $(ARM_LDFLAGS) $(ARM_SRC))
+	$(call STAMP,$(shell $(ARM)gcc --version 2>&1 | head -1) $(ARM_CC) $(ARM_CFLAGS) $(value ARM_OPT) $(ARM_WARM) $(ARM_HOT) $(ARM_LDFLAGS) $(ARM_SRC))
 $(ARM_BUILD)/obj/firmware/version.o: private ARM_CFLAGS += $(IDENTITY)
 $(ARM_BUILD)/obj/firmware/version.o: $(BUILD)/stamp/identity
-# What runs in every tick is worth some flash; what runs at start-up or on request is not.
+# What runs in every tick is worth some flash; what runs at start-up, on request or at
+# standstill is not; between them, what runs once a step or gains little by more.
 ARM_COLD := controller/laws/% controller/control_params% controller/speed_table% controller/observer_gains% \
-        controller/leg_events% controller/step_law% model/stride% model/walker% model/ground%
+        controller/leg_events% controller/step_law% controller/zeroing% model/stride% model/walker% \
+        model/ground%
+ARM_WARM := controller/apex_judge.c controller/apex_fit.c controller/model_observer.c model/integrator% \
+        model/timed_stride.c
 ARM_HOT := $(filter-out $(ARM_COLD),$(SRC_MODEL) $(SRC_CONTROLLER)) firmware/control_task.c \
         firmware/bus_recorder.c firmware/snapshot.c hal/black_box.c hal/leg_sensors.c \
         hal/sea_drive_cia402.c hal/port_mps2/pil_bus.c hal/port_cortex_m/memory.c
-ARM_OPT = $(if $(filter $(ARM_HOT),$<),-O3,-Os)
+ARM_OPT = $(if $(filter $(ARM_WARM),$<),-O2,$(if $(filter $(ARM_HOT),$<),-O3,-Os))
 $(ARM_BUILD)/obj/%.o: %.c $(ARM_BUILD)/stamp/flags
 	@mkdir -p $(@D)
 	$(call SAY,ARM    $<)

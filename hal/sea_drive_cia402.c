@@ -111,11 +111,11 @@ static bool receive(void *context, const struct can_msg *message)
 
 static float metres_from_counts(const struct cia402_axis_config *config, int32_t counts)
 {
-    const int64_t travel = ((int64_t)counts - config->zero_counts) * config->direction;
-    /* The usual case without the library's conversion of 64 bits; the same value. */
-    const float counts_f =
-        travel >= INT32_MIN && travel <= INT32_MAX ? (float)(int32_t)travel : (float)travel;
-    return counts_f / config->counts_per_m;
+    int64_t travel = ((int64_t)counts - config->zero_counts) * config->direction;
+    /* Beyond 32 bits it is far out of any stroke either way, and there is no conversion of 64. */
+    travel = travel > INT32_MAX ? INT32_MAX : travel;
+    travel = travel < INT32_MIN ? INT32_MIN : travel;
+    return (float)(int32_t)travel / config->counts_per_m;
 }
 
 static int32_t counts_from_metres(const struct cia402_axis_config *config, float metres)

@@ -67,15 +67,16 @@ static uint32_t writing_mapping(struct co_device *device, struct co_pdo *pdo, ui
         return CO_ABORT_ACCESS;
     }
     if (sub == 0) {
-        return co_pdo_resolve(pdo, bytes[0], device->dictionaries, 2, direction);
+        return co_pdo_resolve(pdo, bytes[0], device->dictionaries, CO_DICTIONARIES, direction);
     }
     if (pdo->map_count != 0) {
         return CO_ABORT_ACCESS;
     }
     struct co_pdo_slot slot;
     const uint32_t map = bytes_get_u32(bytes);
-    return map == 0 ? CO_ABORT_NONE
-                    : co_pdo_check_entry(map, device->dictionaries, 2, direction, &slot);
+    return map == 0
+               ? CO_ABORT_NONE
+               : co_pdo_check_entry(map, device->dictionaries, CO_DICTIONARIES, direction, &slot);
 }
 
 static uint32_t writing_consumer(const struct co_device *device, uint8_t sub, uint32_t wanted)

@@ -1,32 +1,10 @@
-/* The communication profile area, 0x1000 to 0x1FFF (CiA 301 clause 7.5.2). */
+/* The communication profile area (CiA 301 clause 7.5.2) but for the PDOs: co_pdo_objects.h. */
 #include "hal/canopen/co_device.h"
 
 #define OWNER struct co_comm
 #define RO CO_READ
 #define RW (CO_READ | CO_WRITE)
 #define FIXED (CO_READ | CO_CONST)
-
-#define MAP_ENTRY(field, index, n) \
-    CO_ANY(OWNER, field.map[(n)-1], index, n, CO_UNSIGNED32, RW, "Mapping entry " #n)
-
-#define MAPPING(field, index, name)                                                         \
-    CO_OBJECT(OWNER, field.map_count, index, 0, CO_UNSIGNED8, RW, 0, CO_PDO_MAP_MAX, name), \
-        MAP_ENTRY(field, index, 1), MAP_ENTRY(field, index, 2), MAP_ENTRY(field, index, 3), \
-        MAP_ENTRY(field, index, 4), MAP_ENTRY(field, index, 5), MAP_ENTRY(field, index, 6), \
-        MAP_ENTRY(field, index, 7), MAP_ENTRY(field, index, 8)
-
-#define RPDO(n, index)                                                                       \
-    CO_ANY(OWNER, rpdo_subs, index, 0, CO_UNSIGNED8, FIXED, "RPDO communication parameter"), \
-        CO_ANY(OWNER, rpdo[n].cob_id, index, 1, CO_UNSIGNED32, RW, "COB-ID used by RPDO"),   \
-        CO_ANY(OWNER, rpdo[n].type, index, 2, CO_UNSIGNED8, RW, "Transmission type"),        \
-        CO_ANY(OWNER, rpdo[n].event_ms, index, 5, CO_UNSIGNED16, RW, "Event timer")
-
-#define TPDO(n, index)                                                                       \
-    CO_ANY(OWNER, tpdo_subs, index, 0, CO_UNSIGNED8, FIXED, "TPDO communication parameter"), \
-        CO_ANY(OWNER, tpdo[n].cob_id, index, 1, CO_UNSIGNED32, RW, "COB-ID used by TPDO"),   \
-        CO_ANY(OWNER, tpdo[n].type, index, 2, CO_UNSIGNED8, RW, "Transmission type"),        \
-        CO_ANY(OWNER, tpdo[n].inhibit_100us, index, 3, CO_UNSIGNED16, RW, "Inhibit time"),   \
-        CO_ANY(OWNER, tpdo[n].event_ms, index, 5, CO_UNSIGNED16, RW, "Event timer")
 
 #define HISTORY(n) \
     CO_ANY(OWNER, history[(n)-1], 0x1003, n, CO_UNSIGNED32, RO, "Standard error field " #n)
@@ -71,22 +49,6 @@ const struct co_entry co_comm_objects[] = {
            "COB-ID client to server"),
     CO_ANY(OWNER, sdo_answer_id, 0x1200, 2, CO_UNSIGNED32, RO | CO_ADD_NODE,
            "COB-ID server to client"),
-    RPDO(0, 0x1400),
-    RPDO(1, 0x1401),
-    RPDO(2, 0x1402),
-    RPDO(3, 0x1403),
-    MAPPING(rpdo[0], 0x1600, "RPDO mapping parameter"),
-    MAPPING(rpdo[1], 0x1601, "RPDO mapping parameter"),
-    MAPPING(rpdo[2], 0x1602, "RPDO mapping parameter"),
-    MAPPING(rpdo[3], 0x1603, "RPDO mapping parameter"),
-    TPDO(0, 0x1800),
-    TPDO(1, 0x1801),
-    TPDO(2, 0x1802),
-    TPDO(3, 0x1803),
-    MAPPING(tpdo[0], 0x1A00, "TPDO mapping parameter"),
-    MAPPING(tpdo[1], 0x1A01, "TPDO mapping parameter"),
-    MAPPING(tpdo[2], 0x1A02, "TPDO mapping parameter"),
-    MAPPING(tpdo[3], 0x1A03, "TPDO mapping parameter"),
 };
 
 const uint16_t co_comm_object_count =

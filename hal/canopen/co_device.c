@@ -27,12 +27,14 @@ static void enter_state(struct co_device *device, enum co_nmt_state state, uint6
     }
     device->state = state;
     device->next_due_ns = 0;
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+    for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
         struct co_pdo *rpdo = &device->comm.rpdo[i];
-        struct co_pdo *tpdo = &device->comm.tpdo[i];
         rpdo->waiting = false;
         rpdo->seen = false;
         rpdo->timed_out = false;
+    }
+    for (unsigned i = 0; i < device->comm.tpdo_count; i++) {
+        struct co_pdo *tpdo = &device->comm.tpdo[i];
         tpdo->sync_count = 0;
         /* Event-driven PDOs tell their value when they come to life. */
         tpdo->waiting = tpdo->type >= CO_EVENT_MANUFACTURER;
@@ -45,11 +47,25 @@ static void enter_state(struct co_device *device, enum co_nmt_state state, uint6
     }
 }
 
+static void predefined_pdos(struct co_pdo *pdo, unsigned count, uint32_t cob_id)
+{
+    for (unsigned i = 0; i < count; i++, cob_id += CO_COB_PDO_STEP) {
+        memset(&pdo[i], 0, sizeof pdo[i]);
+        pdo[i].cob_id = CO_PDO_INVALID | cob_id;
+        pdo[i].type = CO_EVENT_PROFILE;
+    }
+}
+
 static void predefined_values(struct co_device *device)
 {
     struct co_comm *comm = &device->comm;
+    const struct co_pdos *pdos = &device->config.pdos;
     const uint32_t node = device->config.node_id;
     memset(comm, 0, sizeof *comm);
+    comm->rpdo = pdos->rpdo;
+    comm->tpdo = pdos->tpdo;
+    comm->rpdo_count = pdos->rpdo_count;
+    comm->tpdo_count = pdos->tpdo_count;
     comm->sync_cob_id = CO_COB_SYNC;
     comm->emcy_cob_id = CO_COB_EMCY + node;
     comm->heartbeat_consumers = CO_HEARTBEATS_MAX;
@@ -58,33 +74,33 @@ static void predefined_values(struct co_device *device)
     comm->sdo_count = 2;
     comm->sdo_request_id = CO_COB_SDO_REQUEST + node;
     comm->sdo_answer_id = CO_COB_SDO_ANSWER + node;
-    comm->rpdo_subs = 5;
-    comm->tpdo_subs = 5;
-    for (uint32_t i = 0; i < CO_PDO_COUNT; i++) {
-        comm->rpdo[i].cob_id = CO_PDO_INVALID | (CO_COB_RPDO1 + i * CO_COB_PDO_STEP + node);
-        comm->tpdo[i].cob_id = CO_PDO_INVALID | (CO_COB_TPDO1 + i * CO_COB_PDO_STEP + node);
-        comm->rpdo[i].type = CO_EVENT_PROFILE;
-        comm->tpdo[i].type = CO_EVENT_PROFILE;
-    }
+    predefined_pdos(comm->rpdo, comm->rpdo_count, CO_COB_RPDO1 + node);
+    predefined_pdos(comm->tpdo, comm->tpdo_count, CO_COB_TPDO1 + node);
     device->config.defaults(device->config.context, comm);
+}
+
+static bool resolve(const struct co_device *device, struct co_pdo *pdo, unsigned count,
+                    enum co_access direction)
+{
+    for (unsigned i = 0; i < count; i++) {
+        if (co_pdo_resolve(&pdo[i], pdo[i].map_count, device->dictionaries, CO_DICTIONARIES,
+                           direction) != CO_ABORT_NONE) {
+            return false;
+        }
+    }
+    return true;
 }
 
 static int start_communication(struct co_device *device, uint64_t now_ns)
 {
     predefined_values(device);
-    co_sdo_server_init(&device->sdo, device->dictionaries, 2, &device->hooks, device);
+    co_sdo_server_init(&device->sdo, device->dictionaries, CO_DICTIONARIES, &device->hooks, device);
     memset(device->consumers, 0, sizeof device->consumers);
     memset(device->errors, 0, sizeof device->errors);
     device->emcy_count = 0;
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
-        struct co_pdo *rpdo = &device->comm.rpdo[i];
-        struct co_pdo *tpdo = &device->comm.tpdo[i];
-        if (co_pdo_resolve(rpdo, rpdo->map_count, device->dictionaries, 2, CO_MAP_RX) !=
-                CO_ABORT_NONE ||
-            co_pdo_resolve(tpdo, tpdo->map_count, device->dictionaries, 2, CO_MAP_TX) !=
-                CO_ABORT_NONE) {
-            return -1;
-        }
+    if (!resolve(device, device->comm.rpdo, device->comm.rpdo_count, CO_MAP_RX) ||
+        !resolve(device, device->comm.tpdo, device->comm.tpdo_count, CO_MAP_TX)) {
+        return -1;
     }
     device->boot_unsent = true;
     device->heartbeat_due_ns = now_ns + device->comm.heartbeat_ms * CO_NS_PER_MS;
@@ -105,7 +121,8 @@ int co_device_init(struct co_device *device, const struct co_device_config *conf
     device->bus = bus;
     device->dictionaries[0] =
         (struct co_dictionary){co_comm_objects, co_comm_object_count, &device->comm};
-    device->dictionaries[1] = *config->application;
+    device->dictionaries[1] = config->pdos.objects;
+    device->dictionaries[2] = *config->application;
     device->hooks = (struct co_access_hooks){
         .writing = co_comm_writing, .written = co_comm_written, .reading = co_comm_reading};
     return start_communication(device, now_ns);
@@ -246,7 +263,7 @@ bool co_device_receive(struct co_device *device, const struct can_msg *message, 
         co_device_take_sync(device, now_ns);
         return true;
     }
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+    for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
         if (id == device->comm.rpdo[i].cob_id) { /* an invalid one has bit 31 */
             co_device_take_rpdo(device, i, message, now_ns);
             return true;

@@ -1,5 +1,5 @@
 /* A CANopen device (CiA 301): NMT slave, heartbeat producer and consumer, SDO
- * server, SYNC consumer, four RPDOs and TPDOs, emergencies with error register and
+ * server, SYNC consumer, up to four RPDOs and TPDOs, emergencies with error register and
  * history. Profiles (drive, encoder, the orthosis controller) bring their own
  * object dictionary and reactions.
  *
@@ -24,10 +24,12 @@ enum {
     CO_HISTORY_MAX = 8,
     CO_ACTIVE_ERRORS_MAX = 8,
     CO_EMCY_QUEUE = 8,
-    CO_NAME_MAX = 32
+    CO_NAME_MAX = 32,
+    CO_DICTIONARIES = 3
 };
 
-/* Values of the objects 0x1000 to 0x1FFF (table: co_comm_objects.c). */
+/* Values of the objects 0x1000 to 0x1FFF (table: co_comm_objects.c) but for the PDOs, which
+ * lie where the owner has put them. */
 struct co_comm {
     uint32_t device_type;
     uint8_t error_register;
@@ -49,9 +51,8 @@ struct co_comm {
     uint8_t communication_error_behaviour; /* 0x1029:01 */
     uint8_t sdo_count;
     uint32_t sdo_request_id, sdo_answer_id;
-    uint8_t rpdo_subs, tpdo_subs; /* highest sub-index of 0x1400 and 0x1800 */
-    struct co_pdo rpdo[CO_PDO_COUNT];
-    struct co_pdo tpdo[CO_PDO_COUNT];
+    struct co_pdo *rpdo, *tpdo;
+    uint8_t rpdo_count, tpdo_count;
 };
 
 struct co_device;
@@ -79,6 +80,7 @@ struct co_device_config {
     const struct co_dictionary *application; /* the profile's objects, 0x2000 and above */
     const struct co_device_ops *ops;
     void *context;
+    struct co_pdos pdos;
     /* Fills the power-on values of comm which are not the predefined ones (device
      * type, names, identity, PDOs). Also called at reset communication. */
     void (*defaults)(void *context, struct co_comm *comm);
@@ -108,7 +110,7 @@ struct co_device {
     struct co_comm comm;
     struct co_device_config config;
     struct can_bus bus;
-    struct co_dictionary dictionaries[2];
+    struct co_dictionary dictionaries[CO_DICTIONARIES]; /* communication, PDOs, application */
     struct co_access_hooks hooks;
     struct co_sdo_server sdo;
     struct co_consumer_state consumers[CO_HEARTBEATS_MAX];

@@ -79,7 +79,7 @@ void co_device_take_sync(struct co_device *device, uint64_t now_ns)
     if (device->state != CO_STATE_OPERATIONAL) {
         return;
     }
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+    for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
         struct co_pdo *pdo = &device->comm.rpdo[i];
         if (pdo->waiting && co_pdo_is_valid(pdo)) {
             pdo->waiting = false;
@@ -89,7 +89,7 @@ void co_device_take_sync(struct co_device *device, uint64_t now_ns)
     if (device->config.ops->sync != NULL) {
         device->config.ops->sync(device->config.context, now_ns);
     }
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+    for (unsigned i = 0; i < device->comm.tpdo_count; i++) {
         struct co_pdo *pdo = &device->comm.tpdo[i];
         if (!co_pdo_is_valid(pdo) || !co_pdo_is_synchronous(pdo)) {
             continue;
@@ -107,7 +107,7 @@ void co_device_take_sync(struct co_device *device, uint64_t now_ns)
 
 void co_device_trigger_tpdo(struct co_device *device, unsigned number)
 {
-    HAL_ASSERT(number < CO_PDO_COUNT);
+    HAL_ASSERT(number < device->comm.tpdo_count);
     struct co_pdo *pdo = &device->comm.tpdo[number];
     if (pdo->type == CO_SYNC_ACYCLIC || pdo->type >= CO_EVENT_MANUFACTURER) {
         pdo->waiting = true;
@@ -121,7 +121,7 @@ uint64_t co_device_process_rpdos(struct co_device *device, uint64_t now_ns)
     if (device->state != CO_STATE_OPERATIONAL) {
         return due_ns;
     }
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+    for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
         struct co_pdo *pdo = &device->comm.rpdo[i];
         const uint64_t limit_ns = pdo->event_ms * CO_NS_PER_MS;
         if (limit_ns == 0 || !pdo->seen || pdo->timed_out || !co_pdo_is_valid(pdo)) {
@@ -147,7 +147,7 @@ uint64_t co_device_process_tpdos(struct co_device *device, uint64_t now_ns)
     if (device->state != CO_STATE_OPERATIONAL) {
         return due_ns;
     }
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+    for (unsigned i = 0; i < device->comm.tpdo_count; i++) {
         struct co_pdo *pdo = &device->comm.tpdo[i];
         if (!co_pdo_is_valid(pdo) || pdo->type < CO_EVENT_MANUFACTURER) {
             continue;

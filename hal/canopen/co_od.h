@@ -46,9 +46,11 @@ struct co_entry {
     uint16_t offset; /* of the value in the owner's struct */
     /* Limits of a written integer (unsigned types: of the same bits as uint32_t);
      * low > high: no limits. For REAL32: thousandths, so -1500 is -1.5. */
-    int32_t low;
-    int32_t high;
+    int16_t low;
+    int16_t high;
+#ifndef CO_WITHOUT_NAMES
     const char *name; /* as the EDS shows it */
+#endif
 };
 
 /* A sorted table (by index, then sub) and the struct it describes. */
@@ -85,9 +87,9 @@ int64_t co_od_number(const struct co_entry *entry, const uint8_t *bytes);
 /* For writing tables. Names are for the EDS and for people at the host; a device built
  * with CO_WITHOUT_NAMES does not carry them in its flash. */
 #ifdef CO_WITHOUT_NAMES
-#define CO_NAME(text) ""
+#define CO_NAME(text)
 #else
-#define CO_NAME(text) (text)
+#define CO_NAME(text) , (text)
 #endif
 #define CO_SIZE_OF(type)                                                         \
     ((type) == CO_BOOLEAN || (type) == CO_INTEGER8 || (type) == CO_UNSIGNED8 ? 1 \
@@ -97,14 +99,14 @@ int64_t co_od_number(const struct co_entry *entry, const uint8_t *bytes);
 #define CO_OBJECT(owner, field, index, sub, type, access, low, high, name)                    \
     {                                                                                         \
         (index), (sub), (type), (access), CO_SIZE_OF(type), (uint16_t)offsetof(owner, field), \
-            (low), (high), CO_NAME(name)                                                      \
+            (low), (high)CO_NAME(name)                                                        \
     }
 #define CO_ANY(owner, field, index, sub, type, access, name) \
     CO_OBJECT(owner, field, index, sub, type, access, 1, 0, name)
 #define CO_STRING(owner, field, index, sub, access, name)                                  \
     {                                                                                      \
         (index), (sub), CO_VISIBLE_STRING, (access), (uint8_t)sizeof(((owner *)0)->field), \
-            (uint16_t)offsetof(owner, field), 1, 0, CO_NAME(name)                          \
+            (uint16_t)offsetof(owner, field), 1, 0 CO_NAME(name)                           \
     }
 
 #endif

@@ -13,7 +13,7 @@
 #include "hal/can_frame.h"
 #include "hal/canopen/co_od.h"
 
-enum { CO_PDO_COUNT = 4, CO_PDO_MAP_MAX = 8 };
+enum { CO_PDO_COUNT = 4, CO_PDO_MAP_MAX = 8 }; /* at most so many PDOs a direction */
 
 enum co_transmission {
     CO_SYNC_ACYCLIC = 0, /* at the next SYNC after a change */
@@ -48,6 +48,13 @@ struct co_pdo {
     uint8_t sync_count;
     uint8_t data[CAN_FRAME_DATA_MAX];
     uint64_t last_ns; /* RPDO: received; TPDO: sent */
+};
+
+/* The PDOs of one device, in a struct of its owner's, and the table of their objects. */
+struct co_pdos {
+    struct co_dictionary objects; /* 0x1400 to 0x1BFF: co_pdo_objects.h */
+    struct co_pdo *rpdo, *tpdo;
+    uint8_t rpdo_count, tpdo_count; /* 0 .. CO_PDO_COUNT */
 };
 
 /* Works out the slots of pdo->map[0..count-1]. direction: CO_MAP_TX or CO_MAP_RX.

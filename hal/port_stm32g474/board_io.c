@@ -41,9 +41,8 @@ void tim2_clock_interrupt(struct tim2_clock *clock)
     }
 }
 
-uint64_t tim2_clock_now_ns(void *context)
+static uint64_t now_us(const struct tim2_clock *clock)
 {
-    struct tim2_clock *clock = context;
     uint32_t state = mmio_lock();
     uint32_t low = mmio_read(TIM2_CNT);
     uint32_t high = clock->high;
@@ -53,7 +52,20 @@ uint64_t tim2_clock_now_ns(void *context)
         high++;
     }
     mmio_unlock(state);
-    return (((uint64_t)high << 32) | low) * NS_PER_US;
+    return ((uint64_t)high << 32) | low;
+}
+
+uint64_t tim2_clock_now_ns(void *clock)
+{
+    return now_us(clock) * NS_PER_US;
+}
+
+uint32_t tim2_clock_now_ms(const struct tim2_clock *clock)
+{
+    /* 2^32 us are 4,294,967 ms and 296 us: no 64-bit division, which the image does without. */
+    const uint64_t time_us = now_us(clock);
+    const uint32_t low = (uint32_t)time_us, high = (uint32_t)(time_us >> 32);
+    return high * 4294967U + low / 1000U + (high * 296U + low % 1000U) / 1000U;
 }
 
 static bool take_tick(void *context)

@@ -31,6 +31,9 @@ struct clock tim2_clock_interface(struct tim2_clock *clock);
 /* Time of the clock, ns. Loop or ISR, also with the timer's interrupt pending. */
 uint64_t tim2_clock_now_ns(void *clock);
 
+/* The same in whole ms; wraps after 49 days. */
+uint32_t tim2_clock_now_ms(const struct tim2_clock *clock);
+
 enum {
     WATCHDOG_TIMEOUT_MS = 120, /* saving the settings stalls for 80 ms; the drives wait 250 ms */
     WATCHDOG_POLLS = 2000000

@@ -240,6 +240,7 @@ int drive_node_init(struct drive_node *node, const struct drive_node_config *con
                                             .application = &node->dictionary,
                                             .ops = &device_ops,
                                             .context = node,
+                                            .pdos = co_pdo_four_init(&node->pdos),
                                             .defaults = defaults};
     return co_device_init(&node->device, &device, bus, now_ns);
 }

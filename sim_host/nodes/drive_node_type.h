@@ -3,6 +3,7 @@
 #define SIM_HOST_NODES_DRIVE_NODE_TYPE_H
 
 #include "hal/canopen/co_device.h"
+#include "hal/canopen/co_pdo_objects.h"
 #include "sim_host/nodes/drive_node.h"
 
 /* States of the CiA 402 machine, numbered for object 0x2110 and tests. */
@@ -57,6 +58,7 @@ struct drive_objects {
 
 struct drive_node {
     struct co_device device;
+    struct co_pdo_four pdos;
     struct drive_node_config config;
     struct drive_objects objects;
     struct drive_axis_feedback feedback;

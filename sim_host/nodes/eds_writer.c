@@ -17,19 +17,26 @@ enum {
 
 /* ---- what the dictionaries hold ----------------------------------------------- */
 
-/* The two dictionaries one after the other: both are sorted and do not overlap. */
+/* The dictionaries one after the other: all are sorted and do not overlap. */
 static const struct co_entry *entry_at(const struct co_device *device, unsigned at,
                                        const void **base)
 {
-    const unsigned first = device->dictionaries[0].count;
-    const struct co_dictionary *dictionary = &device->dictionaries[at < first ? 0 : 1];
+    const struct co_dictionary *dictionary = device->dictionaries;
+    while (at >= dictionary->count) {
+        at -= dictionary->count;
+        dictionary++;
+    }
     *base = dictionary->base;
-    return &dictionary->entries[at < first ? at : at - first];
+    return &dictionary->entries[at];
 }
 
 static unsigned entry_count(const struct co_device *device)
 {
-    return (unsigned)device->dictionaries[0].count + device->dictionaries[1].count;
+    unsigned count = 0;
+    for (unsigned i = 0; i < CO_DICTIONARIES; i++) {
+        count += device->dictionaries[i].count;
+    }
+    return count;
 }
 
 /* Number of entries with the index of the one at `at`, from there on. */
@@ -76,7 +83,7 @@ static void write_head(FILE *stream, const struct co_device *device, const struc
     fprintf(stream,
             "SimpleBootUpMaster=0\nSimpleBootUpSlave=1\nGranularity=8\nDynamicChannelsSupported=0\n"
             "GroupMessaging=0\nNrOfRXPDO=%d\nNrOfTXPDO=%d\nLSS_Supported=0\n\n",
-            CO_PDO_COUNT, CO_PDO_COUNT);
+            comm->rpdo_count, comm->tpdo_count);
     fputs("[DummyUsage]\n", stream);
     for (unsigned type = 1; type <= 7; type++) {
         fprintf(stream, "Dummy%04X=1\n", type);

@@ -64,6 +64,7 @@ int foreign_drive_init(struct foreign_drive *drive, const struct foreign_drive_c
                                            .application = &drive->dictionary,
                                            .ops = &board_ops,
                                            .context = drive,
+                                           .pdos = co_pdo_four_init(&drive->latch_pdos),
                                            .defaults = board_defaults};
     return co_device_init(&drive->latch_board, &board, bus, now_ns);
 }

@@ -16,6 +16,7 @@
 
 #include "hal/can_bus.h"
 #include "hal/canopen/co_device.h"
+#include "hal/canopen/co_pdo_objects.h"
 #include "model/side.h"
 #include "sim_host/nodes/drive_node.h"
 
@@ -45,6 +46,7 @@ struct foreign_drive_config {
 struct foreign_drive {
     struct foreign_drive_config config;
     struct co_device latch_board;
+    struct co_pdo_four latch_pdos;
     struct co_dictionary dictionary;
     uint32_t latch_outputs; /* the board's object 0x60FE:01 */
     struct drive_axis_feedback feedback;

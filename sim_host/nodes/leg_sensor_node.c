@@ -140,6 +140,7 @@ int leg_sensor_node_init(struct leg_sensor_node *node, const struct leg_sensor_n
                                             .application = &node->dictionary,
                                             .ops = &device_ops,
                                             .context = node,
+                                            .pdos = co_pdo_four_init(&node->pdos),
                                             .defaults = defaults};
     return co_device_init(&node->device, &device, bus, now_ns);
 }

@@ -3,6 +3,7 @@
 #define SIM_HOST_NODES_LEG_SENSOR_NODE_TYPE_H
 
 #include "hal/canopen/co_device.h"
+#include "hal/canopen/co_pdo_objects.h"
 #include "sim_host/nodes/leg_sensor_node.h"
 
 /* Values of the objects 0x2000 and above (table: leg_sensor_objects.c). */
@@ -35,6 +36,7 @@ struct leg_sensor_objects {
 
 struct leg_sensor_node {
     struct co_device device;
+    struct co_pdo_four pdos;
     struct leg_sensor_node_config config;
     struct leg_sensor_objects objects;
     struct co_dictionary dictionary;

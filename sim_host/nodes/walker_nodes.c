@@ -195,7 +195,7 @@ static unsigned add_device(uint16_t *ids, unsigned count, const struct co_device
     count = add(ids, count, CO_COB_NMT);
     count = add(ids, count, comm->sync_cob_id);
     count = add(ids, count, comm->sdo_request_id);
-    for (unsigned i = 0; i < CO_PDO_COUNT; i++) {
+    for (unsigned i = 0; i < comm->rpdo_count; i++) {
         count = add(ids, count, comm->rpdo[i].cob_id);
     }
     for (unsigned i = 0; i < CO_HEARTBEATS_MAX; i++) {

@@ -49,6 +49,8 @@ def mapped_pdos(name):
     pdos = {}
     for communication, mapping in ((0x1400, 0x1600), (0x1800, 0x1A00)):
         for number in range(4):
+            if communication + number not in od:
+                continue
             cob_id = od[communication + number][1].default
             if cob_id & 0x80000000:
                 continue

@@ -83,7 +83,7 @@ void board_last_will(struct crash_record *record)
 
 uint32_t board_time_ms(void)
 {
-    return (uint32_t)(tim2_clock_now_ns(&timer) / 1000000u);
+    return tim2_clock_now_ms(&timer);
 }
 
 /* Notes a reset by the watchdog, which leaves no record itself. Returns true when

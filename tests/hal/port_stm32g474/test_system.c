@@ -221,6 +221,10 @@ START_TEST(time_never_runs_back_at_the_overflow)
     ck_assert_uint_eq(clock_now_ns(&ticks), ((1ull << 32) + 3) * 1000); /* still not counted */
     tim2_clock_interrupt(&timer);
     ck_assert_uint_eq(clock_now_ns(&ticks), ((1ull << 32) + 3) * 1000);
+    ck_assert_uint_eq(tim2_clock_now_ms(&timer), ((1ull << 32) + 3) / 1000);
+    timer.high = 1000;
+    ck_assert_uint_eq(tim2_clock_now_ms(&timer), (uint32_t)(((1000ull << 32) + 3) / 1000));
+    timer.high = 1;
     ck_assert(!clock_take_tick(&ticks)); /* an overflow is no period */
 }
 END_TEST
