@@ -3,7 +3,9 @@
  * Angles stay measured from the vertical. Between two footholds nothing but the strike and the double
  * support notice the ground: the line from toe to toe is inclined by some angle e, the legs (of equal
  * length) are then symmetric about its normal, ts + tn = 2 e, and the closed chain of the double
- * support is the level one turned by e.
+ * support is the level one turned by e. A foothold of another height is met where the toe comes down to it with
+ * ts + tn falling; what the toe does as it passes the stance foot is the scuff that is ignored on level
+ * ground, too (Byl, Tedrake 2009 draw uneven ground in the same way).
  */
 #ifndef MODEL_GROUND_H
 #define MODEL_GROUND_H

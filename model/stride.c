@@ -65,9 +65,8 @@ static real height_sign(const struct ground *ground, const real *state)
 
 /* Lands where the toe meets the ground between `state` (above) and `end` (not above). A rise of the ground
  * makes the event depend on the opening of the legs at the strike: landed again until that rests. */
-static real land_on_ground(const struct ode *ode, ode_method *method,
-                           const struct ground *ground, const real *state, real length,
-                           const real *end, real *landed)
+static real land_on_ground(const struct ode *ode, ode_method *method, const struct ground *ground,
+                           const real *state, real length, const real *end, real *landed)
 {
     struct ode_event event = toe_on_ground(ground, end);
     real step = ode_land(ode, method, &event, state, length, end, landed).step_s;
@@ -84,6 +83,13 @@ static real land_on_ground(const struct ode *ode, ode_method *method,
     return step;
 }
 
+/* The swing leg still closes up with the stance leg or passes it: on level ground the toe cannot come down
+ * then, and where the next foothold lies lower, what it does there is the scuff that is ignored, too. */
+static int is_passing(const struct ground *ground, const real *state)
+{
+    return ground->height_rise != REAL(0.0) && ode_event_value(&legs_closest, state) >= REAL(0.0);
+}
+
 /* One step in single support on the way to heel strike, cut at the strike if it falls within.
  * The toe touches the ground where its height over it falls through zero; rising is the mid-stance scuff,
  * ignored. Returns 1 at the strike; *step_s is then the time to it, and `next` the state there. */
@@ -93,7 +99,7 @@ static int strike_within(const struct ode *ode, ode_method *method, const struct
     const real before = height_sign(ground, state);
     const real after = height_sign(ground, next);
     real end[SINGLE_SUPPORT_STATES];
-    if (after > REAL(0.0) || !real_is_finite(after)) {
+    if (after > REAL(0.0) || !real_is_finite(after) || is_passing(ground, next)) {
         return 0;
     }
     real length = *step_s;

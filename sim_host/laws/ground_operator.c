@@ -3,7 +3,14 @@
 
 #include "sim_host/laws/ground.h"
 
-enum { CELLS_MAX = 10000, TABLE_SIZE = 131072, DRAWS = 15, ITERATIONS = 800, FALLEN = -1 };
+enum {
+    CELLS_MAX = 100000,
+    TABLE_SIZE = 524288,
+    DRAWS = 15,
+    ITERATIONS = 800,
+    FALLEN = -1,
+    RISE_PUSHES = 400
+};
 /* Size of a cell in the paper's units: small against the basin (0.1 and more), large against 1e-6. */
 static const double cell_size[3] = {0.01, 0.005, 0.04};
 
@@ -19,12 +26,12 @@ struct mesh {
     bool full;
 };
 
-static void set_draws(struct mesh *mesh, double most, double step_share, bool plateau)
+static void set_draws(struct mesh *mesh, double most, double step_share, bool heights)
 {
     for (int i = 0; i < DRAWS; i++) {
         const double rise = most * (2.0 * i + 1.0 - DRAWS) / DRAWS;
-        mesh->rise[i] = plateau ? rise : 0.0;
-        mesh->slope_rad[i] = plateau ? 0.0 : atan(rise / step_share);
+        mesh->rise[i] = heights ? rise : 0.0;
+        mesh->slope_rad[i] = heights ? 0.0 : atan(rise / step_share);
     }
 }
 
@@ -91,43 +98,57 @@ static void explore(struct mesh *mesh)
     }
 }
 
-/* Power iteration on what has not fallen; the chance to fall is summed itself, not got as 1 - lambda. */
-static double fall_chance(const struct mesh *mesh, double *p, double *q)
+/* One step of the ground on the distribution p, by way of q: p becomes the distribution of those who are still
+ * up (all zero when nobody is); returns the share that falls. */
+static double step(const struct mesh *mesh, double *p, double *q)
 {
-    double chance = 1.0;
+    double fallen = 0.0, rest = 0.0;
+    for (int i = 0; i < mesh->cells; i++) {
+        q[i] = 0.0;
+    }
+    for (int i = 0; i < mesh->cells; i++) {
+        for (int k = 0; k < DRAWS && p[i] > 0.0; k++) {
+            const double flow = p[i] / DRAWS;
+            if (mesh->next[i][k] == FALLEN) {
+                fallen += flow;
+            } else {
+                q[mesh->next[i][k]] += flow;
+                rest += flow;
+            }
+        }
+    }
+    for (int i = 0; i < mesh->cells; i++) {
+        p[i] = rest > 0.0 ? q[i] / rest : 0.0;
+    }
+    return fallen / (fallen + rest);
+}
+
+/* From the gait on: the expected number of steps is the sum of the chances to be still up before each. The
+ * distribution of those who are up comes to rest on the way (power iteration), and from then on the rest of the
+ * sum is geometric. The chance to fall is summed itself, not got as 1 - lambda. */
+static void count_steps(const struct mesh *mesh, double *p, double *q,
+                        struct ground_operator_result *result)
+{
+    double chance = 1.0, up = 1.0;
+    result->mean_steps = 0.0;
     for (int i = 0; i < mesh->cells; i++) {
         p[i] = i == 0 ? 1.0 : 0.0;
     }
-    for (int iteration = 0; iteration < ITERATIONS; iteration++) {
-        double fallen = 0.0, rest = 0.0;
-        for (int i = 0; i < mesh->cells; i++) {
-            q[i] = 0.0;
-        }
-        for (int i = 0; i < mesh->cells; i++) {
-            for (int k = 0; k < DRAWS && p[i] > 0.0; k++) {
-                const double flow = p[i] / DRAWS;
-                if (mesh->next[i][k] == FALLEN) {
-                    fallen += flow;
-                } else {
-                    q[mesh->next[i][k]] += flow;
-                    rest += flow;
-                }
-            }
-        }
-        for (int i = 0; i < mesh->cells; i++) {
-            p[i] = rest > 0.0 ? q[i] / rest : 0.0;
-        }
-        const bool at_rest = fabs(fallen - chance) <= 1e-9 * chance;
-        chance = fallen;
-        if ((at_rest && iteration > 200) || rest <= 0.0) {
+    for (int iteration = 0; iteration < ITERATIONS && up > 1e-15; iteration++) {
+        const double before = chance;
+        chance = step(mesh, p, q);
+        result->mean_steps += up;
+        up *= 1.0 - chance;
+        if (iteration > 200 && fabs(chance - before) <= 1e-9 * before) {
             break;
         }
     }
-    return chance;
+    result->mean_steps += chance > 0.0 ? up / chance : (double)INFINITY;
+    result->settled_steps = chance > 0.0 ? 1.0 / chance : (double)INFINITY;
 }
 
 int ground_operator(const struct laws_bench *bench, double speed_rad_s, double rise_most,
-                    double step_share, bool plateau, struct ground_operator_result *result)
+                    double step_share, bool heights, struct ground_operator_result *result)
 {
     struct mesh mesh = {.bench = bench, .speed_rad_s = speed_rad_s};
     mesh.unit = __builtin_sqrt(bench->truth.gravity_m_s2 / 9.80665 / bench->truth.leg_length_m);
@@ -139,10 +160,9 @@ int ground_operator(const struct laws_bench *bench, double speed_rad_s, double r
     const bool room = mesh.apex != NULL && mesh.next != NULL && mesh.key != NULL &&
                       mesh.slot != NULL && p != NULL && q != NULL;
     if (room) {
-        set_draws(&mesh, rise_most, step_share, plateau);
+        set_draws(&mesh, rise_most, step_share, heights);
         explore(&mesh);
-        const double chance = fall_chance(&mesh, p, q);
-        result->mean_steps = chance > 0.0 ? 1.0 / chance : (double)INFINITY;
+        count_steps(&mesh, p, q, result);
         result->cells = mesh.cells;
         result->full = mesh.full;
     }
@@ -153,4 +173,43 @@ int ground_operator(const struct laws_bench *bench, double speed_rad_s, double r
     free(p);
     free(q);
     return room ? 0 : -1;
+}
+
+static double largest_rise(const struct laws_bench *bench, const double apex[3], double r0_m)
+{
+    struct laws_stride stride;
+    double low = 0.0, high = 0.2;
+    if (laws_stride(&bench->truth, bench->accuracy, apex, r0_m, 0.0, 0.0, &stride) != 0) {
+        return 0.0;
+    }
+    while (high - low > 1e-6) {
+        const double middle = 0.5 * (low + high);
+        const int fault =
+            laws_stride(&bench->truth, bench->accuracy, apex, r0_m, 0.0, middle, &stride);
+        *(fault == 0 ? &low : &high) = middle;
+    }
+    return low;
+}
+
+void ground_rise_survived(const struct laws_bench *bench, double speed_rad_s,
+                          struct ground_rise *rise)
+{
+    const struct gait_walker *body = &bench->truth;
+    const double low_m = (double)bench->params.r0_min_m, high_m = (double)bench->params.r0_max_m;
+    double apex[3];
+    struct laws_stride stride;
+    const double r0_m = laws_bench_gait(bench, speed_rad_s, apex);
+    *rise = (struct ground_rise){.climbed = 0.5 * speed_rad_s * speed_rad_s * body->leg_length_m /
+                                            body->gravity_m_s2,
+                                 .own_push = largest_rise(bench, apex, r0_m)};
+    for (int i = 0; i <= RISE_PUSHES; i++) {
+        const double push_m = low_m + (high_m - low_m) * i / RISE_PUSHES;
+        const double largest = largest_rise(bench, apex, push_m);
+        if (largest > rise->any_push) {
+            rise->any_push = largest;
+            rise->any_push_m = push_m;
+        }
+    }
+    (void)laws_stride(body, bench->accuracy, apex, rise->any_push_m, 0.0, 0.0, &stride);
+    rise->level_speed = stride.fault == 0 ? -stride.next[0] : 0.0;
 }

@@ -1,7 +1,8 @@
-/* Uneven ground: every foothold lies higher or lower than the one before, uniformly within +- size, with
- * straight ground from foothold to foothold, or with plateaus (on which the compass walker, having no foot to
- * lift, also stubs its toe in mid-swing). Mean steps to failure counted directly, and by the transfer
- * operator, which also serves where nothing falls any more. */
+/* Uneven ground: every foothold lies higher or lower than the one before, uniformly within +- size, drawn anew
+ * at each heel strike (as Byl and Tedrake 2009 draw it), with straight ground from foothold to foothold or with
+ * nothing between them; what the toe does in mid-swing is ignored, as on level ground. Mean steps to failure
+ * counted directly, and by the transfer operator, which also serves where nothing falls any more. Beside
+ * them what a single rise does to the steady gaits: where the energy at the apex sets the limit. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,15 +10,15 @@
 #include "sim_host/laws/session.h"
 #include "sim_host/study/pool.h"
 
-enum { DEFAULT_WALKS = 10, MAP_STEPS = 300, CHAIN_STEPS = 200 };
+enum { DEFAULT_WALKS = 20, MAP_STEPS = 500, CHAIN_STEPS = 200 };
 static const double sizes_mm[] = {5.0, 10.0, 20.0}; /* on a leg of 1 m */
-static const double speeds[] = {0.6, 0.8, 1.0};
+static const double speeds[] = {0.4, 0.6, 0.8};
 enum {
     SIZES = sizeof sizes_mm / sizeof sizes_mm[0],
     SPEEDS = sizeof speeds / sizeof speeds[0],
     KINDS = 2
 };
-static const char *const kinds[KINDS] = {"straight", "plateaus"};
+static const char *const kinds[KINDS] = {"straight", "heights"};
 
 struct cell_result {
     long steps;
@@ -56,7 +57,7 @@ static void compute(void *context, int i)
                                               .steps =
                                                   study->options->chain ? CHAIN_STEPS : MAP_STEPS,
                                               .rise_most = rise,
-                                              .plateau = kind == 1,
+                                              .heights = kind == 1,
                                               .seed = study->options->seed + (uint64_t)w};
         cell->failed = session_run(study->options, &config, result) != 0;
         cell->steps += result->steps + (result->fell ? 1 : 0);
@@ -87,15 +88,30 @@ static void print(const struct study *study, int e, int kind, int v, FILE *csv)
             printf(" >%8ld", c->steps);
         }
         if (!study->options->chain) {
-            printf(" (%8.3g%s)", c->operator.mean_steps, c->operator.full ? "!" : "");
+            printf(" (%8.3g%s %8.3g)", c->operator.mean_steps, c->operator.full ? "!" : ",",
+                   c->operator.settled_steps);
         }
         if (csv != NULL) {
-            fprintf(csv, "%s,%s,%.1f,%g,%ld,%d,%.6g,%d,%d\n", laws_entrant_names[e], kinds[kind],
-                    speeds[v], sizes_mm[s], c->steps, c->falls, c->operator.mean_steps,
-                    c->operator.cells, c->operator.full);
+            fprintf(csv, "%s,%s,%.1f,%g,%ld,%d,%.6g,%.6g,%d,%d\n", laws_entrant_names[e],
+                    kinds[kind], speeds[v], sizes_mm[s], c->steps, c->falls, c->operator.mean_steps,
+                    c->operator.settled_steps, c->operator.cells, c->operator.full);
         }
     }
     printf("\n");
+}
+
+static void print_rises(const struct laws_options *options)
+{
+    const double unit = laws_speed_unit(options), leg_mm = 1e3 * options->subject.leg_length_m;
+    for (int v = 0; v < SPEEDS; v++) {
+        struct ground_rise rise;
+        ground_rise_survived(&options->bench, speeds[v] * unit, &rise);
+        printf(
+            "  %.1f rad/s: v^2 l/(2 g) = %.1f mm; one rise survived by the gait's own push-off: %.1f mm, "
+            "by any: %.1f mm\n    (r0 = %.4f m, which on level ground leads to %.2f rad/s)\n",
+            speeds[v], leg_mm * rise.climbed, leg_mm * rise.own_push, leg_mm * rise.any_push,
+            rise.any_push_m, rise.level_speed / unit);
+    }
 }
 
 int laws_ground(const struct laws_options *options)
@@ -103,7 +119,8 @@ int laws_ground(const struct laws_options *options)
     bool failed;
     FILE *csv =
         laws_csv(options, "ground",
-                 "law,kind,speed_rad_s,size_mm,steps,falls,operator_steps,cells,full", &failed);
+                 "law,kind,speed_rad_s,size_mm,steps,falls,operator_steps,settled_steps,cells,full",
+                 &failed);
     struct study *study = calloc(1, sizeof *study);
     failed = failed || study == NULL;
     if (!failed) {
@@ -115,7 +132,11 @@ int laws_ground(const struct laws_options *options)
         printf("  mean steps to failure on rises within +-5, 10, 20 mm on a leg of 1 m;\n"
                "  counted over %d walks of at most %d steps%s\n",
                study->walks, options->chain ? CHAIN_STEPS : MAP_STEPS,
-               options->chain ? "" : " (by the transfer operator; ! = mesh too small)");
+               options->chain
+                   ? ""
+                   : " (by the transfer operator: from the gait on, who has long walked;\n"
+                     "  ! = more states than the mesh has room for: not to be used)");
+        print_rises(options);
     }
     for (int e = 0; e < ENTRANTS && !failed; e++) {
         for (int i = 0; i < KINDS * SPEEDS && wanted(study, e); i++) {

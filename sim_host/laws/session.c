@@ -16,7 +16,7 @@ static double slope_at(const struct session_config *config, int step)
     return fabs(config->slope_rad) < gone ? config->slope_rad : copysign(gone, config->slope_rad);
 }
 
-/* Ground between two footholds, drawn per step: an incline, or a plateau's height. */
+/* Ground between two footholds, drawn per step: an incline, or the foothold's height. */
 struct terrain {
     struct rng rng;
     double step_share; /* steady step length over leg length */
@@ -66,10 +66,10 @@ static int run_on_map(const struct laws_options *options, const struct session_c
             seen[i] = walk.apex[i] * (1.0 + config->noise_rms * rng_normal(&rng));
         }
         const double rise = draw_rise(&terrain, config);
-        const double incline = config->plateau ? 0.0 : atan(rise / terrain.step_share);
+        const double incline = config->heights ? 0.0 : atan(rise / terrain.step_share);
         const int fault =
             laws_walk_step(&bench, &walk, config->to_rad_s, seen, slope_at(config, k) + incline,
-                           config->plateau ? rise : 0.0);
+                           config->heights ? rise : 0.0);
         result->fallbacks += walk.law.fell_back ? 1 : 0;
         if (fault != 0) {
             result->fell = true;
@@ -151,7 +151,7 @@ static int start_chain(const struct laws_options *options, const struct session_
         return -1;
     }
     terrain_init(terrain, &bench, config);
-    if (config->plateau) {
+    if (config->heights) {
         for (int i = 0; i <= SESSION_STEPS_MAX; i++) {
             const double rise = i == 0 ? 0.0 : draw_rise(terrain, config);
             heights_m[i] = (i > 0 ? heights_m[i - 1] : 0.0) + rise * body->leg_length_m;
@@ -186,7 +186,7 @@ static int run_on_chain(const struct laws_options *options, const struct session
             loop_tick(loop);
             const int before = apexes;
             take_events(loop, result, &apexes);
-            if (apexes != before && !config->plateau) {
+            if (apexes != before && !config->heights) {
                 incline = atan(draw_rise(&terrain, config) / terrain.step_share);
             }
             maybe_push(&pusher, config, loop, apexes);

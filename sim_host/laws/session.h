@@ -16,8 +16,7 @@ struct session_config {
     double slope_ramp_rad;
     double
         rise_most; /* each foothold against the one before: uniform within +- this, leg lengths */
-    bool
-        plateau; /* the ground ahead is level at the next foothold's height; else straight up to it */
+    bool heights;  /* rises are heights of the footholds; else the incline straight up to them */
     double noise_rms;  /* map only: of the apex state seen, relative */
     double push_Ns;    /* chain only: on the torso, > 0 forward; 0 = none */
     double push_phase; /* 0..1 from an apex to the next */

@@ -86,6 +86,31 @@ START_TEST(level_ground_keeps_every_bit)
 }
 END_TEST
 
+/* A foothold a little lower is a stride a little longer: however finely the swing is looked at, the toe's dip
+ * as it passes the stance foot (half a millimetre on a leg of 1 m) is no heel strike. */
+START_TEST(a_lower_foothold_is_not_met_in_mid_swing)
+{
+    const struct walker walker = paper_walker();
+    const struct gait_walker subject = gait_walker_of_paper();
+    struct gait_point gait;
+    ck_assert_int_eq(gait_curve(&subject, 0.17, 0.0, 1, &gait, NULL), GAIT_CURVE_OK);
+    const struct apex from = {gait.apex[0], gait.apex[1], gait.apex[2]};
+    for (int step = 1; step <= 32; step *= 2) {
+        const struct stride_settings settings = stride_settings_fixed(&walker, 0.001 * step);
+        struct stride_result level, lower;
+        ck_assert_int_eq(stride(&walker, &settings, &from, 0.17, &level), STRIDE_OK);
+        for (double drop = 1e-5; drop < 0.02; drop *= 1.5) {
+            const struct ground ground = {0.0, -drop};
+            ck_assert_int_eq(stride_on_ground(&walker, &settings, &from, 0.17, &ground, &lower),
+                             STRIDE_OK);
+            assert_close(lower.apex_to_strike_s, level.apex_to_strike_s, 10.0 * drop, 0.0);
+            assert_close(lower.next.stance_rate_rad_s, level.next.stance_rate_rad_s, 20.0 * drop,
+                         0.0);
+        }
+    }
+}
+END_TEST
+
 START_TEST(bad_ground_is_refused)
 {
     const struct walker walker = paper_walker();
@@ -129,8 +154,10 @@ static void start_on(struct walk *walk, const struct apex *apex, const struct gr
     walk_let_go(walk);
 }
 
-static const struct ground GROUNDS[] = {{0.02, 0.0},   {-0.03, 0.0},  {0.0, 0.01},
-                                        {0.0, -0.015}, {0.02, -0.01}, {-0.02, 0.004}};
+/* The lowest footholds: in mid-swing the toe dips below their height, which is the scuff to be ignored. */
+static const struct ground GROUNDS[] = {{0.02, 0.0},    {-0.03, 0.0},   {0.0, 0.01},
+                                        {0.0, -0.015},  {0.02, -0.01},  {-0.02, 0.004},
+                                        {0.0, -0.0003}, {0.0, -0.0001}, {0.0, 0.02}};
 
 START_TEST(agrees_with_the_plant)
 {
@@ -178,6 +205,7 @@ int main(void)
     tcase_add_test(tests, toe_lands_on_the_ground);
     tcase_add_test(tests, energy_of_an_inclined_double_support_is_kept);
     tcase_add_test(tests, level_ground_keeps_every_bit);
+    tcase_add_test(tests, a_lower_foothold_is_not_met_in_mid_swing);
     tcase_add_test(tests, bad_ground_is_refused);
     tcase_add_loop_test(tests, agrees_with_the_plant, 0, sizeof GROUNDS / sizeof GROUNDS[0]);
     suite_add_tcase(suite, tests);
