@@ -1,3 +1,4 @@
+#include <stdlib.h>
 #include <string.h>
 
 #include "model/real.h"
@@ -8,12 +9,15 @@
 #define START_PUSH 0.05 /* here the paper's walker has the gait that everything is followed from */
 #define HOMOTOPY_STEPS 60
 #define NEWTON_STEPS 8
-#define KICK 1e-4 /* relative: beside the gait, to leave it if it is unstable */
+#define KICK 1e-3 /* relative: beside the gait, to leave it if it is unstable */
 #define TRANSIENT 500
-#define RECORDED 192
+#define RECORDED 160
 #define LONGEST_PERIOD 64
-#define SAME 1e-5    /* rad/s: returns as close as this count as the same */
-#define SETTLED 1e-9 /* a stride that changes nothing: a stable period-1 gait is reached */
+#define SAME 1e-6 /* rad, rad/s: returns as close as this count as the same in a walk at rest */
+#define SLOW \
+    1e-3 /* and in one that still comes to rest, as it does slowly near a period doubling */
+#define SETTLED 1e-9 /* what is nearer than this has come to rest: Newton, a gait, a cycle */
+#define FOUND 1e-7   /* a gait as near as this to its next apex is one */
 
 /* The rows of one chunk, each with its walker and the gait it follows. */
 struct rows {
@@ -68,6 +72,28 @@ static void items_at(const struct rows *rows, double push, struct batch_item *it
     }
 }
 
+/* One correction of a row's gait by what its stride told; returns how far off it was, 1 when it fell. */
+static double correct(const struct batch_item *item, struct batch_slopes *slopes, double gait[3])
+{
+    double change[3], residual[3], error = 0.0;
+    if (item->fault != 0) {
+        return 1.0;
+    }
+    for (int i = 0; i < 3; i++) {
+        residual[i] = item->apex[i] - gait[i];
+        error += real_abs(residual[i]);
+        for (int j = 0; j < 3; j++) {
+            slopes->by_apex[i][j] = (i == j ? 1.0 : 0.0) - slopes->by_apex[i][j];
+        }
+    }
+    if (solve(slopes->by_apex, residual, change)) {
+        for (int i = 0; i < 3; i++) {
+            gait[i] += change[i];
+        }
+    }
+    return error;
+}
+
 /* Newton on x = G(x) for all rows side by side, from rows->gait. is_known: found. */
 static void find_gaits(struct rows *rows, double push)
 {
@@ -75,34 +101,24 @@ static void find_gaits(struct rows *rows, double push)
     struct batch_item items[ATLAS_PLANE_ROWS];
     struct batch_slopes slopes[ATLAS_PLANE_ROWS];
     double error[ATLAS_PLANE_ROWS];
+    int is_over[ATLAS_PLANE_ROWS] = {0};
     for (int step = 0; step < NEWTON_STEPS; step++) {
         struct batch_job job = job_of(rows, items);
         job.slopes = slopes;
         items_at(rows, push, items);
+        for (int r = 0; r < rows->count; r++) {
+            items[r].fault = is_over[r];
+        }
         batch_run(&settings, &job);
         for (int r = 0; r < rows->count; r++) {
-            double change[3], residual[3];
-            error[r] = 1.0;
-            if (items[r].fault != 0) {
-                continue;
-            }
-            error[r] = 0.0;
-            for (int i = 0; i < 3; i++) {
-                residual[i] = items[r].apex[i] - rows->gait[r][i];
-                error[r] += real_abs(residual[i]);
-                for (int j = 0; j < 3; j++) {
-                    slopes[r].by_apex[i][j] = (i == j ? 1.0 : 0.0) - slopes[r].by_apex[i][j];
-                }
-            }
-            if (solve(slopes[r].by_apex, residual, change)) {
-                for (int i = 0; i < 3; i++) {
-                    rows->gait[r][i] += change[i];
-                }
+            if (!is_over[r]) {
+                error[r] = correct(&items[r], &slopes[r], rows->gait[r]);
+                is_over[r] = items[r].fault != 0 || error[r] < SETTLED;
             }
         }
     }
     for (int r = 0; r < rows->count; r++) {
-        rows->is_known[r] = error[r] < 1e-7;
+        rows->is_known[r] = error[r] < FOUND;
     }
 }
 
@@ -125,39 +141,52 @@ static void find_first_gaits(struct rows *rows, const struct atlas_plane *plane,
     memcpy(rows->before, rows->gait, sizeof rows->gait);
 }
 
-/* What is seen of the rows' walks: speed and swing angle at the last RECORDED apexes. */
+/* Walks of many columns side by side: lanes whose walker has fallen or come to rest go on with the next. */
+#define COLUMNS 64
+#define WALKS (COLUMNS * ATLAS_PLANE_ROWS)
+
+/* Starts and walks of up to COLUMNS columns; of each walk the last RECORDED apexes, in a ring. */
 struct watch {
-    double speed[ATLAS_PLANE_ROWS][RECORDED], swing[ATLAS_PLANE_ROWS][RECORDED];
-    double last[ATLAS_PLANE_ROWS][3];
-    int is_settled[ATLAS_PLANE_ROWS];
+    size_t count;
+    struct batch_item item[WALKS];
+    unsigned char *byte[WALKS]; /* where what became of it belongs */
+    double apex[WALKS][RECORDED][3];
 };
 
+/* How far an apex is from the one some strides before. */
+static double change_over(const struct watch *watch, size_t walk, int64_t stride, int strides)
+{
+    const double *now = watch->apex[walk][stride % RECORDED];
+    const double *then = watch->apex[walk][(stride - strides) % RECORDED];
+    return real_abs(now[0] - then[0]) + real_abs(now[1] - then[1]) + real_abs(now[2] - then[2]);
+}
+
+/* Stops a walk that has come to rest: in a gait, or in a cycle whose period divides LONGEST_PERIOD. */
 static int look(void *context, size_t index, struct batch_item *item,
                 const struct batch_slopes *slopes)
 {
     struct watch *watch = context;
+    const int64_t n = item->strides;
     (void)slopes;
-    double change = 0.0;
-    for (int i = 0; i < 3; i++) {
-        change += real_abs(item->apex[i] - watch->last[index][i]);
-        watch->last[index][i] = item->apex[i];
+    if (item->fault != 0) {
+        return 1;
     }
-    watch->is_settled[index] = item->fault == 0 && change < SETTLED;
-    const int64_t record = item->strides - 1 - TRANSIENT;
-    if (record >= 0 && record < RECORDED) {
-        watch->speed[index][record] = -item->apex[0];
-        watch->swing[index][record] = item->apex[1];
-    }
-    return watch->is_settled[index];
+    memcpy(watch->apex[index][n % RECORDED], item->apex, sizeof item->apex);
+    return (n > 1 && change_over(watch, index, n, 1) < SETTLED) ||
+           (n > 2 * LONGEST_PERIOD && change_over(watch, index, n, LONGEST_PERIOD) < SETTLED);
 }
 
-static unsigned char period_of(const struct watch *watch, int row)
+/* The period of a walk of `strides` strides: of one that was stopped at rest its last period and one stride tell,
+ * of a whole one the longest period. */
+static unsigned char period_of(const struct watch *watch, size_t walk, int64_t strides)
 {
-    for (int period = 1; period <= LONGEST_PERIOD; period++) {
+    const int is_whole = strides == TRANSIENT + RECORDED;
+    const double tolerance = is_whole ? SLOW : SAME;
+    for (int period = 1; period <= LONGEST_PERIOD && period < strides; period++) {
+        const int looks = is_whole ? LONGEST_PERIOD : period + 1;
         int is_same = 1;
-        for (int i = period; i < RECORDED && is_same; i++) {
-            is_same = real_abs(watch->speed[row][i] - watch->speed[row][i - period]) < SAME &&
-                      real_abs(watch->swing[row][i] - watch->swing[row][i - period]) < SAME;
+        for (int i = 0; i < looks && i + period < strides && is_same; i++) {
+            is_same = change_over(watch, walk, strides - i, period) < tolerance;
         }
         if (is_same) {
             return (unsigned char)period;
@@ -166,27 +195,36 @@ static unsigned char period_of(const struct watch *watch, int row)
     return ATLAS_APERIODIC;
 }
 
-/* Lets each row walk from beside its gait; byte[r * stride] receives what became of it. */
-static void walk(const struct rows *rows, double push, unsigned char *byte, size_t stride)
+/* Lets the collected walkers walk, and says what became of each. */
+static int walk_all(const struct rows *rows, struct watch *watch)
 {
-    static _Thread_local struct watch watch;
     const struct batch_settings settings = {.accuracy = 1e-9};
-    struct batch_item items[ATLAS_PLANE_ROWS];
-    struct batch_job job = job_of(rows, items);
+    struct batch_job job = job_of(rows, watch->item);
+    job.count = watch->count;
     job.strides = TRANSIENT + RECORDED;
     job.stride_done = look;
-    job.context = &watch;
+    job.context = watch;
+    const enum batch_error error = batch_run(&settings, &job);
+    for (size_t i = 0; i < watch->count; i++) {
+        const struct batch_item *item = &watch->item[i];
+        *watch->byte[i] = item->fault != 0 ? ATLAS_NO_GAIT : period_of(watch, i, item->strides);
+    }
+    watch->count = 0;
+    return error == BATCH_OK;
+}
+
+/* Collects each row's start beside its gait; byte[r * stride] is to receive what becomes of it. 0: an error. */
+static int walk(const struct rows *rows, double push, struct watch *watch, unsigned char *byte,
+                size_t stride)
+{
+    struct batch_item *items = &watch->item[watch->count];
     items_at(rows, push, items);
-    memset(&watch, 0, sizeof watch);
     for (int r = 0; r < rows->count; r++) {
         items[r].apex[0] *= 1.0 + KICK;
         items[r].fault = !rows->is_known[r];
+        watch->byte[watch->count++] = byte + (size_t)r * stride;
     }
-    batch_run(&settings, &job);
-    for (int r = 0; r < rows->count; r++) {
-        const unsigned char seen = watch.is_settled[r] ? 1 : period_of(&watch, r);
-        byte[(size_t)r * stride] = items[r].fault != 0 ? ATLAS_NO_GAIT : seen;
-    }
+    return watch->count + ATLAS_PLANE_ROWS <= WALKS || walk_all(rows, watch);
 }
 
 /* Next push-off along the row: the gait extrapolated, then found. A row whose gait is lost stays where it was. */
@@ -221,20 +259,29 @@ int atlas_plane_compute(void *context, size_t chunk, void *result)
     while (middle + 1 < plane->push.count && atlas_at(&plane->push, middle) < START_PUSH) {
         middle++;
     }
+    struct watch *watch = malloc(sizeof *watch);
+    if (watch == NULL) {
+        return 1;
+    }
+    watch->count = 0;
+    int is_good = 1;
     find_first_gaits(&start, plane, first);
     for (int way = 1; way >= -1; way -= 2) {
         struct rows rows = start;
         for (int c = way > 0 ? middle : middle - 1; c >= 0 && c < plane->push.count; c += way) {
-            follow(&rows, atlas_at(&plane->push, c));
-            walk(&rows, atlas_at(&plane->push, c), byte + c, columns);
+            const double push = atlas_at(&plane->push, c);
+            follow(&rows, push);
+            is_good &= walk(&rows, push, watch, byte + c, columns);
         }
     }
-    return 0;
+    is_good &= walk_all(&start, watch);
+    free(watch);
+    return !is_good;
 }
 
 struct chunks_job atlas_plane_job(struct atlas_plane *plane, const char *path)
 {
-    const double numbers[] = {1.0, /* of this way to compute it */
+    const double numbers[] = {2.0, /* of this way to compute it */
                               plane->mass_ratio,
                               plane->push.from,
                               plane->push.to,

@@ -46,6 +46,20 @@ LANE_INLINE void vd_store(double *to, vd x)
     __builtin_memcpy(to, &x, sizeof x);
 }
 
+/* x, held in a register: loaded once for all its uses. The compilers would fold a load into each, and loads are
+ * what the power series wait for. */
+LANE_INLINE vd vd_hold(vd x)
+{
+#if defined __x86_64__ && BATCH_LANES == 8
+    __asm__("" : "+v"(x));
+#elif defined __x86_64__
+    __asm__("" : "+x"(x));
+#elif defined __aarch64__
+    __asm__("" : "+w"(x));
+#endif
+    return x;
+}
+
 LANE_INLINE vd vd_all(double x)
 {
     return x - (vd){0.0};

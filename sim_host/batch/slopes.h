@@ -29,14 +29,23 @@ LANE_INLINE struct taylor_sums variation_convolve(const struct taylor *t, const 
     vd stance = zero, swing = zero;
     for (int j = k; j >= 1; j--) {
         const int i = k + 1 - j, h = k - j;
-        sum.cw = sum.cw + v->c[j] * t->ws[i] + t->c[j] * v->ws[i];
-        sum.sw = sum.sw + v->s[j] * t->ws[i] + t->s[j] * v->ws[i];
-        sum.ww = sum.ww + v->w[j] * t->wn[i] + t->w[j] * v->wn[i];
-        sum.uw = sum.uw + v->u[j] * t->wn[i] + t->u[j] * v->wn[i];
-        sum.stance = sum.stance + v->c[j] * t->u2[h] + t->c[j] * v->u2[h];
-        stance = stance + v->s[j] * t->w2[h] + t->s[j] * v->w2[h];
-        sum.swing = sum.swing + v->w[j] * t->s2[h] + t->w[j] * v->s2[h];
-        swing = swing + v->u[j] * t->c2[h] + t->u[j] * v->c2[h];
+        const vd dc = vd_hold(v->c[j]), c = vd_hold(t->c[j]), w = vd_hold(t->ws[i]),
+                 dw = vd_hold(v->ws[i]);
+        sum.cw = sum.cw + dc * w + c * dw;
+        sum.stance = sum.stance + dc * t->u2[h] + c * v->u2[h];
+        const vd ds = vd_hold(v->s[j]), s = vd_hold(t->s[j]);
+        sum.sw = sum.sw + ds * w + s * dw;
+        stance = stance + ds * t->w2[h] + s * v->w2[h];
+    }
+    for (int j = k; j >= 1; j--) {
+        const int i = k + 1 - j, h = k - j;
+        const vd dw = vd_hold(v->w[j]), w = vd_hold(t->w[j]), rate = vd_hold(t->wn[i]),
+                 change = vd_hold(v->wn[i]);
+        sum.ww = sum.ww + dw * rate + w * change;
+        sum.swing = sum.swing + dw * t->s2[h] + w * v->s2[h];
+        const vd du = vd_hold(v->u[j]), u = vd_hold(t->u[j]);
+        sum.uw = sum.uw + du * rate + u * change;
+        swing = swing + du * t->c2[h] + u * v->c2[h];
     }
     sum.cw = sum.cw + v->c[k + 1] * t->ws[0];
     sum.sw = sum.sw + v->s[k + 1] * t->ws[0];
@@ -56,8 +65,8 @@ LANE_INLINE void variation_next(const struct taylor *t, struct variation *v,
     const vd stance =
         walker->weight * v->s[k] + walker->half_leg * (sum.stance + (t->c[0] * u2 - t->s[0] * w2));
     const vd swing = 2.0 * (sum.swing + (t->w[0] * s2 - t->u[0] * c2) - v->u[k]);
-    const vd alpha = (stance + walker->half_leg * t->cos_d * swing) * t->inverse;
-    const vd beta = swing + 2.0 * t->cos_d * alpha;
+    const vd alpha = stance * t->alpha_by_stance + swing * t->alpha_by_swing;
+    const vd beta = stance * t->beta_by_stance + swing * t->beta_by_swing;
 
     const double once = taylor_inverse[k + 1], twice = once * taylor_inverse[k + 2];
     v->ws[k + 1] = alpha * once;

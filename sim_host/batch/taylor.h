@@ -38,7 +38,8 @@ struct taylor {
     vd s[BATCH_MAX_ORDER + 1], c[BATCH_MAX_ORDER + 1], u[BATCH_MAX_ORDER + 1],
         w[BATCH_MAX_ORDER + 1];
     vd s2[BATCH_MAX_ORDER], c2[BATCH_MAX_ORDER], u2[BATCH_MAX_ORDER], w2[BATCH_MAX_ORDER];
-    vd cos_d, inverse; /* of the 2x2 system */
+    vd alpha_by_stance, alpha_by_swing, beta_by_stance,
+        beta_by_swing; /* inverse of the 2x2 system */
 };
 
 LANE_INLINE struct flight_walker flight_walker_of(vd mass_ratio)
@@ -54,58 +55,109 @@ struct taylor_sums {
     vd stance, swing;  /* C U'' - S W'', W S'' - U C'' */
 };
 
-LANE_INLINE struct taylor_sums taylor_convolve(const struct taylor *t, int k)
+/* One leg's share of the sums for k and for k + 1: of its cosine and sine with its rate, and with the other leg's
+ * second derivatives. */
+struct taylor_leg {
+    vd cosine_rate, sine_rate, coupling;
+    vd next_cosine_rate, next_sine_rate, next_coupling;
+};
+
+/* The terms j = 2..k of k's sums and j = 2..k + 1 of the next's. Two sums at a time load each operand once, and
+ * eight at a time fit the registers of AVX2. Newest coefficients last: the old ones need not wait for them. */
+LANE_INLINE struct taylor_leg taylor_convolve_leg(const vd *cosine, const vd *sine, const vd *rate,
+                                                  const vd *other_s2, const vd *other_c2, int k)
 {
     const vd zero = vd_all(0.0);
-    vd cw = zero, sw = zero, ww = zero, uw = zero;
-    vd cu = zero, sv = zero, ws = zero, uc = zero;
-    /* The newest coefficients last: the sums of old ones need not wait for them. */
-    for (int j = k; j >= 1; j--) {
-        const vd c = t->c[j], s = t->s[j], w = t->w[j], u = t->u[j];
-        const vd stance = t->ws[k + 1 - j], swing = t->wn[k + 1 - j];
-        cw = cw + c * stance;
-        sw = sw + s * stance;
-        ww = ww + w * swing;
-        uw = uw + u * swing;
-        cu = cu + c * t->u2[k - j];
-        sv = sv + s * t->w2[k - j];
-        ws = ws + w * t->s2[k - j];
-        uc = uc + u * t->c2[k - j];
+    vd cw = zero, sw = zero, next_cw = zero, next_sw = zero;
+    vd w = rate[1], s2 = other_s2[0], c2 = other_c2[0];
+    vd cs = zero, sc = zero, next_cs = cosine[k + 1] * s2, next_sc = sine[k + 1] * c2;
+    for (int j = k; j >= 2; j--) {
+        const vd c = vd_hold(cosine[j]), s = vd_hold(sine[j]);
+        cw = cw + c * w;
+        sw = sw + s * w;
+        w = vd_hold(rate[k + 2 - j]);
+        next_cw = next_cw + c * w;
+        next_sw = next_sw + s * w;
+        cs = cs + c * s2;
+        sc = sc + s * c2;
+        s2 = vd_hold(other_s2[k + 1 - j]);
+        c2 = vd_hold(other_c2[k + 1 - j]);
+        next_cs = next_cs + c * s2;
+        next_sc = next_sc + s * c2;
     }
-    const struct taylor_sums sums = {cw + t->c[k + 1] * t->ws[0],
-                                     sw + t->s[k + 1] * t->ws[0],
-                                     ww + t->w[k + 1] * t->wn[0],
-                                     uw + t->u[k + 1] * t->wn[0],
-                                     cu - sv,
-                                     ws - uc};
-    return sums;
+    next_cw = next_cw + cosine[k + 1] * rate[1];
+    next_sw = next_sw + sine[k + 1] * rate[1];
+    const struct taylor_leg leg = {cw, sw, cs - sc, next_cw, next_sw, next_cs - next_sc};
+    return leg;
 }
 
-/* Coefficients k + 1 of the rates and k + 2 of sines and cosines from all before. */
-LANE_INLINE void taylor_next(struct taylor *t, const struct flight_walker *walker, int k)
+/* Adds to the sums for k the terms with the newest coefficients. */
+LANE_INLINE void taylor_complete(const struct taylor *t, int k, struct taylor_sums *sum)
 {
-    const struct taylor_sums sum = taylor_convolve(t, k);
+    sum->cw = (sum->cw + t->c[k + 1] * t->ws[0]) + t->c[1] * t->ws[k];
+    sum->sw = (sum->sw + t->s[k + 1] * t->ws[0]) + t->s[1] * t->ws[k];
+    sum->ww = (sum->ww + t->w[k + 1] * t->wn[0]) + t->w[1] * t->wn[k];
+    sum->uw = (sum->uw + t->u[k + 1] * t->wn[0]) + t->u[1] * t->wn[k];
+    sum->stance = sum->stance + (t->c[1] * t->u2[k - 1] - t->s[1] * t->w2[k - 1]);
+    sum->swing = sum->swing + (t->w[1] * t->s2[k - 1] - t->u[1] * t->c2[k - 1]);
+}
+
+/* Coefficients k + 1 of the rates and k + 2 of sines and cosines from the sums for k. What the newest sums are
+ * multiplied with does not wait for them: the way from one order to the next is short. */
+LANE_INLINE void taylor_next(struct taylor *t, const struct flight_walker *walker, int k,
+                             const struct taylor_sums *sum)
+{
     const double n = (double)(k + 1);
-    const vd s2 = n * sum.cw, c2 = -n * sum.sw, u2 = n * sum.ww, w2 = -n * sum.uw;
-    const vd stance =
-        walker->weight * t->s[k] + walker->half_leg * (sum.stance + (t->c[0] * u2 - t->s[0] * w2));
-    const vd swing = 2.0 * (sum.swing + (t->w[0] * s2 - t->u[0] * c2) - t->u[k]);
-    const vd alpha = (stance + walker->half_leg * t->cos_d * swing) * t->inverse;
-    const vd beta = swing + 2.0 * t->cos_d * alpha;
+    const vd leg = n * walker->half_leg;
+    const vd stance = (walker->weight * t->s[k] + walker->half_leg * sum->stance) +
+                      ((leg * t->c[0]) * sum->ww + (leg * t->s[0]) * sum->uw);
+    const vd swing = 2.0 * (sum->swing - t->u[k]) +
+                     (((2.0 * n) * t->w[0]) * sum->cw + ((2.0 * n) * t->u[0]) * sum->sw);
+    const vd alpha = stance * t->alpha_by_stance + swing * t->alpha_by_swing;
+    const vd beta = stance * t->beta_by_stance + swing * t->beta_by_swing;
 
     const double once = taylor_inverse[k + 1], twice = once * taylor_inverse[k + 2];
     t->ws[k + 1] = alpha * once;
     t->wn[k + 1] = beta * once;
     t->ts[k + 2] = alpha * twice;
     t->tn[k + 2] = beta * twice;
-    t->s2[k] = s2 + t->c[0] * alpha;
-    t->c2[k] = c2 - t->s[0] * alpha;
-    t->u2[k] = u2 + t->w[0] * beta;
-    t->w2[k] = w2 - t->u[0] * beta;
+    t->s2[k] = n * sum->cw + t->c[0] * alpha;
+    t->c2[k] = -n * sum->sw - t->s[0] * alpha;
+    t->u2[k] = n * sum->ww + t->w[0] * beta;
+    t->w2[k] = -n * sum->uw - t->u[0] * beta;
     t->s[k + 2] = t->s2[k] * twice;
     t->c[k + 2] = t->c2[k] * twice;
     t->u[k + 2] = t->u2[k] * twice;
     t->w[k + 2] = t->w2[k] * twice;
+}
+
+/* Two orders: those after k >= 1 and, within the order asked for, k + 1. */
+LANE_INLINE void taylor_two(struct taylor *t, const struct flight_walker *walker, int k)
+{
+    const struct taylor_leg stance = taylor_convolve_leg(t->c, t->s, t->ws, t->u2, t->w2, k);
+    const struct taylor_leg swing = taylor_convolve_leg(t->w, t->u, t->wn, t->s2, t->c2, k);
+    struct taylor_sums now = {stance.cosine_rate, stance.sine_rate, swing.cosine_rate,
+                              swing.sine_rate,    stance.coupling,  swing.coupling};
+    struct taylor_sums next = {stance.next_cosine_rate, stance.next_sine_rate,
+                               swing.next_cosine_rate,  swing.next_sine_rate,
+                               stance.next_coupling,    swing.next_coupling};
+    taylor_complete(t, k, &now);
+    taylor_next(t, walker, k, &now);
+    if (k + 3 <= t->order) {
+        taylor_complete(t, k + 1, &next);
+        taylor_next(t, walker, k + 1, &next);
+    }
+}
+
+/* alpha - (m/2) cos D beta = stance and beta - 2 cos D alpha = swing, over the inertia, solved. */
+LANE_INLINE void taylor_solve(struct taylor *t, const struct flight_walker *walker)
+{
+    const vd cos_d = t->c[0] * t->w[0] + t->s[0] * t->u[0];
+    const vd inverse = 1.0 / (walker->inertia - 2.0 * walker->half_leg * cos_d * cos_d);
+    t->alpha_by_stance = inverse;
+    t->alpha_by_swing = walker->half_leg * cos_d * inverse;
+    t->beta_by_stance = 2.0 * cos_d * inverse;
+    t->beta_by_swing = walker->inertia * inverse;
 }
 
 /* The motion from x on, to the given order (4..BATCH_MAX_ORDER) of the angles. */
@@ -123,10 +175,12 @@ LANE_INLINE void taylor_expand(struct taylor *t, const struct flight_walker *wal
     t->c[1] = -t->s[0] * x->ws;
     t->u[1] = t->w[0] * x->wn;
     t->w[1] = -t->u[0] * x->wn;
-    t->cos_d = t->c[0] * t->w[0] + t->s[0] * t->u[0];
-    t->inverse = 1.0 / (walker->inertia - 2.0 * walker->half_leg * t->cos_d * t->cos_d);
-    for (int k = 0; k + 2 <= order; k++) {
-        taylor_next(t, walker, k);
+    taylor_solve(t, walker);
+    const struct taylor_sums first = {t->c[1] * t->ws[0], t->s[1] * t->ws[0], t->w[1] * t->wn[0],
+                                      t->u[1] * t->wn[0], vd_all(0.0),        vd_all(0.0)};
+    taylor_next(t, walker, 0, &first);
+    for (int k = 1; k + 2 <= order; k += 2) {
+        taylor_two(t, walker, k);
     }
 }
 
