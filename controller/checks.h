@@ -64,8 +64,8 @@ struct checks_context {
 void checks_init(struct checks *checks);
 
 /* First in a tick: replaces samples that are lost, not finite or beyond belief by the
- * held value (the leg angle goes on at its last rate) and lets their ages grow in
- * *input. Constant cost. */
+ * held value (the leg angle goes on at its last rate). Their ages stay as received; how long
+ * one has not been believed is counted in *checks. Constant cost. */
 void checks_screen(struct checks *checks, const struct control_params *params,
                    struct controller_input *input);
 

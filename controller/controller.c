@@ -2,6 +2,8 @@
 
 /* A command may rise by so much of what the reference's speed limit allows in a tick. */
 #define RISE_SHARE REAL(1.25)
+/* And no command is further than so much of the leg's length beyond the largest r0. */
+#define REACH_SHARE REAL(0.1)
 /* A wearer's steps have stopped when none came for so many times the last one. */
 enum { LATE_STEPS = 2 };
 /* Least time in STANDBY. */
@@ -19,9 +21,6 @@ int controller_init(struct controller *controller, const struct control_params *
     if (verdict != CONTROL_PARAMS_OK) {
         return verdict;
     }
-    controller->stop = sea_reference_stop_limits(params);
-    controller->change_max_m = params->r0_change_max_m;
-    controller->rise_max_m = RISE_SHARE * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
     supervisor_init(&controller->supervisor);
     checks_init(&controller->checks);
     step_monitor_init(&controller->steps);
@@ -129,6 +128,10 @@ static void enter_state(struct controller *controller, const struct controller_i
     const struct control_params *params = controller->params;
     switch (controller->supervisor.state) {
     case SUPERVISOR_ENGAGING:
+        controller->stop = sea_reference_stop_limits(params);
+        controller->change_max_m = params->r0_change_max_m;
+        controller->rise_max_m = RISE_SHARE * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
+        controller->reach_m = params->r0_max_m + REACH_SHARE * params->leg_length_m;
         step_law_init(&controller->law, params);
         gait_observer_init(&controller->observer, params);
         step_monitor_init(&controller->steps);
@@ -147,6 +150,9 @@ static void enter_state(struct controller *controller, const struct controller_i
             sea_reference_stop(&controller->sea[side], &controller->stop,
                                input->sea[side].precompression_m);
         }
+        break;
+    case SUPERVISOR_FAULT:
+        controller->request_spent = true; /* a reset alone starts nothing (ISO 13850, 4.1.4) */
         break;
     default:
         break;
@@ -256,7 +262,7 @@ static bool legs_disagree(const struct controller *controller)
 }
 
 /* Nothing that is not a number, nothing beyond the stroke, and no step leaves the
- * controller. By construction it cannot; this is the last gate, and its limit is a number of
+ * controller. By construction it cannot; this is the last gate, and its limits are numbers of
  * its own: the parameters may have been changed by a failing memory until that is noticed. */
 static bool guard(const struct controller *controller, const struct sea_request *before,
                   struct sea_request *request)
@@ -265,8 +271,8 @@ static bool guard(const struct controller *controller, const struct sea_request 
         request->precompression_m > before->precompression_m + controller->rise_max_m) {
         request->precompression_m = before->precompression_m + controller->rise_max_m;
     }
-    if (request->precompression_m >= -controller->params->leg_length_m &&
-        request->precompression_m <= controller->params->leg_length_m) {
+    if (request->precompression_m >= -controller->reach_m &&
+        request->precompression_m <= controller->reach_m) {
         return true;
     }
     *request = (struct sea_request){REAL(0.0), false, false};

@@ -32,11 +32,13 @@ struct controller {
     struct step_monitor steps;
     struct zeroing zeroing;
     struct sea_request request[SIDE_COUNT]; /* of the last tick */
-    struct sea_stop stop; /* from the parameters as they were at the start, as is */
-    real rise_max_m;      /* what a command may rise in one tick, */
-    real change_max_m;    /* and r0 from step to step; both as the parameters were at the start */
-    real share;           /* of the law's precompression that is given, 0..1: engaging ramps it */
-    bool request_spent;   /* the bench's walk has ended: it takes a new request to load again */
+    /* Limits by the parameters as they were when it engaged: */
+    struct sea_stop stop;
+    real rise_max_m;    /* what a command may rise in one tick, */
+    real change_max_m;  /* r0 from step to step, */
+    real reach_m;       /* and how far a command may lie on either side of zero */
+    real share;         /* of the law's precompression that is given, 0..1: engaging ramps it */
+    bool request_spent; /* after a fault, or a walk on the bench: it takes a new request */
     bool step_pending;
     bool observing; /* the observer has been started */
 };

@@ -121,7 +121,12 @@ static void force_stop(struct control_task *task)
         sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
         const bool disobeys =
             task->output.state == SUPERVISOR_FAULT && drive.state == SEA_DRIVE_ENABLED;
-        task->disobeys[leg] = disobeys ? (uint8_t)(task->disobeys[leg] + 1) : 0;
+        /* One telegram that says otherwise does not outweigh the others. */
+        if (disobeys) {
+            task->disobeys[leg]++;
+        } else if (task->disobeys[leg] > 0) {
+            task->disobeys[leg]--;
+        }
         if (task->disobeys[leg] >= FORCE_STOP_TICKS) {
             task->disobeys[leg] = 0;
             count(&task->counters.forced_stops);

@@ -57,7 +57,7 @@ void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_c
         drives->axis[leg].config = config[leg];
         drives->axis[leg].age_ticks = UINT16_MAX;
         sea_latch_sender_init(&drives->axis[leg].sender);
-        drives->axis[leg].torque_age_ticks = UINT16_MAX;
+        drives->axis[leg].torque_age_ticks = UINT16_MAX - 1; /* missing, not without any */
     }
 }
 

@@ -260,6 +260,9 @@ static void run(struct host *host)
         if (host->options.auto_reset && stuck && network_all_operational(&task->network)) {
             task->node.objects.reset_requested = 1; /* obeyed at standstill only */
         }
+        if (host->options.auto_reset && !stop_wanted) {
+            task->node.objects.walk_requested = stuck ? 0 : 1; /* and asks anew */
+        }
         if (host->options.steps > 0 && host->steps >= host->options.steps) {
             stop_wanted = 1;
         }

@@ -167,6 +167,29 @@ START_TEST(the_same_leg_twice_is_a_fault_on_the_bench)
 }
 END_TEST
 
+/* After a stop the reset alone starts nothing, whoever walks: it takes a new request. */
+START_TEST(a_reset_does_not_start_a_walk)
+{
+    struct rig *rig = start(0.45, (unsigned)_i);
+    rig->loop.rig.stop_pressed = true;
+    run(rig, 2000); /* held by the hand meanwhile */
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_FAULT);
+    ck_assert_int_eq(rig->loop.rig.task.output.fault, SUPERVISOR_FAULT_EMERGENCY_STOP);
+    rig->loop.rig.stop_pressed = false;
+    run(rig, 1000);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_FAULT);
+    rig->loop.rig.task.node.objects.reset_requested = 1;
+    run(rig, 1000);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_STANDBY);
+    rig->loop.rig.task.node.objects.walk_requested = 0;
+    run(rig, 10);
+    rig->loop.rig.task.node.objects.walk_requested = 1;
+    run(rig, 10);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
+    free(rig);
+}
+END_TEST
+
 /* Memory fails: what leaves the controller keeps its bounds. */
 START_TEST(the_last_gate)
 {
@@ -178,6 +201,13 @@ START_TEST(the_last_gate)
     sea->position_m = sea->target_m = before + REAL(0.2);
     run(rig, 1);
     ck_assert(controller_of(rig)->request[stance].precompression_m < before + REAL(0.003));
+    for (int beyond = -1; beyond <= 1; beyond += 2) {
+        controller_of(rig)->request[stance].enable = false; /* no rise to be limited */
+        sea->position_m = sea->target_m = (real)beyond * REAL(0.45);
+        run(rig, 1);
+        ck_assert(!controller_of(rig)->request[stance].enable);
+        ck_assert(controller_of(rig)->request[stance].precompression_m == REAL(0.0));
+    }
     sea->position_m = sea->target_m = (real)__builtin_nanf("");
     run(rig, 1);
     ck_assert(!controller_of(rig)->request[stance].enable);
@@ -246,6 +276,7 @@ int main(void)
     tcase_add_test(tests, a_wearer_is_engaged_step_by_step_and_let_go);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);
+    tcase_add_loop_test(tests, a_reset_does_not_start_a_walk, 0, 2);
     tcase_add_test(tests, the_last_gate);
     tcase_add_test(tests, the_step_of_r0_is_bounded_without_the_parameters);
     tcase_add_test(tests, unloading_lasts_its_time);

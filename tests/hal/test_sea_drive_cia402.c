@@ -261,7 +261,7 @@ START_TEST(force_and_latch)
     start(&b);
     struct can_msg slow = {.id = 0x381, .length = 8, .data = {0xC8, 0x00}}; /* 200 per mille */
     sea_drives_read(&b.drives, LEG_LEFT, &reading);
-    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX);
+    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX - 1); /* missing, not without any */
     ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_UNKNOWN);
     ck_assert(sea_drives_receive(&b.drives, &slow));
     slow.id = 0x382;
