@@ -337,18 +337,22 @@ static real yardstick(const struct gait_observer *observer, const struct control
 }
 
 static void watch_person(struct gait_observer *observer, const struct control_params *params,
-                         uint32_t tick)
+                         const struct controller_input *input)
 {
+    const uint32_t tick = input->tick;
     const uint32_t centre = tick - LEG_RATE_HALF_WINDOW;
     if (observer->samples <= 2 * LEG_RATE_HALF_WINDOW) {
         return;
     }
+    const real per_leg_length = REAL(1.0) / params->leg_length_m;
     struct leg_view view = {.yardstick_rad_s = yardstick(observer, params, tick)};
     for (int i = 0; i < SIDE_COUNT; i++) {
         const real *angle = observer->angle_rad[i];
         view.rate_rad_s = leg_events_rate(angle, GAIT_HISTORY, centre);
         view.ahead_rad =
             angle[centre % GAIT_HISTORY] - observer->angle_rad[1 - i][centre % GAIT_HISTORY];
+        view.extension = input->leg[i].ankle_extension_m * per_leg_length;
+        view.fresh = input->leg[i].age_ticks == 0;
         const struct leg_event event = leg_events_update(&observer->leg[i], &view, tick);
         if (event.kind == LEG_EVENT_STRIKE) {
             strike(observer, params, (enum side)i, tick, event.age_s);
@@ -387,7 +391,7 @@ void gait_observer_update(struct gait_observer *observer, const struct control_p
         observer->samples++;
     }
     if (is_person(params)) {
-        watch_person(observer, params, tick);
+        watch_person(observer, params, input);
     } else {
         watch_compass(observer, params, input);
     }

@@ -1,19 +1,29 @@
 #include "controller/leg_events.h"
 
-/* Each event is placed by the times at which the smoothed rate goes through two
- * levels (shares of the yardstick): event = second + reach * (second - first) + after.
- * Reach has no unit, so the rule keeps its shape for fast and slow walkers alike.
- * Strike: the leg slows from 0 to -0.6; at that pace it would soon reach the planted
- * foot's rate of -1. Toe-off: around the turn from backwards to forwards. Reach and
- * after are the one calibration for all people against recorded foot contacts. */
+/* A strike is placed by the times at which the smoothed rate goes through two levels
+ * (shares of the yardstick): event = second + reach * (second - first) + after. Reach
+ * has no unit, so the rule keeps its shape for fast and slow walkers alike: the leg
+ * slows from 0 to -0.6; at that pace it would soon reach the planted foot's rate of
+ * -1. Reach and after are the one calibration for all people against recorded foot
+ * contacts. */
 #define STRIKE_FIRST_SHARE REAL(0.0)
 #define STRIKE_SECOND_SHARE REAL(-0.6)
 #define STRIKE_REACH REAL(0.5)
 #define STRIKE_AFTER_S REAL(0.006)
-#define TOE_OFF_FIRST_SHARE REAL(-0.3)
-#define TOE_OFF_SECOND_SHARE REAL(0.2)
-#define TOE_OFF_REACH REAL(-0.2)
-#define TOE_OFF_AFTER_S REAL(0.0)
+
+/* Toe-off: the rate has risen to this share of the yardstick, the leg swings forwards;
+ * the foot has left the ground so long before that, and before the mean of that and
+ * the end of the ankle's push. The one calibration for all people, as above. */
+#define TOE_OFF_SHARE REAL(0.3)
+#define TOE_OFF_BEFORE_TURN_S REAL(0.0145)
+#define TOE_OFF_BEFORE_BOTH_S REAL(0.019)
+
+/* The ankle's highest rate in a push, in yardsticks; about 0.35 is usual. */
+#define PUSH_LEAST_SHARE REAL(0.08)
+/* A turn and an end of a push further apart than this do not belong together; and so
+ * long after the turn an event is not held back for the ankle. */
+#define PUSH_APART_S REAL(0.08)
+#define PUSH_WAIT_S REAL(0.03)
 
 /* The turn is quick; a first crossing longer ago than this belongs to something else. */
 #define TURN_MAX_S REAL(0.2)
@@ -51,6 +61,7 @@ static void enter(struct leg_events *leg, enum leg_contact contact, uint32_t tic
 {
     leg->contact = contact;
     leg->since_tick = tick;
+    leg->turned = false;
     leg->swung = false;
     leg->landing = false;
 }
@@ -96,24 +107,37 @@ static real age_of(const struct leg_events *leg, real rate, real level, real rea
     return HALF_WINDOW_S + (ago - shift) * CONTROL_PERIOD_S - after_s;
 }
 
-static struct leg_event in_stance(struct leg_events *leg, const struct leg_view *view,
-                                  uint32_t tick)
+static void in_stance(struct leg_events *leg, const struct leg_view *view, uint32_t tick)
 {
     const real rate = view->rate_rad_s;
-    const real level = TOE_OFF_SECOND_SHARE * view->yardstick_rad_s;
-    const real first = TOE_OFF_FIRST_SHARE * view->yardstick_rad_s;
-    struct leg_event event = {LEG_EVENT_NONE, REAL(0.0)};
-    if (rises_through(leg, rate, first)) {
-        mark_first(leg, rate, first, tick);
-    }
+    const real level = TOE_OFF_SHARE * view->yardstick_rad_s;
     if (rises_through(leg, rate, level) && view->ahead_rad < -APART_RAD) {
-        event = (struct leg_event){LEG_EVENT_TOE_OFF,
-                                   age_of(leg, rate, level, TOE_OFF_REACH, TOE_OFF_AFTER_S, tick)};
+        mark_first(leg, rate, level, tick);
         enter(leg, LEG_SWING, tick);
+        leg->turned = true;
     } else if (rate > SWING_SHARE * view->yardstick_rad_s) {
         enter(leg, LEG_SWING, tick); /* a first step: from beside the other foot */
     }
-    return event;
+}
+
+/* The leg has turned: its toe-off, as soon as the ankle's part in it is known. */
+static struct leg_event place_toe_off(struct leg_events *leg, real least_1_s, uint32_t tick)
+{
+    const struct leg_event nothing = {LEG_EVENT_NONE, REAL(0.0)};
+    const real since_turn_s =
+        seconds_since(tick, leg->first_tick) + leg->first_before_ticks * CONTROL_PERIOD_S;
+    if (!leg->turned ||
+        (ankle_push_under_way(&leg->push, least_1_s) && since_turn_s < PUSH_WAIT_S)) {
+        return nothing;
+    }
+    const real turn_age_s = HALF_WINDOW_S + since_turn_s;
+    const real push_age_s = seconds_since(tick, leg->push.over_tick) + ANKLE_PUSH_LAG_S;
+    leg->turned = false;
+    if (leg->push.over && real_abs(push_age_s - turn_age_s) < PUSH_APART_S) {
+        return (struct leg_event){LEG_EVENT_TOE_OFF,
+                                  REAL(0.5) * (turn_age_s + push_age_s) + TOE_OFF_BEFORE_BOTH_S};
+    }
+    return (struct leg_event){LEG_EVENT_TOE_OFF, turn_age_s + TOE_OFF_BEFORE_TURN_S};
 }
 
 static struct leg_event in_swing(struct leg_events *leg, const struct leg_view *view, uint32_t tick)
@@ -163,12 +187,15 @@ struct leg_event leg_events_update(struct leg_events *leg, const struct leg_view
                                    uint32_t tick)
 {
     struct leg_event event = {LEG_EVENT_NONE, REAL(0.0)};
+    const real least_1_s = PUSH_LEAST_SHARE * view->yardstick_rad_s;
+    ankle_push_update(&leg->push, view->extension, view->fresh, view->ahead_rad < REAL(0.0),
+                      least_1_s, tick);
     if (real_abs(view->rate_rad_s) > STILL_SHARE * view->yardstick_rad_s) {
         leg->moved_tick = tick;
     }
     switch (leg->contact) {
     case LEG_STANCE:
-        event = in_stance(leg, view, tick);
+        in_stance(leg, view, tick);
         break;
     case LEG_SWING:
         event = in_swing(leg, view, tick);
@@ -185,5 +212,6 @@ struct leg_event leg_events_update(struct leg_events *leg, const struct leg_view
         enter(leg, LEG_UNKNOWN, tick);
     }
     leg->rate_before_rad_s = view->rate_rad_s;
-    return when_due(leg, event);
+    const struct leg_event toe_off = place_toe_off(leg, least_1_s, tick);
+    return toe_off.kind != LEG_EVENT_NONE ? toe_off : when_due(leg, event);
 }

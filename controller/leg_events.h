@@ -8,17 +8,22 @@
  *                turns backwards at most of that rate (the foot is planted);
  *   toe-off      the leg behind has stopped turning backwards and turns forwards
  *                (Zeni et al., Gait & Posture 27:710, 2008: the foot's rearmost
- *                point relative to the pelvis).
+ *                point relative to the pelvis), and its ankle's push is over
+ *                (ankle_push.h). The leg's turn decides that there is an event; its
+ *                time is the mean of both, because people differ in how far the hip
+ *                has gone on when the foot leaves, and in their ankles, but seldom
+ *                in both alike. Where the ankle shows no push the turn stands alone.
  * "Ahead" and "behind" are of one leg relative to the other, so an offset that both
  * sensors share does not move them. Legs side by side, or that sway without
- * stepping, make no events. The rates are slopes smoothed over +-16 ms; the events
- * are reported after that delay, and are the older by it.
+ * stepping, make no events. The legs' rates are slopes smoothed over +-16 ms; the
+ * events are reported after that delay, and are the older by it.
  */
 #ifndef CONTROLLER_LEG_EVENTS_H
 #define CONTROLLER_LEG_EVENTS_H
 
 #include <stdint.h>
 
+#include "controller/ankle_push.h"
 #include "controller/signals.h"
 
 #define leg_events_init REAL_SYMBOL(leg_events_init)
@@ -42,21 +47,25 @@ struct leg_event {
 
 struct leg_events {
     enum leg_contact contact;
-    real rate_before_rad_s;  /* smoothed rate one tick ago */
-    uint32_t first_tick;     /* at which the rate had gone through the coming event's first level */
-    real first_before_ticks; /* that crossing lies this long before first_tick */
+    real rate_before_rad_s;   /* smoothed rate one tick ago */
+    uint32_t first_tick;      /* at which the rate went through the coming event's first level */
+    real first_before_ticks;  /* that crossing lies this long before first_tick */
     struct leg_event waiting; /* placed ahead of now; reported when its time has come */
-    bool swung;               /* the swing was fast enough to be a step */
-    bool landing;             /* and is being slowed, with the foot ahead: about to land */
-    uint32_t since_tick;      /* of the contact state */
-    uint32_t moved_tick;      /* when the leg last moved */
+    struct ankle_push push;
+    bool turned;         /* the leg has turned forwards, its toe-off is still to be placed */
+    bool swung;          /* the swing was fast enough to be a step */
+    bool landing;        /* and is being slowed, with the foot ahead: about to land */
+    uint32_t since_tick; /* of the contact state */
+    uint32_t moved_tick; /* when the leg last moved */
 };
 
-/* Both legs as they were LEG_RATE_HALF_WINDOW ticks ago. */
+/* Both legs as they were LEG_RATE_HALF_WINDOW ticks ago, and this ankle as it is. */
 struct leg_view {
     real rate_rad_s;      /* of this leg, smoothed */
     real ahead_rad;       /* this leg's angle minus the other's */
     real yardstick_rad_s; /* forward speed at the last apexes, > 0 */
+    real extension;       /* of the ankle, over the leg's length */
+    bool fresh;           /* the sensor's sample of this tick has come */
 };
 
 void leg_events_init(struct leg_events *leg, uint32_t tick);
