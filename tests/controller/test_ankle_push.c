@@ -21,7 +21,7 @@ static double chance(void)
     return (double)rand() / RAND_MAX;
 }
 
-/* Lets the ankle push once, from 0.2 s on. Returns when the end was marked, less the
+/* Lets the ankle push once, from 0.2 s on, the filter settled. Returns when the end was marked, less the
  * filter's lag; NAN if never. */
 static double end_of(const struct push *p)
 {
@@ -32,8 +32,8 @@ static double end_of(const struct push *p)
         const double t = fmin(fmax(1e-3 * tick - 0.2, 0.0), p->period_s);
         double extension = p->from + 0.5 * p->height * (1.0 - cos(2.0 * M_PI * t / p->period_s));
         extension += p->noise * (chance() + chance() - 1.0);
-        ankle_push_update(&push, (real)fmax(extension, 0.0), chance() >= p->drop, true, LEAST_1_S,
-                          tick);
+        ankle_push_update(&push, (real)fmax(extension, 0.0), chance() >= p->drop, tick > 100,
+                          LEAST_1_S, tick);
         if (push.over) {
             over_s = 1e-3 * push.over_tick - (double)ANKLE_PUSH_LAG_S;
         }
