@@ -26,7 +26,7 @@ static double chance(void)
 static double end_of(const struct push *p)
 {
     struct ankle_push push = {0};
-    double over_s = NAN;
+    double over_s = (double)NAN;
     srand(3);
     for (uint32_t tick = 1; tick < 1000; tick++) {
         const double t = fmin(fmax(1e-3 * tick - 0.2, 0.0), p->period_s);
