@@ -16,6 +16,7 @@ enum {
     KEY_WEARER,
     KEY_COLUMN,
     KEY_RATE,
+    KEY_ANGLES,
     KEY_FAULT,
     KEY_FAULT_STEP,
     KEY_REAL_TIME,
@@ -30,11 +31,14 @@ static const struct argp_option option_list[] = {
     {"column", KEY_COLUMN, "ROLE=NAME", 0,
      "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
     {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
+    {"angles", KEY_ANGLES, "UNIT", 0, "of the recording's angles: deg (default) or rad", 0},
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
     {"engage", KEY_ENGAGE, "STEPS", 0,
-     "the walker has a push-off of its own; the device takes over after so many steady steps", 0},
+     "the walker has a push-off of its own; the device takes over after so many steady steps "
+     "(a recorded person's has: 4)",
+     0},
     {"real-time", KEY_REAL_TIME, 0, 0, "one tick a millisecond, with a report of the jitter", 0},
     {0, 0, 0, 0, "What comes out:", 3},
     {"csv", KEY_CSV, "FILE", 0, "one line per step", 0},
@@ -63,7 +67,7 @@ enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
 static void check_used(struct argp_state *state, const struct sim_options *options)
 {
     if (options->wearer_path == NULL && options->format_given) {
-        argp_error(state, "--column and --rate describe the recording of --wearer");
+        argp_error(state, "--column, --rate and --angles describe the recording of --wearer");
     }
     if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
         argp_error(state, "--fault-step needs --fault NAME");
@@ -129,6 +133,14 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_RATE:
         options->format_given = true;
         options->wearer_format.sample_rate_hz = option_number(state, "--rate", text, 20.0, 5000.0);
+        break;
+    case KEY_ANGLES:
+        options->format_given = true;
+        if (strcmp(text, "rad") == 0) {
+            options->wearer_format.angle_unit_rad = 1.0;
+        } else if (strcmp(text, "deg") != 0) {
+            argp_error(state, "--angles: \"%s\" is unknown, allowed is deg, rad", text);
+        }
         break;
     case KEY_FAULT:
         take_fault(state, options, text);

@@ -11,10 +11,26 @@ void wearer_format_default(struct wearer_format *format)
         .ankle_column = {"ankle_l_deg", "ankle_r_deg"},
         .contact_column = {"contact_l", "contact_r"},
         .sample_rate_hz = 200.0,
+        .angle_unit_rad = 3.14159265358979323846 / 180.0,
         .ankle_lever_m = 0.12,
         .ankle_neutral_rad = 0.0,
         .largest_gap_s = 0.1,
     };
+}
+
+double wearer_span_rad(const struct wearer *wearer)
+{
+    double widest_rad = 0.0;
+    for (int side = 0; side < SIDE_COUNT && wearer->count > 0; side++) {
+        double low = wearer->samples[0].leg_angle_rad[side], high = low;
+        for (size_t i = 1; i < wearer->count; i++) {
+            const double angle = wearer->samples[i].leg_angle_rad[side];
+            low = angle < low ? angle : low;
+            high = angle > high ? angle : high;
+        }
+        widest_rad = high - low > widest_rad ? high - low : widest_rad;
+    }
+    return widest_rad;
 }
 
 /* The quantities that are interpolated, per side. */

@@ -24,7 +24,7 @@ enum { WEARER_NAME_MAX = 64, WEARER_ERROR_MAX = 512 };
 
 /* Names of the columns and how to read them; wearer_format_default() gives the
  * names of the project's recordings. An empty name: not there (time: use
- * sample_rate_hz; contact: none; ankle: extension stays 0). Angles are in degrees. */
+ * sample_rate_hz; contact: none; ankle: extension stays 0). */
 struct wearer_format {
     char time_column[WEARER_NAME_MAX];
     char thigh_column[SIDE_COUNT][WEARER_NAME_MAX];
@@ -32,6 +32,7 @@ struct wearer_format {
     char ankle_column[SIDE_COUNT][WEARER_NAME_MAX];
     char contact_column[SIDE_COUNT][WEARER_NAME_MAX];
     double sample_rate_hz;    /* used without a time column */
+    double angle_unit_rad;    /* of all angles: 1, or pi / 180 (the default) */
     double ankle_lever_m;     /* default 0.12 */
     double ankle_neutral_rad; /* plantarflexion at r = 0; default 0 */
     double largest_gap_s;     /* a longer one between samples is an error; default 0.1 */
@@ -48,6 +49,7 @@ struct wearer_sample {
 struct wearer {
     struct wearer_sample *samples; /* owned; ascending in time, first at time 0 */
     size_t count;                  /* >= 2 after a successful load */
+    double start_s; /* the first sample's time in the file; 0 without a time column */
     bool has_contact;
 };
 
@@ -75,6 +77,10 @@ enum wearer_error {
 };
 
 void wearer_format_default(struct wearer_format *format);
+
+/* How far the leg that moves more has moved in all, rad: a plausibility check of the
+ * angles' unit. Cost O(samples). */
+double wearer_span_rad(const struct wearer *wearer);
 
 /* Loads path. On failure nothing is allocated, *wearer is empty and message
  * (WEARER_ERROR_MAX bytes) says what, with line and column. Cost O(file). */

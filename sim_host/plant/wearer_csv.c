@@ -9,7 +9,7 @@
 #include "sim_host/plant/range.h"
 #include "sim_host/plant/wearer.h"
 
-static const double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
+static const double HALF_TURN_RAD = 3.14159265358979323846;
 
 enum column {
     TIME,
@@ -88,6 +88,7 @@ static enum wearer_error check_format(const struct wearer_format *format, char *
         {"ankle_lever_m", format->ankle_lever_m, 1e-3, 10.0},
         {"ankle_neutral_rad", format->ankle_neutral_rad, -1.5, 1.5},
         {"largest_gap_s", format->largest_gap_s, 1e-5, 1e3},
+        {"angle_unit_rad", format->angle_unit_rad, 1e-6, 1.0},
     };
     const char *bad = range_first_bad(ranges, sizeof ranges / sizeof ranges[0]);
     for (int column = THIGH_L; column <= SHANK_R && bad == NULL; column++) {
@@ -229,7 +230,9 @@ static enum wearer_error read_value(const struct reader *reader, struct field fi
         wrong = "is not a number";
     } else if (is_contact(column) && *value != 0.0 && *value != 1.0) {
         wrong = "is not a contact (0 or 1)";
-    } else if (column != TIME && !(*value >= -180.0 && *value <= 180.0)) {
+    } else if (column != TIME && !is_contact(column) &&
+               !(*value * reader->format->angle_unit_rad >= -HALF_TURN_RAD &&
+                 *value * reader->format->angle_unit_rad <= HALF_TURN_RAD)) {
         wrong = "is not an angle (-180 to 180 degrees)";
     }
     if (wrong == NULL) {
@@ -312,16 +315,18 @@ static enum wearer_error fill_sample(const struct reader *reader, const double v
                                      struct wearer_sample *sample)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        const double thigh_deg = values[THIGH_L + side], shank_deg = values[SHANK_L + side];
-        const double knee_deg = thigh_deg - shank_deg;
-        if (!(knee_deg > -180.0 && knee_deg < 180.0)) {
+        const double unit_rad = reader->format->angle_unit_rad;
+        const double thigh_rad = values[THIGH_L + side] * unit_rad;
+        const double shank_rad = values[SHANK_L + side] * unit_rad;
+        const double knee_rad = thigh_rad - shank_rad;
+        if (!(knee_rad > -HALF_TURN_RAD && knee_rad < HALF_TURN_RAD)) {
             return fail_at(reader, WEARER_BAD_VALUE, reader->index[SHANK_L + side],
                            "thigh and shank point in opposite directions: no leg pitch");
         }
         /* The sum of two unit vectors points half way between them: this is
          * atan2(sin thigh + sin shank, cos thigh + cos shank). */
-        sample->leg_angle_rad[side] = 0.5 * (thigh_deg + shank_deg) * RAD_PER_DEG;
-        sample->plantarflexion_rad[side] = -values[ANKLE_L + side] * RAD_PER_DEG;
+        sample->leg_angle_rad[side] = 0.5 * (thigh_rad + shank_rad);
+        sample->plantarflexion_rad[side] = -values[ANKLE_L + side] * unit_rad;
         const double bent_rad =
             sample->plantarflexion_rad[side] - reader->format->ankle_neutral_rad;
         const bool has_ankle = reader->index[ANKLE_L + side] != ABSENT;
@@ -353,6 +358,7 @@ static enum wearer_error read_rows(struct reader *reader)
         }
         reader->wearer->samples[reader->wearer->count++] = sample;
     }
+    reader->wearer->start_s = origin_s;
     /* A zero byte ends the text early: not a text file. */
     if (reader->at != reader->text + reader->bytes) {
         return fail_at(reader, WEARER_BAD_VALUE, ABSENT, "a zero byte: this is not a text file");

@@ -27,6 +27,13 @@ enum {
  * it ends sooner than on the paper's walker. */
 #define WEARER_APEX_WINDOW_S REAL(0.03)
 
+/* A person walks without the device, too: it joins in after so many steady steps (unless
+ * --engage says otherwise), and again after they have stopped. */
+#define WEARER_ENGAGE_STEPS REAL(4.0)
+
+/* A walker's legs swing by 40 degrees and more; radians read as degrees make that 0.7. */
+#define LEAST_SPAN_RAD 0.05
+
 static volatile sig_atomic_t interrupted;
 
 static void on_interrupt(int number)
@@ -62,6 +69,9 @@ static double now_s(void)
 /* A person walks as they like: rules, law and timing of the controller for them. */
 static void prepare_for_wearer(struct control_params *params, bool open_loop)
 {
+    if (params->engage_steps == REAL(0.0)) {
+        params->engage_steps = WEARER_ENGAGE_STEPS;
+    }
     params->body = (real)BODY_PERSON;
     params->apex_window_s = WEARER_APEX_WINDOW_S;
     if (!open_loop) {
@@ -329,6 +339,14 @@ static int run(struct session *session)
     if (loop_init(session->loop, &session->config, session->log.stream, message) != 0) {
         complain(message);
         return EXIT_USAGE;
+    }
+    if (session->options.wearer_path != NULL) {
+        const struct wearer *wearer = &session->loop->nodes.plant.wearer;
+        session->record.gait.origin_s -= wearer->start_s; /* as the file counts */
+        if (wearer_span_rad(wearer) < LEAST_SPAN_RAD) {
+            complain("the recorded legs move by less than 3 degrees: are the angles in radians "
+                     "(--angles rad)?");
+        }
     }
     if (session->options.ticks) {
         sim_tick_header(session->csv.stream);

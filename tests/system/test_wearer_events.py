@@ -11,41 +11,14 @@ import random
 import pytest
 
 from afo import recording, run, walk
-
-SIDES = {"left": "l", "right": "r"}
+from gait_play import SIDES, apexes, changes, read, write
 
 
 @pytest.fixture(scope="module")
 def rows():
     if not recording().is_file():
         pytest.skip(f"no recording at {recording()}; set AFO_GAIT_CSV to one")
-    with open(recording(), newline="", encoding="utf-8") as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
-
-
-def write(path, rows):
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=rows[0].keys())
-        writer.writeheader()
-        writer.writerows({key: f"{value:.6g}" if key != "time_s" else f"{value:.9g}"
-                          for key, value in row.items()} for row in rows)
-    return path
-
-
-def changes(rows, side, to):
-    return [b["time_s"] for a, b in zip(rows, rows[1:])
-            if a[f"contact_{side}"] != to and b[f"contact_{side}"] == to]
-
-
-def pitch(row, side):
-    thigh, shank = (math.radians(row[f"{part}_{side}_deg"]) for part in ("thigh", "shank"))
-    return math.atan2(math.sin(thigh) + math.sin(shank), math.cos(thigh) + math.cos(shank))
-
-
-def apexes(rows, side):
-    angles = [pitch(row, side) for row in rows]
-    return [rows[i]["time_s"] for i in range(1, len(rows))
-            if angles[i - 1] > 0 >= angles[i] and rows[i][f"contact_{side}"] == 1]
+    return read(recording())
 
 
 def errors(found, truth, skip_s=0.3):
@@ -65,9 +38,9 @@ def share_within(off, limit_s):
 
 
 def judge(result, rows, toe_off_shares=(0.85, 0.97)):
-    """The criteria; toe-off's 16 ms share is held to what the recording's own contact
-    data allow: on the one recording that there is, no feature of the leg angles, nor
-    of the ankle, reached more than 0.89."""
+    """The criteria; toe-off's 16 ms share is held to what the recording's own contact data
+    allow: 12 of its 88 toe-offs lie 19 to 27 ms off the others against every feature of
+    thigh, shank, leg, ankle and foot alike, so that 0.86 to 0.91 is where each ends."""
     strikes, toe_offs = [], []
     for name, side in SIDES.items():
         leg = result[name]
@@ -171,7 +144,8 @@ def test_the_device_pushes_off_after_the_other_foot_has_landed(rows):
         other = "r" if side == "l" else "l"
         strikes, toe_offs = changes(rows, other, 1), changes(rows, side, 0)
         releases = result[name]["release_s"]
-        assert len(releases) >= len(toe_offs) - 1
+        assert len(releases) >= len(toe_offs) - 4  # four steady steps, two a leg, then loading
+        assert all(b - a < 1.5 for a, b in zip(releases, releases[1:])), "a step left out"
         for release in releases:
             if release < strikes[-1] + 0.02:
                 assert min(abs(release - strike) for strike in strikes) < 0.06
@@ -202,3 +176,26 @@ def test_unknown_roles_are_refused():
         done = run("--wearer", "x.csv", "--column", column)
         assert done.returncode == 2
         assert "thigh_l" in done.stderr
+
+
+def test_times_count_as_the_file_does(rows, tmp_path):
+    late = [dict(row, time_s=row["time_s"] + 100.0) for row in rows[:2000]]
+    _, plain = walk("--wearer", write(tmp_path / "plain.csv", rows[:2000]))
+    _, result = walk("--wearer", write(tmp_path / "late.csv", late))
+    for name in SIDES:
+        for key in ("apex_s", "heel_strike_known_s", "toe_off_s", "recorded_toe_off_s"):
+            assert result[name][key] == pytest.approx([t + 100.0 for t in plain[name][key]],
+                                                      abs=2e-6)
+
+
+def test_angles_in_radians(rows, tmp_path):
+    other = [{key: math.radians(value) if key.endswith("_deg") else value
+              for key, value in row.items()} for row in rows[:2000]]
+    path = write(tmp_path / "rad.csv", other)
+    _, plain = walk("--wearer", write(tmp_path / "deg.csv", rows[:2000]))
+    _, result = walk("--wearer", path, "--angles", "rad")
+    assert result["left"]["heel_strike_s"] == pytest.approx(plain["left"]["heel_strike_s"],
+                                                            abs=1e-3)
+    done = run("--wearer", path, "--json", "--quiet")
+    assert "--angles rad" in done.stderr
+    assert run("--wearer", path, "--angles", "turns").returncode == 2
