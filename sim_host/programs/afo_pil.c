@@ -15,6 +15,7 @@
 #include "sim_host/host/loop.h"
 #include "sim_host/host/output_file.h"
 #include "sim_host/host/pil_bridge.h"
+#include "sim_host/host/sensor_options.h"
 #include "sim_host/host/settings_image.h"
 #include "sim_host/host/walk_options.h"
 #include "sim_host/host/walk_record.h"
@@ -74,6 +75,7 @@ static const struct fault_kind faults[FAULT_COUNT] = {
 
 struct options {
     struct walk_options walk;
+    struct sensor_options sensor;
     const char *image;
     uint32_t steps;
     enum sensor_preset_kind sensors;
@@ -150,6 +152,7 @@ static error_t take(int key, char *text, struct argp_state *state)
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->walk;
+        state->child_inputs[1] = &options->sensor;
         return 0;
     case KEY_IMAGE:
         options->image = text;
@@ -194,7 +197,8 @@ static error_t take(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
+static const struct argp_child children[] = {
+    {&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {0}};
 static const struct argp parser = {
     option_list,
     take,
@@ -250,6 +254,7 @@ static int prepare(struct session *session)
                        options->seed, message) != 0) {
         return complain(message);
     }
+    sensor_options_apply(&options->sensor, &session->config);
     if ((options->log_path != NULL &&
          output_file_open(&session->log, options->log_path, message, sizeof message) != 0) ||
         (options->costs_path != NULL &&
@@ -504,6 +509,7 @@ int main(int argc, char **argv)
     session.emulator = (struct emulator){.to_image = -1, .from_image = -1};
     option_identity("afo-pil");
     walk_options_init(&session.options.walk);
+    sensor_options_init(&session.options.sensor);
     if (argp_parse(&parser, argc, argv, 0, NULL, &session.options) != 0) {
         return EXIT_USAGE;
     }

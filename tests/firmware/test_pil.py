@@ -45,6 +45,14 @@ def test_the_adult_too():
     assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
 
 
+@pytest.mark.parametrize("sensors", ["14bit", "17bit"])
+def test_late_and_noisy_sensors(sensors):
+    """One count of noise, 2 ms late: tests/system/test_observed.py says what is known then."""
+    walk = pil("--steps", "40", "--speed", "0.8", "--sensors", sensors, "--sensor-noise", "1", "--sensor-latency", "2")
+    assert walk["steps"] >= 40 and not walk["fell"] and walk["differences"] == 0
+    assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
+
+
 @pytest.mark.parametrize("frame", ["1", "3000"])
 def test_one_changed_bit_is_noticed(frame):
     walk = pil("--steps", "3", "--corrupt", frame, status=1)
