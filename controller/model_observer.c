@@ -157,7 +157,9 @@ static void advance_single(struct model_observer *observer, const struct control
 static void advance_double(struct model_observer *observer, const struct controller_input *input)
 {
     const enum side trailing = observer->stance;
-    step_double(observer, input->sea[trailing].precompression_m, CONTROL_PERIOD_S, observer->ankle);
+    step_double(observer, input->sea[trailing].precompression_m,
+                CONTROL_PERIOD_S + observer->behind_s, observer->ankle);
+    observer->behind_s = REAL(0.0);
     const real off = input->leg[trailing].ankle_extension_m - observer->ankle[ANKLE];
     if (input->leg[trailing].age_ticks == 0) {
         observer->ankle[ANKLE] += ANKLE_GAIN_S * CONTROL_PERIOD_S * off;
@@ -247,7 +249,7 @@ void model_observer_strike(struct model_observer *observer, uint32_t tick, real 
         return;
     }
     observer->phase = MODEL_DOUBLE;
-    step_double(observer, rest_m, since_s, observer->ankle);
+    observer->behind_s = since_s; /* caught up in the next tick: this one has enough to do */
 }
 
 /* observer->state was age_s before the newest sample. */

@@ -40,6 +40,7 @@ struct model_observer {
     enum side stance;                  /* the supporting leg; in double support the trailing one */
     real state[SINGLE_SUPPORT_STATES]; /* in single support, at the newest sample */
     real ankle[DOUBLE_SUPPORT_STATES]; /* in double support */
+    real behind_s;                     /* `ankle` was so long before the newest sample */
     real toe_distance_m;
     real history[MODEL_HISTORY][SINGLE_SUPPORT_STATES]; /* by tick */
     uint32_t since_tick;                                /* of the single support */
@@ -62,7 +63,8 @@ void model_observer_init(struct model_observer *observer, const struct control_p
 void model_observer_advance(struct model_observer *observer, const struct controller_input *input);
 
 /* The other foot landed age_s before the newest sample; rest_m is the rest extension
- * of the trailing ankle's spring, which is released. Cost: three steps and a map. */
+ * of the trailing ankle's spring, which is released. Cost: a step and a map; the next
+ * tick's step is longer. */
 void model_observer_strike(struct model_observer *observer, uint32_t tick, real age_s, real rest_m);
 
 /* The trailing foot has left the ground at or about the newest sample: the next single
