@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sim_host/host/output_file.h"
 #include "sim_host/host/walk_options.h"
 #include "sim_host/observe/commands.h"
 #include "sim_host/study/noisy_map.h"
@@ -13,12 +14,14 @@ enum { SETTLE_STEPS = 100, MAP_STRIDES = 2000 };
 struct options {
     int steps;
     bool full, mismatch;
+    const char *csv_path;
 };
 
 static const struct argp_option table[] = {
     {"steps", 'n', "N", 0, "steps a walk that count (100)", 0},
     {"full", 'f', 0, 0, "every combination, not the middle ones alone", 0},
     {"mismatch", 'm', 0, 0, "walkers and grounds that differ from the controller's parameters", 0},
+    {"csv", 'c', "FILE", 0, "the table's numbers, one line a walk (scripts/plot-observe)", 0},
     {0}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -33,6 +36,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case 'm':
         options->mismatch = true;
+        return 0;
+    case 'c':
+        options->csv_path = text;
         return 0;
     case ARGP_KEY_ARG:
         argp_error(state, "unexpected argument \"%s\"", text);
@@ -64,19 +70,23 @@ int observe_configure(const struct observe_case *want, struct loop_config *confi
     return 0;
 }
 
-/* "spread %" of the law on the ideal map when told speeds with this error, or after how
+/* Also two fields of the CSV line, spread and strides to the fall, one of them empty.
+ * "spread %" of the law on the ideal map when told speeds with this error, or after how
  * many strides it falls. */
-static void print_cost(double speed_rad_s, const struct speed_errors *errors)
+static void print_cost(double speed_rad_s, const struct speed_errors *errors, FILE *csv)
 {
     struct noisy_walk walk;
     const double scatter = sqrt(fmax(0.0, errors->rms * errors->rms - errors->mean * errors->mean));
     if (errors->count == 0 ||
         noisy_map_walk(speed_rad_s, 0.042, scatter, MAP_STRIDES, 1, &walk) != 0) {
         printf(" %11s", "-");
+        fputs(",,", csv);
     } else if (walk.fell) {
         printf("  falls%5d", walk.walked);
+        fprintf(csv, ",,%d", walk.walked);
     } else {
         printf(" %10.3f%%", 100.0 * walk.spread);
+        fprintf(csv, ",%.6g,", walk.spread);
     }
 }
 
@@ -96,7 +106,7 @@ static void print_header(void)
            "  apex strike l-off   loop %%    observer       plain    butterw.\n");
 }
 
-static int print_case(const struct observe_case *want, const char *name, int steps)
+static int print_case(const struct observe_case *want, const char *name, int steps, FILE *csv)
 {
     struct loop_config config;
     struct observed_walk w;
@@ -110,10 +120,17 @@ static int print_case(const struct observe_case *want, const char *name, int ste
     }
     printf("  %-6s %5.2f %4.1f  %4.2f ", name, want->noise_counts, 1e3 * want->latency_s,
            want->speed_rad_s);
+    fprintf(csv, "%s,%g,%g,%g,%d", name, want->noise_counts, want->latency_s, want->speed_rad_s,
+            w.fell ? w.steps : 0);
     if (w.observer.count == 0) {
         printf(" fell after %d steps: %s\n", w.steps, w.fault);
+        fputs(",,,,,,,,,,,,,,,,\n", csv);
         return 0;
     }
+    fprintf(csv, ",%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g", w.observer.rms,
+            w.observer.worst, w.plain.rms, w.filtered.rms, w.swing_angle_rms_rad,
+            w.swing_rate_rms_rad_s, w.event[GAIT_APEX].delay_s, w.event[GAIT_HEEL_STRIKE].delay_s,
+            w.event[GAIT_LIFT_OFF].delay_s, w.speed_spread);
     printf(" %7.4f %8.3f %8.2f %9.3f  %6.3f  %7.3f  %5.1f %6.1f %5.1f  ", 100.0 * w.observer.rms,
            100.0 * w.observer.worst, 100.0 * w.plain.rms, 100.0 * w.filtered.rms,
            1e3 * w.swing_angle_rms_rad, 1e3 * w.swing_rate_rms_rad_s,
@@ -124,11 +141,41 @@ static int print_case(const struct observe_case *want, const char *name, int ste
     } else {
         printf("%6.3f%% ", 100.0 * w.speed_spread);
     }
-    print_cost(want->speed_rad_s, &w.observer);
-    print_cost(want->speed_rad_s, &w.plain);
-    print_cost(want->speed_rad_s, &w.filtered);
+    print_cost(want->speed_rad_s, &w.observer, csv);
+    print_cost(want->speed_rad_s, &w.plain, csv);
+    print_cost(want->speed_rad_s, &w.filtered, csv);
     printf("\n");
+    fputs("\n", csv);
     fflush(stdout);
+    return 0;
+}
+
+/* Every combination that is asked for. csv: takes the same numbers. */
+static int print_table(const struct options *options, FILE *csv)
+{
+    static const struct {
+        enum sensor_preset_kind kind;
+        const char *name;
+    } sensors[] = {{SENSORS_17BIT, "17 bit"}, {SENSORS_14BIT, "14 bit"}, {SENSORS_12BIT, "12 bit"}};
+    static const double noises[] = {0.25, 1.0, 2.0}, latencies[] = {0.0, 0.002, 0.005},
+                        speeds[] = {0.45, 0.8, 1.0};
+    print_header();
+    fputs(
+        "sensor,noise_counts,latency_s,speed_rad_s,fell_after,observer_rms,observer_worst,plain_rms,"
+        "butterworth_rms,swing_angle_rad,swing_rate_rad_s,apex_delay_s,strike_delay_s,"
+        "lift_off_delay_s,loop_spread,observer_spread,observer_falls,plain_spread,plain_falls,"
+        "butterworth_spread,butterworth_falls\n",
+        csv);
+    for (int i = 0; i < 81; i++) {
+        const int s = i / 27, n = i / 9 % 3, l = i / 3 % 3, v = i % 3;
+        const int off_middle = (n != 1) + (l != 1) + (v != 1);
+        const struct observe_case want = {speeds[v], sensors[s].kind, noises[n], latencies[l],
+                                          1,         LAW_PROPORTIONAL};
+        if ((options->full || off_middle <= 1) &&
+            print_case(&want, sensors[s].name, options->steps, csv) != 0) {
+            return 1;
+        }
+    }
     return 0;
 }
 
@@ -143,33 +190,23 @@ int command_observe(int argc, char **argv)
         0,
         0,
         0};
-    static const struct {
-        enum sensor_preset_kind kind;
-        const char *name;
-    } sensors[] = {{SENSORS_17BIT, "17 bit"}, {SENSORS_14BIT, "14 bit"}, {SENSORS_12BIT, "12 bit"}};
-    static const double noises[] = {0.25, 1.0, 2.0}, latencies[] = {0.0, 0.002, 0.005},
-                        speeds[] = {0.45, 0.8, 1.0};
-    struct options options = {.steps = 100};
+    struct options options = {.steps = 100, .csv_path = "/dev/null"};
+    struct output_file csv = {0};
+    char message[OUTPUT_PATH_MAX + 256];
     argp_err_exit_status = 2;
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     if (options.mismatch) {
         return observe_mismatch(options.steps, SETTLE_STEPS);
     }
-    print_header();
-    for (int s = 0; s < 3; s++) {
-        for (int n = 0; n < 3; n++) {
-            for (int l = 0; l < 3; l++) {
-                for (int v = 0; v < 3; v++) {
-                    const int off_middle = (n != 1) + (l != 1) + (v != 1);
-                    const struct observe_case want = {
-                        speeds[v], sensors[s].kind, noises[n], latencies[l], 1, LAW_PROPORTIONAL};
-                    if ((options.full || off_middle <= 1) &&
-                        print_case(&want, sensors[s].name, options.steps) != 0) {
-                        return 1;
-                    }
-                }
-            }
-        }
+    if (output_file_open(&csv, options.csv_path, message, sizeof message) != 0) {
+        fprintf(stderr, "afo-study observe: %s\n", message);
+        return 1;
+    }
+    const int status = print_table(&options, csv.stream);
+    if (status != 0 || output_file_commit(&csv, message, sizeof message) != 0) {
+        output_file_discard(&csv);
+        fprintf(stderr, "afo-study observe: no CSV file was written\n");
+        return 1;
     }
     return 0;
 }
