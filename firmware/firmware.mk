@@ -67,10 +67,13 @@ flash: $(NUCLEO).elf $(NUCLEO).bin ## write the image to a NUCLEO-G474RE (openoc
 	elif command -v st-flash >/dev/null; then st-flash --reset write $(NUCLEO).bin 0x08000000; \
 	else echo 'flash: neither openocd nor st-flash is here (scripts/setup flash)' >&2; exit 1; fi
 
-debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; the watchdog stands still while it is halted
+# DBGMCU_APB1FZR1, bits DBG_IWDG_STOP and DBG_TIM2_STOP (CMSIS stm32g474xx.h): neither the
+# watchdog nor the clock, whose compare a halt would leave behind, goes on while it is halted.
+DEBUG_FREEZE := set {unsigned}0xE0042008 = 0x1001
+debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still while it is halted
 	$(Q)gdb-multiarch $< -ex 'target extended-remote | $(OPENOCD) $(OPENOCD_BOARD) \
 	        -c "gdb_port pipe; log_output /dev/null"' -ex 'monitor reset halt' \
-	        -ex 'set {unsigned}0xE0042008 = 0x1000'
+	        -ex '$(DEBUG_FREEZE)'
 
 TEST_NEEDS += firmware
 

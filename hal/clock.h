@@ -15,12 +15,13 @@ struct clock_ops {
 
     /* Takes one elapsed tick period (TICK_PERIOD_US) from the port's count:
      * true once per period that ended, false when none is left. Periods that
-     * nobody took are kept (see missed_ticks), so the mean rate is exact.
+     * nobody took are kept (see missed_ticks), so the mean rate is exact; only
+     * those that ended while interrupts were held up are not made up for.
      * Loop only; never blocks; O(1). */
     bool (*take_tick)(void *context);
 
-    /* Periods that ended while an earlier one still waited, since start;
-     * saturates. A healthy loop shows 0. Loop only; O(1). */
+    /* Periods that ended while an earlier one still waited, in the port or for
+     * its interrupt, since start; saturates. A healthy loop shows 0. Loop only; O(1). */
     uint32_t (*missed_ticks)(void *context);
 };
 

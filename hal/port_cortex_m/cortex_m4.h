@@ -86,12 +86,6 @@ _Noreturn void cortex_m4_crash(enum crash_cause cause, uint32_t detail);
  * Cost: one read per unused word. */
 uint32_t cortex_m4_stack_unused(void);
 
-/* Sleeps until the next interrupt. */
-static inline void cortex_m4_wait(void)
-{
-    __asm volatile("wfi" ::: "memory");
-}
-
 static inline void cortex_m4_interrupts_on(void)
 {
     __asm volatile("cpsie i" ::: "memory");

@@ -5,6 +5,8 @@
 #include "hal/port_stm32g474/system_registers.h"
 
 enum { LSI_HZ = 32000, IWDG_DIVISOR = 4, NS_PER_US = 1000 };
+/* Setting the compare takes far less than a period: the second turn hits. */
+enum { MARK_TURNS = 3 };
 
 /* ---- Timer ------------------------------------------------------------------ */
 
@@ -24,20 +26,52 @@ void tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
     mmio_write(TIM2_CR1, TIM_CR1_CEN);
 }
 
+static void count_missed(struct tim2_clock *clock, uint32_t periods)
+{
+    const uint32_t missed = clock->missed;
+    clock->missed = periods > UINT32_MAX - missed ? UINT32_MAX : missed + periods;
+}
+
+/* How far the counter is beyond `due`; 0 when it is not there yet. */
+static uint32_t microseconds_beyond(uint32_t due)
+{
+    const uint32_t beyond = mmio_read(TIM2_CNT) - due;
+    return beyond <= (uint32_t)INT32_MAX ? beyond : 0U;
+}
+
+/* Sets the compare to the next end of a period. Behind the counter it would match again
+ * only after 71 minutes, so a period that ended while it was being set is counted, too. */
+static void mark_next_period(struct tim2_clock *clock)
+{
+    uint32_t due = mmio_read(TIM2_CCR1);
+
+    for (int turn = 0; turn < MARK_TURNS; turn++) {
+        const uint32_t late = microseconds_beyond(due) / (uint32_t)TICK_PERIOD_US;
+        due += (late + 1U) * (uint32_t)TICK_PERIOD_US;
+        count_missed(clock, late + (turn > 0 ? 1U : 0U));
+        mmio_write(TIM2_SR, ~TIM_SR_CC1IF); /* before the new value, whose match must stay */
+        mmio_write(TIM2_CCR1, due);
+        if ((int32_t)(mmio_read(TIM2_CNT) - due) < 0) {
+            return;
+        }
+    }
+}
+
 void tim2_clock_interrupt(struct tim2_clock *clock)
 {
-    uint32_t flags = mmio_read(TIM2_SR);
+    /* FDCAN's interrupt reads the time: not between the flag and the count. */
+    const uint32_t state = mmio_lock();
+    const uint32_t flags = mmio_read(TIM2_SR);
 
-    mmio_write(TIM2_SR, ~flags); /* writing 0 clears, 1 leaves */
     if ((flags & TIM_SR_UIF) != 0U) {
+        mmio_write(TIM2_SR, ~TIM_SR_UIF); /* writing 0 clears, 1 leaves */
         clock->high = clock->high + 1U;
     }
+    mmio_unlock(state);
     if ((flags & TIM_SR_CC1IF) != 0U) {
-        mmio_write(TIM2_CCR1, mmio_read(TIM2_CCR1) + (uint32_t)TICK_PERIOD_US);
-        if (clock->waiting > 0U && clock->missed < UINT32_MAX) {
-            clock->missed = clock->missed + 1U;
-        }
+        count_missed(clock, clock->waiting > 0U ? 1U : 0U);
         clock->waiting = clock->waiting + 1U;
+        mark_next_period(clock);
     }
 }
 

@@ -74,6 +74,12 @@ enum fdcan_result fdcan_init(struct fdcan *can, const struct fdcan_config *confi
  * frame. */
 void fdcan_interrupt(struct fdcan *can);
 
+/* True while received frames wait for the loop. Any context; O(1). */
+static inline bool fdcan_has_received(const struct fdcan *can)
+{
+    return can->ring_in != can->ring_out;
+}
+
 /* The bus interface on *can. */
 struct can_bus fdcan_bus(struct fdcan *can);
 

@@ -33,6 +33,12 @@ static inline void mmio_unlock(uint32_t primask)
     __asm volatile("msr primask, %0" ::"r"(primask) : "memory");
 }
 
+/* Sleeps until an interrupt is pending, also under mmio_lock. */
+static inline void mmio_sleep(void)
+{
+    __asm volatile("dsb\n wfi" ::: "memory");
+}
+
 /* Everything written before is done before anything after begins. */
 static inline void mmio_barrier(void)
 {
@@ -45,6 +51,7 @@ uint32_t mmio_read(uint32_t address);
 void mmio_write(uint32_t address, uint32_t value);
 uint32_t mmio_lock(void);
 void mmio_unlock(uint32_t state);
+void mmio_sleep(void);
 void mmio_barrier(void);
 
 #endif

@@ -1,6 +1,7 @@
 """The build is incremental and honest: what changed is rebuilt, what did not is not."""
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -46,6 +47,13 @@ def compiled(output):
 
 def say(tree, build="build"):
     return subprocess.check_output([tree / build / "afo-say"], text=True).split()
+
+
+def test_the_debugger_stops_watchdog_and_clock_with_the_core():
+    """DBGMCU_APB1FZR1 of the STM32G4: bit 12 freezes the watchdog, bit 0 TIM2."""
+    commands = make(ROOT, "--no-print-directory", "-n", "debug")
+    freeze = re.search(r"set \{unsigned\}0xE0042008 = (0x[0-9A-Fa-f]+)", commands)
+    assert freeze and int(freeze[1], 16) == 1 << 12 | 1 << 0
 
 
 def test_a_second_build_does_nothing(tree):

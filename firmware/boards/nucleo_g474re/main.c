@@ -8,6 +8,7 @@
 #include "hal/port_stm32g474/clock_tree.h"
 #include "hal/port_stm32g474/fdcan.h"
 #include "hal/port_stm32g474/flash_store.h"
+#include "hal/port_stm32g474/idle.h"
 #include "hal/port_stm32g474/system_registers.h"
 
 enum {
@@ -154,6 +155,6 @@ int main(void)
             orthosis_start_cycle(&orthosis);
         }
         (void)orthosis_poll(&orthosis);
-        cortex_m4_wait(); /* the timer wakes it at the latest */
+        idle_until_interrupt(&can, &timer);
     }
 }

@@ -17,11 +17,13 @@ enum { REGION_MAX = 16 };
 static struct region regions[REGION_MAX];
 static int region_count;
 static int locked;
+static void (*on_sleep)(void);
 
 void mmio_model_reset(void)
 {
     region_count = 0;
     locked = 0;
+    on_sleep = NULL;
 }
 
 void mmio_model_map(uint32_t base, uint32_t bytes, mmio_model_read read, mmio_model_write write,
@@ -84,6 +86,17 @@ uint32_t mmio_lock(void)
 void mmio_unlock(uint32_t state)
 {
     locked = (int)state;
+}
+
+void mmio_model_on_sleep(void (*function)(void))
+{
+    on_sleep = function;
+}
+
+void mmio_sleep(void)
+{
+    ck_assert_msg(on_sleep != NULL, "nothing would end this sleep");
+    on_sleep();
 }
 
 void mmio_barrier(void)

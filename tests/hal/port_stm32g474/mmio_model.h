@@ -18,6 +18,9 @@ void mmio_model_map(uint32_t base, uint32_t bytes, mmio_model_read read, mmio_mo
 /* Plain memory: reads back what was written. `words` stays the caller's. */
 void mmio_model_map_memory(uint32_t base, uint32_t bytes, uint32_t *words);
 
+/* Calls `function` in mmio_sleep from now on; NULL after a reset: sleeping fails the test. */
+void mmio_model_on_sleep(void (*function)(void));
+
 /* Nesting of mmio_lock; a test ends with 0. */
 int mmio_model_locked(void);
 

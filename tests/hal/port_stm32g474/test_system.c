@@ -3,6 +3,7 @@
 
 #include "hal/port_stm32g474/board_io.h"
 #include "hal/port_stm32g474/clock_tree.h"
+#include "hal/port_stm32g474/idle.h"
 #include "tests/hal/port_stm32g474/mmio_model.h"
 #include "tests/support/assert_close.h"
 
@@ -142,11 +143,31 @@ END_TEST
 
 /* ---- Timer -------------------------------------------------------------------------- */
 
+enum { TIM_SR = 0x10 / 4, TIM_CNT = 0x24 / 4, TIM_CCR1 = 0x34 / 4 };
+
 static uint32_t tim[0x60 / 4];
 static uint32_t counter_at_read; /* what CNT shows the second time */
 static bool overflow_between;
+static uint32_t passes_at_read; /* microseconds that pass right behind the next read of CNT */
 static struct tim2_clock timer;
 static struct clock ticks;
+static bool listening; /* FDCAN's interrupt comes as soon as it is let in */
+static uint64_t heard_ns;
+
+/* RM0440, TIM2: the compare flag is set when the counter gets to CCR1, not beyond it;
+ * UIF when it wraps. */
+static void time_passes(uint32_t microseconds)
+{
+    const uint32_t from = tim[TIM_CNT], to = from + microseconds;
+
+    if (microseconds > 0 && tim[TIM_CCR1] - from - 1 < microseconds) {
+        tim[TIM_SR] |= 2;
+    }
+    if (to < from) {
+        tim[TIM_SR] |= 1;
+    }
+    tim[TIM_CNT] = to;
+}
 
 static uint32_t tim_read(void *context, uint32_t offset)
 {
@@ -158,6 +179,11 @@ static uint32_t tim_read(void *context, uint32_t offset)
         tim[0x24 / 4] = counter_at_read;
         tim[0x10 / 4] |= 1;
     }
+    if (offset == 0x24 && passes_at_read > 0) {
+        const uint32_t passes = passes_at_read;
+        passes_at_read = 0;
+        time_passes(passes);
+    }
     return value;
 }
 
@@ -165,12 +191,18 @@ static void tim_write(void *context, uint32_t offset, uint32_t value)
 {
     (void)context;
     tim[offset / 4] = offset == 0x10 ? tim[offset / 4] & value : value;
+    if (listening && mmio_model_locked() == 0) {
+        heard_ns = tim2_clock_now_ns(&timer);
+    }
 }
 
 static void timer_setup(void)
 {
     clock_setup();
     memset(tim, 0, sizeof tim);
+    listening = overflow_between = false;
+    passes_at_read = 0;
+    heard_ns = UINT64_MAX;
     mmio_model_map(0x40000000, sizeof tim, tim_read, tim_write, NULL);
     tim2_clock_init(&timer, 170000000);
     ticks = tim2_clock_interface(&timer);
@@ -226,6 +258,107 @@ START_TEST(time_never_runs_back_at_the_overflow)
     ck_assert_uint_eq(tim2_clock_now_ms(&timer), (uint32_t)(((1000ull << 32) + 3) / 1000));
     timer.high = 1;
     ck_assert(!clock_take_tick(&ticks)); /* an overflow is no period */
+}
+END_TEST
+
+/* Runs the interrupt when its flag is set, as the core would. */
+static void interrupt_if_due(void)
+{
+    if ((tim[TIM_SR] & 3) != 0) {
+        tim2_clock_interrupt(&timer);
+    }
+}
+
+/* Held up for up to 300 periods, at any place of a period: the next period is marked on
+ * time again, and all that ended are counted. */
+START_TEST(an_interrupt_that_comes_late_does_not_stop_the_clock)
+{
+    static const uint32_t late_us[] = {0, 1, 998, 999, 1000, 1001, 1999, 2000, 80000, 299999};
+    const uint32_t start_us = _i == 0 ? 0 : UINT32_MAX - 1500; /* also over the wrap */
+
+    for (size_t i = 0; i < sizeof late_us / sizeof late_us[0]; i++) {
+        timer_setup();
+        tim[TIM_CNT] = start_us;
+        tim[TIM_CCR1] = start_us + 1000;
+        time_passes(1000 + late_us[i]);
+        interrupt_if_due();
+        ck_assert(clock_take_tick(&ticks));
+        ck_assert(!clock_take_tick(&ticks)); /* no burst afterwards */
+        ck_assert_uint_eq(clock_missed_ticks(&ticks), late_us[i] / 1000);
+        for (int period = 0; period < 3; period++) {
+            time_passes(1000 - (tim[TIM_CNT] - start_us) % 1000);
+            interrupt_if_due();
+            ck_assert(clock_take_tick(&ticks));
+        }
+        ck_assert_uint_eq(clock_missed_ticks(&ticks), late_us[i] / 1000);
+    }
+}
+END_TEST
+
+/* The period ends between looking at the counter and setting the compare: whatever
+ * microsecond it is, no match is lost and none is counted twice. */
+START_TEST(a_period_that_ends_while_the_compare_is_set_is_counted_once)
+{
+    for (uint32_t at_us = 990; at_us <= 1010; at_us++) {
+        for (uint32_t passes = 0; passes <= 20; passes++) {
+            timer_setup();
+            time_passes(1000);
+            time_passes(at_us);
+            passes_at_read = passes;
+            interrupt_if_due();
+            uint32_t taken = clock_take_tick(&ticks);
+            passes_at_read = 0;
+            interrupt_if_due(); /* if the next match came meanwhile */
+            taken += clock_take_tick(&ticks);
+            ck_assert_uint_eq(taken + clock_missed_ticks(&ticks), tim[TIM_CNT] / 1000);
+            ck_assert_uint_eq(tim[TIM_CCR1], (tim[TIM_CNT] / 1000 + 1) * 1000);
+        }
+    }
+}
+END_TEST
+
+START_TEST(an_interrupt_within_the_timers_reads_the_right_time)
+{
+    tim[TIM_CNT] = UINT32_MAX - 1;
+    time_passes(4);
+    listening = true; /* from the first access at which the lock is open */
+    tim2_clock_interrupt(&timer);
+    if (heard_ns == UINT64_MAX) {
+        heard_ns = tim2_clock_now_ns(&timer);
+    }
+    ck_assert_uint_eq(heard_ns, ((1ull << 32) + 2) * 1000);
+    ck_assert_int_eq(mmio_model_locked(), 0);
+}
+END_TEST
+
+/* ---- Sleep --------------------------------------------------------------------------- */
+
+static struct fdcan can;
+static int sleeps, locked_asleep;
+
+static void asleep(void)
+{
+    sleeps++;
+    locked_asleep = mmio_model_locked();
+}
+
+START_TEST(the_loop_does_not_sleep_over_what_has_come)
+{
+    memset(&can, 0, sizeof can);
+    sleeps = 0;
+    mmio_model_on_sleep(asleep);
+    can.ring_in = 1; /* an interrupt between the poll and here */
+    idle_until_interrupt(&can, &timer);
+    ck_assert_int_eq(sleeps, 0);
+    can.ring_out = 1;
+    timer.waiting = 1;
+    idle_until_interrupt(&can, &timer);
+    ck_assert_int_eq(sleeps, 0);
+    timer.waiting = 0;
+    idle_until_interrupt(&can, &timer);
+    ck_assert_int_eq(sleeps, 1);
+    ck_assert_int_eq(locked_asleep, 1); /* from the look on no interrupt is handled */
+    ck_assert_int_eq(mmio_model_locked(), 0);
 }
 END_TEST
 
@@ -311,6 +444,10 @@ int main(void)
     tcase_add_test(timers, the_timer_counts_microseconds_and_starts_clean);
     tcase_add_test(timers, each_period_is_taken_once_and_none_is_forgotten);
     tcase_add_test(timers, time_never_runs_back_at_the_overflow);
+    tcase_add_loop_test(timers, an_interrupt_that_comes_late_does_not_stop_the_clock, 0, 2);
+    tcase_add_test(timers, a_period_that_ends_while_the_compare_is_set_is_counted_once);
+    tcase_add_test(timers, an_interrupt_within_the_timers_reads_the_right_time);
+    tcase_add_test(timers, the_loop_does_not_sleep_over_what_has_come);
     tcase_add_test(rest, the_watchdog_bites_after_120_ms);
     tcase_add_test(rest, the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0);
     suite_add_tcase(suite, clocks);

@@ -1,0 +1,13 @@
+/* Sleep of the board's loop, without sleeping over what has already come. */
+#ifndef HAL_PORT_STM32G474_IDLE_H
+#define HAL_PORT_STM32G474_IDLE_H
+
+#include "hal/port_stm32g474/board_io.h"
+#include "hal/port_stm32g474/fdcan.h"
+
+/* Sleeps until the next interrupt, unless a received frame or a period of the clock
+ * waits for the loop: returns at once then. An interrupt between the look and the sleep
+ * ends the sleep. Loop only; returns after TICK_PERIOD_US at the latest. */
+void idle_until_interrupt(const struct fdcan *can, const struct tim2_clock *clock);
+
+#endif
