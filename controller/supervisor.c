@@ -40,7 +40,7 @@ enum supervisor_state supervisor_next(const struct supervisor_row *rows, int cou
 
 void supervisor_init(struct supervisor *supervisor)
 {
-    *supervisor = (struct supervisor){SUPERVISOR_INIT, SUPERVISOR_FAULT_NONE, 0};
+    *supervisor = (struct supervisor){SUPERVISOR_INIT, SUPERVISOR_FAULT_NONE, 0, 0};
 }
 
 /* What is latched when FAULT is entered because something took too long. */
@@ -62,6 +62,7 @@ bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t co
         all = (uint16_t)(all | IF(LATCHED));
     }
     const enum supervisor_state to = supervisor_next(supervisor_rows, SUPERVISOR_ROWS, from, all);
+    supervisor->judged_tick = tick;
     if (to == from) {
         return false;
     }

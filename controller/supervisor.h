@@ -100,6 +100,7 @@ struct supervisor {
     enum supervisor_state state;
     enum supervisor_fault latched; /* the first fault since the last reset */
     uint32_t since_tick;
+    uint32_t judged_tick; /* of the last supervisor_update that went through its rules */
 };
 
 /* Pure: where this table goes from `state` under `conditions` (IF_LATCHED among

@@ -98,7 +98,8 @@ static void collect_input(struct control_task *task, struct controller_input *in
     input->foreign_node = task->foreign;
 }
 
-static void send_commands(struct control_task *task)
+/* Returns true when the bus took them all. */
+static bool send_commands(struct control_task *task)
 {
     struct sea_drive_wish wish[LEG_COUNT];
     for (int leg = 0; leg < LEG_COUNT; leg++) {
@@ -107,9 +108,11 @@ static void send_commands(struct control_task *task)
             (struct sea_drive_wish){command->precompression_m, command->enable,
                                     command->latch_armed, task->node.objects.reset_requested != 0};
     }
-    if (sea_drives_command(&task->config.drives, wish, &task->config.bus) != CAN_OK) {
+    const bool sent = sea_drives_command(&task->config.drives, wish, &task->config.bus) == CAN_OK;
+    if (!sent) {
         count(&task->counters.send_failures);
     }
+    return sent;
 }
 
 /* A drive that still follows its target a while after the torque was to be off has not
@@ -202,7 +205,7 @@ static unsigned run_tick(struct control_task *task)
     task->emergency_stop = emergency_stop_is_pressed(&task->config.stop);
     collect_input(task, &input);
     controller_update(&task->controller, &input, &task->output);
-    send_commands(task);
+    const bool sent = send_commands(task);
     force_stop(task);
     task->node.objects.reset_requested = 0;
     task->node.objects.zero_requested = 0;
@@ -215,7 +218,9 @@ static unsigned run_tick(struct control_task *task)
     task->foreign = false;
     sea_drives_age(&task->config.drives);
     leg_sensors_age(&task->sensors);
-    return CONTROL_TASK_TICKED | CONTROL_TASK_BUS_ALIVE | CONTROL_TASK_SUPERVISED |
+    const struct supervisor *supervisor = &task->controller.supervisor;
+    return CONTROL_TASK_TICKED | (sent ? (unsigned)CONTROL_TASK_COMMANDED : 0u) |
+           (supervisor->judged_tick == task->tick ? (unsigned)CONTROL_TASK_SUPERVISED : 0u) |
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
 }
 
@@ -261,7 +266,7 @@ unsigned control_task_poll(struct control_task *task)
             count(&task->counters.error_frames);
         } else if ((message.flags & CAN_FRAME_OWN) != 0) {
             if (message.id == FRAME_SYNC) {
-                progress |= run_tick(task);
+                progress |= CONTROL_TASK_BUS_ALIVE | run_tick(task);
             }
         } else {
             take_frame(task, &message);

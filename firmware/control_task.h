@@ -27,10 +27,11 @@
 
 /* What control_task_poll did; the bits feed the watchdog's gate. */
 enum control_task_progress {
-    CONTROL_TASK_TICKED = 1 << 0,     /* a tick ran to its end */
+    CONTROL_TASK_COMMANDED = 1 << 0,  /* the bus took a tick's commands for the drives */
     CONTROL_TASK_BUS_ALIVE = 1 << 1,  /* the own SYNC was seen on the bus */
-    CONTROL_TASK_SUPERVISED = 1 << 2, /* the supervisor evaluated its rules */
-    CONTROL_TASK_NEW_STEP = 1 << 3    /* task->controller.last_step is new */
+    CONTROL_TASK_SUPERVISED = 1 << 2, /* the supervisor went through its rules for this tick */
+    CONTROL_TASK_NEW_STEP = 1 << 3,   /* task->controller.last_step is new */
+    CONTROL_TASK_TICKED = 1 << 4      /* a tick was run; feeds nothing */
 };
 
 struct control_task_config {

@@ -38,11 +38,12 @@ $(ARM_BUILD)/obj/%.o: %.c $(ARM_BUILD)/stamp/flags
 	$(call SAY,ARM    $<)
 	$(Q)$(ARM_CC) $(ARM_CFLAGS) $(ARM_OPT) -MMD -MP -c $< -o $@
 
+ARM_LDFLAGS_mps2_an386 := -Wl,--wrap=supervisor_update_f32
 define BOARD_RULE
 $(ARM_BUILD)/afo-$(subst _,-,$(1)).elf: $(call ARM_OBJ,$(ARM_SRC) $(ARM_SRC_$(1))) \
                 firmware/boards/$(1)/link.ld firmware/boards/sections.ld
 	$$(call SAY,LINK   $$@)
-	$$(Q)$(ARM)gcc $$(ARM_LDFLAGS) -T firmware/boards/$(1)/link.ld -Wl,-Map=$$(basename $$@).map \
+	$$(Q)$(ARM)gcc $$(ARM_LDFLAGS) $(ARM_LDFLAGS_$(1)) -T firmware/boards/$(1)/link.ld -Wl,-Map=$$(basename $$@).map \
 	        $$(filter %.o,$$^) -o $$@
 endef
 $(foreach b,$(ARM_BOARDS),$(eval $(call BOARD_RULE,$(b))))

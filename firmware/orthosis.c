@@ -5,7 +5,7 @@
 
 #include "firmware/version.h"
 
-static_assert((int)CONTROL_TASK_TICKED == (int)WATCHDOG_CONTROL &&
+static_assert((int)CONTROL_TASK_COMMANDED == (int)WATCHDOG_CONTROL &&
                   (int)CONTROL_TASK_BUS_ALIVE == (int)WATCHDOG_BUS &&
                   (int)CONTROL_TASK_SUPERVISED == (int)WATCHDOG_SUPERVISOR,
               "the task's signs of progress are the gate's");
@@ -72,7 +72,6 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     init_black_box(orthosis, config);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
-    orthosis->progress_mask = (uint32_t)WATCHDOG_ALL;
     if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
         latch(orthosis, orthosis->hold);
     } else if (config->restarted) {
@@ -114,7 +113,6 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     /* Until the first own SYNC came back no command was ever sent, nothing can
      * move, and a bus that is not there yet is no reason to restart. */
     (void)watchdog_gate_report(&orthosis->gate,
-                               (task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress) &
-                                   orthosis->progress_mask);
+                               task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
     return progress;
 }

@@ -39,7 +39,6 @@ struct orthosis {
     struct control_task task;
     struct bus_recorder recorder;
     struct watchdog_gate gate;
-    uint32_t progress_mask; /* signs of progress that count; all, but for tests of the watchdog */
     enum supervisor_fault hold; /* keeps this fault latched for good; NONE = does not */
     uint16_t recovery_wait;
     uint32_t bus_recoveries; /* asked for; saturates */

@@ -32,7 +32,7 @@ enum pil_input {
     PIL_DO_HANG = 1 << 9,
     PIL_DO_OVERFLOW_STACK = 1 << 10,
     PIL_DO_ASSERT = 1 << 11,
-    PIL_DO_STALL_SUPERVISOR = 1 << 12 /* go on, but report no progress of the supervisor */
+    PIL_DO_STALL_SUPERVISOR = 1 << 12 /* all goes on but the supervisor */
 };
 
 struct pil_hello {

@@ -12,9 +12,9 @@
 
 /* Signs of progress: bits, as the control task reports them. */
 enum watchdog_progress {
-    WATCHDOG_CONTROL = 1 << 0,    /* a tick of the control task ran to its end */
+    WATCHDOG_CONTROL = 1 << 0,    /* the bus took the commands of a tick */
     WATCHDOG_BUS = 1 << 1,        /* the own SYNC was seen on the bus */
-    WATCHDOG_SUPERVISOR = 1 << 2, /* the supervisor evaluated its rules */
+    WATCHDOG_SUPERVISOR = 1 << 2, /* the supervisor judged that very tick */
     WATCHDOG_ALL = WATCHDOG_CONTROL | WATCHDOG_BUS | WATCHDOG_SUPERVISOR
 };
 

@@ -5,7 +5,7 @@
 static enum supervisor_state after(enum supervisor_state from, unsigned conditions,
                                    enum supervisor_fault latched)
 {
-    struct supervisor supervisor = {from, latched, 0};
+    struct supervisor supervisor = {from, latched, 0, 0};
     (void)supervisor_update(&supervisor, 1, (uint16_t)conditions, SUPERVISOR_FAULT_DRIVE);
     return supervisor.state;
 }
@@ -90,12 +90,12 @@ END_TEST
 /* FAULT is never entered without a reason to show. */
 START_TEST(what_took_too_long_is_a_fault)
 {
-    struct supervisor supervisor = {SUPERVISOR_UNLOADING, SUPERVISOR_FAULT_NONE, 0};
+    struct supervisor supervisor = {SUPERVISOR_UNLOADING, SUPERVISOR_FAULT_NONE, 0, 0};
     ck_assert(supervisor_update(&supervisor, 9, SUPERVISOR_IF_TIMEOUT, SUPERVISOR_FAULT_NONE));
     ck_assert_int_eq(supervisor.state, SUPERVISOR_FAULT);
     ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_UNLOAD);
     ck_assert_uint_eq(supervisor.since_tick, 9);
-    supervisor = (struct supervisor){SUPERVISOR_SELF_TEST, SUPERVISOR_FAULT_NONE, 0};
+    supervisor = (struct supervisor){SUPERVISOR_SELF_TEST, SUPERVISOR_FAULT_NONE, 0, 0};
     ck_assert(supervisor_update(&supervisor, 9, SUPERVISOR_IF_TIMEOUT, SUPERVISOR_FAULT_NONE));
     ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_SELF_TEST);
     supervisor_init(&supervisor);
