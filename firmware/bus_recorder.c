@@ -2,8 +2,8 @@
 
 #include "hal/frame_table.h"
 
-/* The SYNC, four answers, the targets, and one more. */
-enum { QUIET_FRAMES = 7 };
+/* The SYNC, four answers, the targets. */
+enum { QUIET_FRAMES = 6 };
 
 static enum can_result bus_send(void *context, const struct can_msg *message)
 {

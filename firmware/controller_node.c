@@ -11,22 +11,28 @@
 #include "hal/crc.h"
 #include "hal/frame_table.h"
 
+enum { TPDO_STEP = 0, TPDO_STATE = 1, TPDO_COUNT = 2 };
 enum {
-    TPDO_STEP = 0,
-    TPDO_STATE = 1,
-    TPDO_COUNT = 2,
+    INDEX_STORE = 0x1010,
+    INDEX_RESTORE = 0x1011,
     INDEX_COMMANDS = 0x2000,
-    INDEX_PARAMS = 0x2010
+    INDEX_PARAMS = 0x2010,
+    INDEX_BLACK_BOX = 0x2040
 };
+
+/* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
+ * what is read there: it does so on command. */
+#define SIGNATURE_SAVE UINT32_C(0x65766173)
+#define SIGNATURE_LOAD UINT32_C(0x64616F6C)
+#define ON_COMMAND UINT32_C(1)
 
 #define SPEED_UNITS_PER_RAD_S 10000.0f
 #define R0_UNITS_PER_METRE 100000.0f
 #define EMERGENCY_STOP_BIT 0x80u
 #define RIGHT_BIT 0x80u
 
-/* The parameters' own bytes, before the pointer and what aligns it. */
-#define PARAMS_OWN_BYTES (offsetof(struct control_params, table) + sizeof(struct speed_table))
-static_assert(PARAMS_OWN_BYTES == sizeof(float) * (CONTROL_PARAM_COUNT + 3 + SPEED_TABLE_MAX) &&
+static_assert(CONTROLLER_PARAMS_BYTES ==
+                      sizeof(float) * (CONTROL_PARAM_COUNT + 3 + SPEED_TABLE_MAX) &&
                   sizeof(struct gait_branch) ==
                       sizeof(float) * (5 + GAIT_BRANCH_MAX * (9 + GAIT_BRANCH_COSTS)),
               "the parameters' checksum covers no padding, whose bytes nobody defines");
@@ -66,6 +72,31 @@ static uint32_t check_range(float value, float minimum, float maximum)
     return value < minimum ? CO_ABORT_TOO_LOW : CO_ABORT_VALUE; /* the last: not a number */
 }
 
+static size_t covered_bytes(const struct control_params *params)
+{
+    return CONTROLLER_PARAMS_BYTES + (params->branch != NULL ? sizeof *params->branch : 0);
+}
+
+static uint32_t bits_of(float value)
+{
+    const union {
+        float value;
+        uint32_t bits;
+    } number = {value};
+    return number.bits;
+}
+
+/* Changes a parameter and its share of the checksum; the others are not read, so that what
+ * a failing memory did to one of them is not taken for meant. */
+static void change_parameter(struct controller_node *node, size_t offset, float value)
+{
+    struct controller_objects *objects = &node->objects;
+    float *field = (float *)((char *)&objects->params + offset);
+    objects->params_crc ^= crc32_change(bits_of(*field) ^ bits_of(value),
+                                        covered_bytes(&objects->params) - offset - sizeof *field);
+    *field = value;
+}
+
 static uint32_t check_parameter(struct controller_node *node, unsigned parameter, float value)
 {
     const struct control_param_descriptor *d = &control_param_descriptors[parameter];
@@ -85,16 +116,41 @@ static uint32_t check_parameter(struct controller_node *node, unsigned parameter
     return verdict_of_all == CONTROL_PARAMS_OK ? CO_ABORT_NONE : CO_ABORT_VALUE;
 }
 
+static uint32_t keep(const struct controller_node *node, const struct co_entry *entry,
+                     const uint8_t *bytes)
+{
+    const bool save = entry->index == INDEX_STORE;
+    if (node->keeper == NULL || bytes_get_u32(bytes) != (save ? SIGNATURE_SAVE : SIGNATURE_LOAD)) {
+        return CO_ABORT_NOT_STORED;
+    }
+    if (node->powered || !node->standstill) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    return save ? node->keeper->save_settings(node->keeper_context)
+                : node->keeper->forget_settings(node->keeper_context);
+}
+
 static uint32_t writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
                         unsigned length)
 {
     struct controller_node *node = (struct controller_node *)context;
+    if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
+        return keep(node, entry, bytes);
+    }
+    if (entry->index == INDEX_BLACK_BOX) {
+        return node->black_box == NULL || bytes[0] == BLACK_BOX_CLOSING ? CO_ABORT_DEVICE_STATE
+                                                                        : CO_ABORT_NONE;
+    }
     if (entry->type != CO_REAL32 || length != sizeof(float)) {
         return CO_ABORT_NONE; /* the dictionary's own limits decide */
     }
     const float value = float_from_bytes(bytes);
     if (entry->index == INDEX_PARAMS && entry->sub >= 1 && entry->sub <= CONTROL_PARAM_COUNT) {
-        return check_parameter(node, entry->sub - 1u, value);
+        const uint32_t verdict = check_parameter(node, entry->sub - 1u, value);
+        if (verdict == CO_ABORT_NONE) { /* that the value is stored once more changes nothing */
+            change_parameter(node, control_param_descriptors[entry->sub - 1u].offset, value);
+        }
+        return verdict;
     }
     if (entry->index == INDEX_COMMANDS) {
         const struct speed_table *table = &node->objects.params.table;
@@ -103,30 +159,55 @@ static uint32_t writing(void *context, const struct co_entry *entry, const uint8
     return CO_ABORT_NONE;
 }
 
-/* Over values and tables, not over where they lie: the same on every machine. */
-static uint32_t crc_of(const struct control_params *params)
+uint32_t controller_node_crc_of(const struct control_params *params)
 {
-    const uint32_t crc = crc32_update(CRC32_INIT, params, PARAMS_OWN_BYTES);
+    const uint32_t crc = crc32_update(CRC32_INIT, params, CONTROLLER_PARAMS_BYTES);
     return params->branch != NULL ? crc32_update(crc, params->branch, sizeof *params->branch) : crc;
+}
+
+static void show_keeper(struct controller_node *node)
+{
+    node->comm.store = node->comm.restore = node->keeper != NULL ? ON_COMMAND : 0;
 }
 
 static void written(void *context, const struct co_entry *entry)
 {
     struct controller_node *node = (struct controller_node *)context;
-    if (entry->index == INDEX_PARAMS) {
-        node->objects.params_crc = crc_of(&node->objects.params);
+    struct controller_objects *objects = &node->objects;
+    if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
+        show_keeper(node);
+    } else if (entry->index == INDEX_BLACK_BOX && objects->black_box_state == BLACK_BOX_FROZEN) {
+        black_box_freeze(node->black_box, 0);
+    } else if (entry->index == INDEX_BLACK_BOX) {
+        black_box_start(node->black_box, objects->build_id, objects->params_crc);
     }
 }
 
-/* The next bytes of what crc_of covers, from `at` on: at most `most` of them. */
+/* The image may be read while nothing writes it any more. */
+static void reading(void *context, const struct co_entry *entry)
+{
+    struct controller_node *node = (struct controller_node *)context;
+    struct controller_objects *objects = &node->objects;
+    if (entry->index != INDEX_BLACK_BOX || node->black_box == NULL) {
+        return;
+    }
+    const struct black_box_header *header = &node->black_box->header;
+    objects->black_box_state = (uint8_t)header->state;
+    objects->black_box_reason = header->reason;
+    objects->black_box_image.bytes = (const uint8_t *)node->black_box;
+    objects->black_box_image.length =
+        header->state == (uint32_t)BLACK_BOX_FROZEN ? sizeof *node->black_box : 0;
+}
+
+/* The next bytes of what the CRC covers, from `at` on: at most `most` of them. */
 static const uint8_t *covered(const struct control_params *params, size_t at, size_t most,
                               size_t *count)
 {
-    const bool own = at < PARAMS_OWN_BYTES;
+    const bool own = at < CONTROLLER_PARAMS_BYTES;
     const uint8_t *bytes = own ? (const uint8_t *)params + at
-                               : (const uint8_t *)params->branch + (at - PARAMS_OWN_BYTES);
+                               : (const uint8_t *)params->branch + (at - CONTROLLER_PARAMS_BYTES);
     const size_t left =
-        own ? PARAMS_OWN_BYTES - at : PARAMS_OWN_BYTES + sizeof *params->branch - at;
+        own ? CONTROLLER_PARAMS_BYTES - at : CONTROLLER_PARAMS_BYTES + sizeof *params->branch - at;
     *count = left < most ? left : most;
     return bytes;
 }
@@ -134,7 +215,7 @@ static const uint8_t *covered(const struct control_params *params, size_t at, si
 bool controller_node_params_corrupt(struct controller_node *node)
 {
     const struct control_params *params = &node->objects.params;
-    const size_t size = PARAMS_OWN_BYTES + (params->branch != NULL ? sizeof *params->branch : 0);
+    const size_t size = covered_bytes(params);
     if (node->crc_at == 0) {
         node->crc_so_far = CRC32_INIT;
         node->crc_expected = node->objects.params_crc;
@@ -179,7 +260,8 @@ static void defaults(void *context, struct co_comm *comm)
     }
 }
 
-static const struct co_device_ops device_ops = {.access = {.writing = writing, .written = written}};
+static const struct co_device_ops device_ops = {
+    .access = {.writing = writing, .written = written, .reading = reading}};
 
 static void default_objects(struct controller_objects *objects, const struct control_params *params)
 {
@@ -194,12 +276,13 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->counter_count = 6;
     objects->identity_count = 3;
     objects->setup_count = 6;
+    objects->black_box_count = 3;
     objects->params = *params;
     objects->build_id = version_build_id();
     for (unsigned i = 0; i + 1 < sizeof objects->version && version[i] != '\0'; i++) {
         objects->version[i] = version[i];
     }
-    objects->params_crc = crc_of(&objects->params);
+    objects->params_crc = controller_node_crc_of(&objects->params);
 }
 
 int controller_node_init(struct controller_node *node, const struct control_params *params,
@@ -212,14 +295,15 @@ int controller_node_init(struct controller_node *node, const struct control_para
     node->objects.walk_requested = walk_requested ? 1 : 0;
     dictionary.count = controller_object_count;
     dictionary.base = &node->objects;
-    node->pdos.subs = CO_PDO_SUBS;
+    node->comm.subs = CO_PDO_SUBS;
+    node->comm.store_count = node->comm.restore_count = 1;
     const struct co_device_config config = {
         .node_id = NODE_CONTROLLER,
         .application = &dictionary,
         .ops = &device_ops,
         .context = node,
-        .pdos = {.objects = {controller_pdo_table, controller_pdo_count, &node->pdos},
-                 .tpdo = node->pdos.tpdo,
+        .pdos = {.objects = {controller_comm_table, controller_comm_count, &node->comm},
+                 .tpdo = node->comm.tpdo,
                  .tpdo_count = TPDO_COUNT},
         .defaults = defaults};
     if (co_device_init(&node->device, &config, bus, 0) != 0) {
@@ -231,6 +315,16 @@ int controller_node_init(struct controller_node *node, const struct control_para
     (void)co_device_receive(&node->device, &start, 0);
     node->sent_state = UINT8_MAX; /* whatever the state is: tell it at the first tick */
     return 0;
+}
+
+void controller_node_attach(struct controller_node *node,
+                            const struct controller_keeper_ops *keeper, void *keeper_context,
+                            struct black_box *black_box)
+{
+    node->keeper = keeper;
+    node->keeper_context = keeper_context;
+    node->black_box = black_box;
+    show_keeper(node);
 }
 
 /* ---- running --------------------------------------------------------------- */
@@ -275,13 +369,16 @@ static void tell_fault(struct controller_node *node)
 }
 
 /* The found offsets become parameters, to be stored like the others. */
-static void take_zero(struct controller_objects *objects, const struct zero_offsets *found)
+static void take_zero(struct controller_node *node, const struct zero_offsets *found)
 {
-    objects->params.angle_zero_left_rad = found->angle_rad[SIDE_LEFT];
-    objects->params.angle_zero_right_rad = found->angle_rad[SIDE_RIGHT];
-    objects->params.ankle_zero_left_m = found->ankle_m[SIDE_LEFT];
-    objects->params.ankle_zero_right_m = found->ankle_m[SIDE_RIGHT];
-    objects->params_crc = crc_of(&objects->params);
+    change_parameter(node, offsetof(struct control_params, angle_zero_left_rad),
+                     found->angle_rad[SIDE_LEFT]);
+    change_parameter(node, offsetof(struct control_params, angle_zero_right_rad),
+                     found->angle_rad[SIDE_RIGHT]);
+    change_parameter(node, offsetof(struct control_params, ankle_zero_left_m),
+                     found->ankle_m[SIDE_LEFT]);
+    change_parameter(node, offsetof(struct control_params, ankle_zero_right_m),
+                     found->ankle_m[SIDE_RIGHT]);
 }
 
 static bool had_event(const struct controller *controller)
@@ -297,6 +394,7 @@ void controller_node_update(struct controller_node *node, const struct controlle
 {
     struct controller_objects *objects = &node->objects;
     node->powered = supervisor_may_enable(output->state);
+    node->standstill = checks_standstill(&controller->checks);
     objects->state =
         (uint8_t)((emergency_stop ? EMERGENCY_STOP_BIT : 0u) | ((unsigned)output->state & 0x7Fu));
     objects->fault = (uint8_t)((unsigned)output->fault & 0x7Fu);
@@ -314,7 +412,7 @@ void controller_node_update(struct controller_node *node, const struct controlle
     }
     objects->zeroing = (uint8_t)output->zeroing;
     if (output->new_zero) {
-        take_zero(objects, &controller->zeroing.mean);
+        take_zero(node, &controller->zeroing.mean);
     }
     /* In the ticks of gait events the controller has the most to do; telegrams can wait
      * for the next. */

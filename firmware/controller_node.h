@@ -11,9 +11,11 @@
 #define FIRMWARE_CONTROLLER_NODE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "controller/controller.h"
+#include "hal/black_box.h"
 #include "hal/can_bus.h"
 #include "hal/canopen/co_device.h"
 #include "hal/node_setup.h"
@@ -49,23 +51,44 @@ struct controller_objects {
     char version[32];
     uint32_t build_id;
     uint32_t params_crc;
+    /* 0x2040: the black box */
+    uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
+    uint32_t black_box_reason;
+    struct co_domain black_box_image; /* while it is frozen */
     /* 0x2031: why a node was refused at start */
     uint8_t refused_node, refused_sub, refused_verdict;
     uint16_t refused_index;
     uint32_t refused_expected, refused_found;
 };
 
-/* The PDOs it has: it sends two and listens to none. */
-struct controller_pdos {
-    uint8_t subs;
+/* Of the communication area, what not every device has: storing (1 = it does) and the PDOs;
+ * it sends two and listens to none. */
+struct controller_comm {
+    uint8_t subs, store_count, restore_count;
+    uint32_t store, restore;
     struct co_pdo tpdo[2];
 };
 
+/* Who keeps the settings. Both are asked at standstill without torque only, may take 100 ms,
+ * and return CO_ABORT_NONE or an abort code. */
+struct controller_keeper_ops {
+    uint32_t (*save_settings)(void *context);   /* those in force now */
+    uint32_t (*forget_settings)(void *context); /* for good: as delivered from the next start on */
+};
+
+/* The parameters' own bytes, before the pointer and what aligns it. */
+#define CONTROLLER_PARAMS_BYTES \
+    (offsetof(struct control_params, table) + sizeof(struct speed_table))
+
 struct controller_node {
     struct co_device device;
-    struct controller_pdos pdos;
+    struct controller_comm comm;
     struct controller_objects objects;
-    bool powered; /* drives may be under torque: body parameters are locked */
+    bool powered;    /* drives may be under torque: body parameters are locked */
+    bool standstill; /* both legs are still */
+    const struct controller_keeper_ops *keeper; /* NULL: nobody keeps settings */
+    void *keeper_context;
+    struct black_box *black_box; /* NULL: there is none */
     uint8_t sent_state, sent_fault;
     /* The running check of the parameters' CRC. */
     uint32_t crc_so_far, crc_expected;
@@ -75,8 +98,8 @@ struct controller_node {
 
 extern const struct co_entry controller_object_table[];
 extern const uint16_t controller_object_count;
-extern const struct co_entry controller_pdo_table[];
-extern const uint16_t controller_pdo_count;
+extern const struct co_entry controller_comm_table[];
+extern const uint16_t controller_comm_count;
 
 /* Emergency codes of this node (CiA 301: 0xFF00.. are the device's own). The
  * vendor bytes are state, fault, and for a refused node: node, index, sub. */
@@ -91,6 +114,16 @@ enum controller_emcy {
 int controller_node_init(struct controller_node *node, const struct control_params *params,
                          float desired_speed_rad_s, bool walk_requested, struct can_bus bus);
 
+/* Lets *keeper be asked to keep the settings, and the black box be read, over SDO; either may
+ * be NULL. All stay the caller's. Start-up only. */
+void controller_node_attach(struct controller_node *node,
+                            const struct controller_keeper_ops *keeper, void *keeper_context,
+                            struct black_box *black_box);
+
+/* CRC-32 over the parameters' values and tables, not over where they lie: the same on every
+ * machine. */
+uint32_t controller_node_crc_of(const struct control_params *params);
+
 /* Takes a frame if it is for this node and says whether it did. */
 bool controller_node_receive(struct controller_node *node, const struct can_msg *message,
                              uint64_t now_ns);
@@ -104,7 +137,7 @@ void controller_node_update(struct controller_node *node, const struct controlle
 /* Once a tick: carries the CRC of the parameters in force CONTROLLER_CRC_BYTES further and
  * compares at their end. True when the last comparison failed: memory has changed by
  * itself. One round takes the parameters' and their tables' bytes / CONTROLLER_CRC_BYTES ticks; about
- * 20 instructions a byte. */
+ * 11 instructions a byte. */
 bool controller_node_params_corrupt(struct controller_node *node);
 enum { CONTROLLER_CRC_BYTES = 16 };
 

@@ -62,17 +62,28 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, refused_sub, 0x2031, 4, CO_UNSIGNED8, RO, "Object sub-index"),
     CO_ANY(OWNER, refused_expected, 0x2031, 5, CO_UNSIGNED32, RO, "Expected value"),
     CO_ANY(OWNER, refused_found, 0x2031, 6, CO_UNSIGNED32, RO, "Found value or abort code"),
+    CO_ANY(OWNER, black_box_count, 0x2040, 0, CO_UNSIGNED8, FIXED, "Black box"),
+    CO_OBJECT(OWNER, black_box_state, 0x2040, 1, CO_UNSIGNED8, RW, BLACK_BOX_RECORDING,
+              BLACK_BOX_FROZEN, "State 1 records anew 2 closes 3 frozen"),
+    CO_ANY(OWNER, black_box_reason, 0x2040, 2, CO_UNSIGNED32, RO, "Fault bits that froze it"),
+    CO_ANY(OWNER, black_box_image, 0x2040, 3, CO_DOMAIN, RO, "Image while frozen"),
 };
 
 const uint16_t controller_object_count =
     (uint16_t)(sizeof controller_object_table / sizeof controller_object_table[0]);
 
-const struct co_entry controller_pdo_table[] = {
-    CO_PDO_TPDO(struct controller_pdos, 0, 0x1800),
-    CO_PDO_TPDO(struct controller_pdos, 1, 0x1801),
-    CO_PDO_MAPPING(struct controller_pdos, tpdo[0], 0x1A00, "TPDO mapping parameter"),
-    CO_PDO_MAPPING(struct controller_pdos, tpdo[1], 0x1A01, "TPDO mapping parameter"),
+const struct co_entry controller_comm_table[] = {
+    CO_ANY(struct controller_comm, store_count, 0x1010, 0, CO_UNSIGNED8, FIXED, "Store parameters"),
+    CO_ANY(struct controller_comm, store, 0x1010, 1, CO_UNSIGNED32, RW, "Save all parameters"),
+    CO_ANY(struct controller_comm, restore_count, 0x1011, 0, CO_UNSIGNED8, FIXED,
+           "Restore default parameters"),
+    CO_ANY(struct controller_comm, restore, 0x1011, 1, CO_UNSIGNED32, RW,
+           "Restore all default parameters"),
+    CO_PDO_TPDO(struct controller_comm, 0, 0x1800),
+    CO_PDO_TPDO(struct controller_comm, 1, 0x1801),
+    CO_PDO_MAPPING(struct controller_comm, tpdo[0], 0x1A00, "TPDO mapping parameter"),
+    CO_PDO_MAPPING(struct controller_comm, tpdo[1], 0x1A01, "TPDO mapping parameter"),
 };
 
-const uint16_t controller_pdo_count =
-    (uint16_t)(sizeof controller_pdo_table / sizeof controller_pdo_table[0]);
+const uint16_t controller_comm_count =
+    (uint16_t)(sizeof controller_comm_table / sizeof controller_comm_table[0]);

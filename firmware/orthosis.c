@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "firmware/version.h"
+#include "hal/canopen/co_defs.h"
 
 static_assert((int)CONTROL_TASK_COMMANDED == (int)WATCHDOG_CONTROL &&
                   (int)CONTROL_TASK_BUS_ALIVE == (int)WATCHDOG_BUS &&
@@ -29,6 +30,51 @@ static void latch(struct orthosis *orthosis, enum supervisor_fault fault)
     orthosis->task.controller.supervisor.state = SUPERVISOR_FAULT;
 }
 
+/* ---- what is asked over the bus --------------------------------------------- */
+
+static uint32_t abort_code_of(enum param_store_result result)
+{
+    return result == PARAM_STORE_OK ? CO_ABORT_NONE : CO_ABORT_NOT_STORED;
+}
+
+/* Nobody's settings are not to be kept: they would pass for somebody's at the next start. */
+static uint32_t save_settings(void *context)
+{
+    struct orthosis *orthosis = context;
+    struct control_task *task = &orthosis->task;
+    struct control_params *params = &task->node.objects.params;
+    const struct settings_parts parts = {
+        .control = params,
+        .axis = {&orthosis->drives.axis[LEG_LEFT].config, &orthosis->drives.axis[LEG_RIGHT].config},
+        .sensor = task->sensors.config,
+        .setup = &task->config.setup,
+        .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,
+        .walk_at_start = task->config.walk_requested ? 1u : 0u,
+    };
+
+    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    orthosis->store_result = settings_save_parts(&parts, &orthosis->store, true);
+    if (orthosis->store_result == PARAM_STORE_OK && params->branch != NULL) {
+        params->branch = settings_branch(&orthosis->store);
+    }
+    return abort_code_of(orthosis->store_result);
+}
+
+/* From now on there are none: no walk before the next start, nor after it. */
+static uint32_t forget_settings(void *context)
+{
+    struct orthosis *orthosis = context;
+
+    orthosis->hold = SUPERVISOR_FAULT_PARAMETERS;
+    return abort_code_of(param_store_forget(&orthosis->store, true));
+}
+
+static const struct controller_keeper_ops keeper_ops = {save_settings, forget_settings};
+
+/* ---- start ------------------------------------------------------------------ */
+
 static void init_task(struct orthosis *orthosis, const struct settings *settings,
                       const struct orthosis_config *config)
 {
@@ -48,10 +94,11 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
     task.drives = cia402_drives_interface(&orthosis->drives);
     memcpy(task.leg_sensor, settings->sensor, sizeof task.leg_sensor);
     (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
+    controller_node_attach(&orthosis->task.node, &keeper_ops, orthosis, config->black_box);
 }
 
 /* What a crash cut short is kept until somebody has fetched it. */
-static void init_black_box(const struct orthosis *orthosis, const struct orthosis_config *config)
+static void init_black_box(const struct orthosis_config *config, const struct settings *settings)
 {
     struct black_box *box = config->black_box;
 
@@ -59,7 +106,7 @@ static void init_black_box(const struct orthosis *orthosis, const struct orthosi
         black_box_freeze(box, 1u << SUPERVISOR_FAULT_RESTARTED);
     }
     if (!black_box_is_valid(box) || box->header.state != (uint32_t)BLACK_BOX_FROZEN) {
-        black_box_start(box, version_build_id(), orthosis->store.crc);
+        black_box_start(box, version_build_id(), controller_node_crc_of(&settings->control));
     }
 }
 
@@ -69,7 +116,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
 
     memset(orthosis, 0, sizeof *orthosis);
     read_settings(orthosis, &settings, config->nv);
-    init_black_box(orthosis, config);
+    init_black_box(config, &settings);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
     if (orthosis->hold != SUPERVISOR_FAULT_NONE) {

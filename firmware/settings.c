@@ -107,7 +107,6 @@ enum param_store_result settings_load(struct settings *settings, struct param_st
                                       const struct nv_store *nv)
 {
     struct settings_values kept;
-    const struct gait_branch *branch;
     enum param_store_result result;
 
     settings_default(settings);
@@ -122,8 +121,7 @@ enum param_store_result settings_load(struct settings *settings, struct param_st
     memcpy((uint8_t *)settings + offsetof(struct settings, control), kept.control,
            sizeof kept.control);
     settings->control.table = kept.table;
-    branch = param_store_map(store, offsetof(struct settings_record, branch));
-    settings->control.branch = branch != NULL && branch->count > 0u ? branch : NULL;
+    settings->control.branch = settings_branch(store);
     memcpy(settings->axis, kept.axis, sizeof settings->axis);
     memcpy(settings->sensor, kept.sensor, sizeof settings->sensor);
     settings->setup = kept.setup;
@@ -139,24 +137,26 @@ struct piece {
     const void *bytes; /* NULL = zeros */
 };
 
-enum { PIECES = 8 };
+enum { PIECES = 9 };
 
-static void list_pieces(const struct settings *settings, struct piece pieces[PIECES])
+static void list_pieces(const struct settings_parts *parts, struct piece pieces[PIECES])
 {
+    const uint32_t axis_bytes = sizeof(struct cia402_axis_config);
     const struct piece list[PIECES] = {
         {offsetof(struct settings_values, control), sizeof(real) * CONTROL_PARAM_COUNT,
-         &settings->control},
-        {offsetof(struct settings_values, table), sizeof settings->control.table,
-         &settings->control.table},
-        {offsetof(struct settings_values, axis), sizeof settings->axis, settings->axis},
-        {offsetof(struct settings_values, sensor), sizeof settings->sensor, settings->sensor},
-        {offsetof(struct settings_values, setup), sizeof settings->setup, &settings->setup},
+         parts->control},
+        {offsetof(struct settings_values, table), sizeof parts->control->table,
+         &parts->control->table},
+        {offsetof(struct settings_values, axis), axis_bytes, parts->axis[LEG_LEFT]},
+        {offsetof(struct settings_values, axis) + axis_bytes, axis_bytes, parts->axis[LEG_RIGHT]},
+        {offsetof(struct settings_values, sensor), LEG_COUNT * sizeof *parts->sensor,
+         parts->sensor},
+        {offsetof(struct settings_values, setup), sizeof *parts->setup, parts->setup},
         {offsetof(struct settings_values, desired_speed_rad_s), sizeof(float),
-         &settings->desired_speed_rad_s},
-        {offsetof(struct settings_values, walk_at_start), sizeof(uint32_t),
-         &settings->walk_at_start},
+         &parts->desired_speed_rad_s},
+        {offsetof(struct settings_values, walk_at_start), sizeof(uint32_t), &parts->walk_at_start},
         {offsetof(struct settings_record, branch), sizeof(struct gait_branch),
-         settings->control.branch},
+         parts->control->branch},
     };
     memcpy(pieces, list, sizeof list);
 }
@@ -177,16 +177,38 @@ static void give_word(const void *context, uint32_t offset, uint8_t *out)
     }
 }
 
+enum param_store_result settings_save_parts(const struct settings_parts *parts,
+                                            struct param_store *store, bool standstill)
+{
+    struct piece pieces[PIECES];
+
+    list_pieces(parts, pieces);
+    return param_store_save(store, give_word, pieces, standstill);
+}
+
+const struct gait_branch *settings_branch(const struct param_store *store)
+{
+    const struct gait_branch *branch =
+        param_store_map(store, offsetof(struct settings_record, branch));
+
+    return branch != NULL && branch->count > 0u ? branch : NULL;
+}
+
 enum param_store_result settings_save(struct settings *settings, struct param_store *store,
                                       bool standstill)
 {
-    struct piece pieces[PIECES];
-    enum param_store_result result;
+    const struct settings_parts parts = {
+        .control = &settings->control,
+        .axis = {&settings->axis[LEG_LEFT], &settings->axis[LEG_RIGHT]},
+        .sensor = settings->sensor,
+        .setup = &settings->setup,
+        .desired_speed_rad_s = settings->desired_speed_rad_s,
+        .walk_at_start = settings->walk_at_start,
+    };
+    const enum param_store_result result = settings_save_parts(&parts, store, standstill);
 
-    list_pieces(settings, pieces);
-    result = param_store_save(store, give_word, pieces, standstill);
     if (result == PARAM_STORE_OK && settings->control.branch != NULL) {
-        settings->control.branch = param_store_map(store, offsetof(struct settings_record, branch));
+        settings->control.branch = settings_branch(store);
     }
     return result;
 }

@@ -60,6 +60,24 @@ enum settings_result settings_check(const struct settings *settings);
 enum param_store_result settings_load(struct settings *settings, struct param_store *store,
                                       const struct nv_store *nv);
 
+/* The same where it lies while it is in force; all stay the caller's. */
+struct settings_parts {
+    const struct control_params *control;
+    const struct cia402_axis_config *axis[LEG_COUNT];
+    const struct leg_sensor_config *sensor; /* LEG_COUNT of them */
+    const struct node_setup_config *setup;
+    float desired_speed_rad_s;
+    uint32_t walk_at_start;
+};
+
+/* Saves the parts, the branch pointed to included. `standstill` and results as of
+ * param_store_save. Loop only; needs 250 bytes of stack. */
+enum param_store_result settings_save_parts(const struct settings_parts *parts,
+                                            struct param_store *store, bool standstill);
+
+/* Where the branch of the settings kept last lies; NULL when they have none. O(1). */
+const struct gait_branch *settings_branch(const struct param_store *store);
+
 /* Saves *settings, the branch pointed to included. `standstill` and results as of
  * param_store_save. On success moves control.branch to the new copy. Loop only. */
 enum param_store_result settings_save(struct settings *settings, struct param_store *store,

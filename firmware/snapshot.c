@@ -15,12 +15,23 @@ enum {
 static_assert(offsetof(struct controller, observer) <= sizeof(void *),
               "nothing but the pointer to the parameters stands before the observer");
 
-/* What else decides about the commands. Not the clocks of the CANopen node: its
- * heartbeats may come at other ticks in a replay. Words first, they copy faster. */
+/* What else decides about the frames: commands, and with the clocks and errors of the
+ * CANopen node also its heartbeats, telemetry and emergencies. Not an SDO transfer under way,
+ * nor the set-up of the other nodes. Words first, they copy faster. */
 #define TASK_FIELDS(X)                  \
     X(network)                          \
     X(sensors)                          \
     X(output)                           \
+    X(now_ns)                           \
+    X(node.device.heartbeat_due_ns)     \
+    X(node.device.next_due_ns)          \
+    X(node.device.emcy_sent_ns)         \
+    X(node.device.emcy_queue)           \
+    X(node.device.errors)               \
+    X(node.comm.tpdo[0].last_ns)        \
+    X(node.comm.tpdo[1].last_ns)        \
+    X(node.objects.input_digest)        \
+    X(node.objects.params_crc)          \
     X(node.objects.desired_speed_rad_s) \
     X(tick)                             \
     X(node.objects.walk_requested)      \
@@ -31,12 +42,18 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.powered)                     \
     X(node.sent_state)                  \
     X(node.sent_fault)                  \
+    X(node.device.emcy_count)           \
+    X(node.device.comm.error_register)  \
+    X(node.comm.tpdo[0].waiting)        \
+    X(node.comm.tpdo[1].waiting)        \
     X(configured)                       \
+    X(disobeys)                         \
     X(emergency_stop)
 
 #define FIELD_SIZE(field) +sizeof(((struct control_task *)0)->field)
 enum {
-    SNAPSHOT_BYTES = (int)CONTROLLER_BLOCK + sizeof(struct cia402_drives) TASK_FIELDS(FIELD_SIZE)
+    SNAPSHOT_BYTES = (int)CONTROLLER_BLOCK + sizeof(struct cia402_drives) +
+                     CONTROLLER_PARAMS_BYTES TASK_FIELDS(FIELD_SIZE)
 };
 #undef FIELD_SIZE
 
@@ -84,8 +101,10 @@ size_t snapshot_save(const void *context, uint8_t *out, size_t capacity)
     out += CONTROLLER_BLOCK;
     copy(out, source->drives, sizeof *source->drives);
     out += sizeof *source->drives;
-#define SAVE(field)                              \
-    copy(out, &task->field, sizeof task->field); \
+    copy(out, &task->node.objects.params, CONTROLLER_PARAMS_BYTES);
+    out += CONTROLLER_PARAMS_BYTES;
+#define SAVE(field)                                \
+    memcpy(out, &task->field, sizeof task->field); \
     out += sizeof task->field;
     TASK_FIELDS(SAVE)
 #undef SAVE
@@ -104,6 +123,8 @@ int snapshot_restore(const struct snapshot_source *source, const uint8_t *bytes,
     bytes += CONTROLLER_BLOCK;
     memcpy(source->drives, bytes, sizeof *source->drives);
     bytes += sizeof *source->drives;
+    memcpy(&task->node.objects.params, bytes, CONTROLLER_PARAMS_BYTES);
+    bytes += CONTROLLER_PARAMS_BYTES;
 #define RESTORE(field)                               \
     memcpy(&task->field, bytes, sizeof task->field); \
     bytes += sizeof task->field;

@@ -26,8 +26,8 @@ size_t snapshot_size(void);
  * size, 0 when it exceeds `capacity`. Between ticks only. Cost: one copy. */
 size_t snapshot_save(const void *context, uint8_t *out, size_t capacity);
 
-/* Restores a snapshot into a task that was initialised with the configuration of
- * the one it was taken from. Returns 0, or -1 when the size is another (then
+/* Restores a snapshot, the parameters included, into a task whose gait branch and drives'
+ * protocol are those of the one it was taken from. Returns 0, or -1 when the size is another (then
  * nothing was changed). Between ticks only. */
 int snapshot_restore(const struct snapshot_source *source, const uint8_t *bytes, size_t size);
 

@@ -23,6 +23,39 @@ uint32_t crc32_update(uint32_t crc, const void *data, size_t length)
     return ~state;
 }
 
+/* x^(8 * 2^k) modulo the polynomial: 2^k zero bytes. */
+static const uint32_t zero_bytes[12] = {0x00800000U, 0x00008000U, 0xEDB88320U, 0xB1E6B092U,
+                                        0xA06A2517U, 0xED627DAEU, 0x88D14467U, 0xD7BBFE6AU,
+                                        0xEC447F11U, 0x8E7EA170U, 0x6427800EU, 0x4D47BAE0U};
+
+/* The product of two polynomials modulo the CRC's, reflected: x^0 is the topmost bit. */
+static uint32_t multiply(uint32_t a, uint32_t b)
+{
+    uint32_t product = 0;
+
+    for (; a != 0U; a <<= 1) {
+        if ((a & 0x80000000U) != 0U) {
+            product ^= b;
+        }
+        b = (b >> 1) ^ ((b & 1U) != 0U ? 0xEDB88320U : 0U);
+    }
+    return product;
+}
+
+uint32_t crc32_change(uint32_t difference, size_t following)
+{
+    const uint8_t bytes[4] = {(uint8_t)difference, (uint8_t)(difference >> 8),
+                              (uint8_t)(difference >> 16), (uint8_t)(difference >> 24)};
+    uint32_t change = ~crc32_update(UINT32_MAX, bytes, sizeof bytes); /* from an empty register */
+
+    for (unsigned k = 0; k < sizeof zero_bytes / sizeof zero_bytes[0]; k++) {
+        if ((following >> k & 1U) != 0U) {
+            change = multiply(change, zero_bytes[k]);
+        }
+    }
+    return change;
+}
+
 uint16_t crc16_update(uint16_t crc, const void *data, size_t length)
 {
     const uint8_t *bytes = data;

@@ -199,3 +199,19 @@ enum param_store_result param_store_save(struct param_store *store, param_store_
     store->usable = true;
     return PARAM_STORE_OK;
 }
+
+enum param_store_result param_store_forget(struct param_store *store, bool standstill)
+{
+    const struct nv_store *nv = &store->nv;
+
+    if (!standstill) {
+        return PARAM_STORE_MOVING;
+    }
+    if (nv->ops->erase(nv->context, store->active_bank ^ 1U) != NV_OK ||
+        nv->ops->erase(nv->context, store->active_bank) != NV_OK) {
+        return PARAM_STORE_FAILED;
+    }
+    store->sequence = store->crc = 0;
+    store->usable = false;
+    return PARAM_STORE_OK;
+}

@@ -69,4 +69,8 @@ typedef void (*param_store_source)(const void *context, uint32_t offset, uint8_t
 enum param_store_result param_store_save(struct param_store *store, param_store_source source,
                                          const void *context, bool standstill);
 
+/* Erases both copies, the newest last. `standstill` as above. Returns PARAM_STORE_OK,
+ * PARAM_STORE_MOVING or PARAM_STORE_FAILED (what was not erased can still be loaded). */
+enum param_store_result param_store_forget(struct param_store *store, bool standstill);
+
 #endif

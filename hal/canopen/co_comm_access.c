@@ -10,10 +10,18 @@ enum {
     TPDO_COMMUNICATION = 0x1800,
     TPDO_MAPPING = 0x1A00,
     AREA_LAST = 0x1FFF,
+    STORE_PARAMETERS = 0x1010,
+    RESTORE_PARAMETERS = 0x1011,
     SUB_COB_ID = 1,
     SUB_TYPE = 2,
     SUB_INHIBIT = 3
 };
+
+/* What the profile answers for: its own objects, and storing parameters. */
+static bool is_applications(uint16_t index)
+{
+    return index > AREA_LAST || index == STORE_PARAMETERS || index == RESTORE_PARAMETERS;
+}
 
 static const uint32_t ID_BITS = 0x1FFFFFFFU;
 static const uint32_t EXTENDED_BIT = 0x20000000U;
@@ -101,7 +109,7 @@ uint32_t co_comm_writing(void *context, const struct co_entry *entry, const uint
     struct co_device *device = context;
     const uint16_t index = entry->index;
     const unsigned number = index & 0xFFU;
-    if (index > AREA_LAST) {
+    if (is_applications(index)) {
         const struct co_device_ops *ops = device->config.ops;
         return ops->access.writing == NULL
                    ? CO_ABORT_NONE
@@ -133,7 +141,7 @@ void co_comm_written(void *context, const struct co_entry *entry)
 {
     struct co_device *device = context;
     device->next_due_ns = 0; /* whatever was planned, plan again */
-    if (entry->index > AREA_LAST) {
+    if (is_applications(entry->index)) {
         const struct co_device_ops *ops = device->config.ops;
         if (ops->access.written != NULL) {
             ops->access.written(device->config.context, entry);
@@ -161,7 +169,7 @@ void co_comm_written(void *context, const struct co_entry *entry)
 void co_comm_reading(void *context, const struct co_entry *entry)
 {
     struct co_device *device = context;
-    if (entry->index > AREA_LAST && device->config.ops->access.reading != NULL) {
+    if (is_applications(entry->index) && device->config.ops->access.reading != NULL) {
         device->config.ops->access.reading(device->config.context, entry);
     }
 }

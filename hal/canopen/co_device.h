@@ -59,7 +59,7 @@ struct co_device;
 
 /* Reactions of the profile; any may be NULL. context is the owner's. */
 struct co_device_ops {
-    struct co_access_hooks access; /* application objects only */
+    struct co_access_hooks access; /* application objects, 0x1010 and 0x1011 only */
     /* SYNC seen, synchronous RPDOs applied, TPDOs not yet packed: sample now. */
     void (*sync)(void *context, uint64_t now_ns);
     /* An RPDO (0..3) was applied. */

@@ -22,6 +22,7 @@ enum co_type {
     CO_UNSIGNED32 = 0x07,
     CO_REAL32 = 0x08,         /* float */
     CO_VISIBLE_STRING = 0x09, /* char array, ends at its first 0 or its size */
+    CO_DOMAIN = 0x0F,         /* struct co_domain: bytes that lie elsewhere, to be read only */
     CO_INTEGER24 = 0x10,      /* int32_t */
     CO_UNSIGNED24 = 0x16      /* uint32_t */
 };
@@ -35,7 +36,13 @@ enum co_access {
     CO_ADD_NODE = 1 << 5 /* EDS: default value is $NODEID+value */
 };
 
-enum { CO_VALUE_MAX = 64 }; /* longest object, bytes */
+enum { CO_VALUE_MAX = 64 }; /* longest object but a domain, bytes */
+
+/* The value of a CO_DOMAIN; the bytes must stay as they are while they are read. */
+struct co_domain {
+    const uint8_t *bytes;
+    uint32_t length; /* 0: not to be had now */
+};
 
 struct co_entry {
     uint16_t index;
@@ -60,7 +67,7 @@ struct co_dictionary {
     void *base;
 };
 
-/* Bytes of an integer or real type on the bus, 0 for strings and unknown types. */
+/* Bytes of an integer or real type on the bus, 0 for strings, domains, unknown types. */
 unsigned co_type_size(enum co_type type);
 
 /* Finds index:sub in `count` dictionaries. Returns the entry and its struct in
@@ -70,7 +77,7 @@ const struct co_entry *co_od_find(const struct co_dictionary *dictionaries, unsi
                                   uint16_t index, uint8_t sub, void **base, uint32_t *abort_code);
 
 /* The entry's value as bus bytes into out (CO_VALUE_MAX bytes). Returns how many.
- * Knows nothing of access rights. */
+ * Knows nothing of access rights; nothing of a domain. */
 unsigned co_od_load(const struct co_entry *entry, const void *base, uint8_t *out);
 
 /* Stores bus bytes. Returns CO_ABORT_NONE, or the abort code (length, limits) with
@@ -91,11 +98,12 @@ int64_t co_od_number(const struct co_entry *entry, const uint8_t *bytes);
 #else
 #define CO_NAME(text) , (text)
 #endif
-#define CO_SIZE_OF(type)                                                         \
-    ((type) == CO_BOOLEAN || (type) == CO_INTEGER8 || (type) == CO_UNSIGNED8 ? 1 \
-     : (type) == CO_INTEGER16 || (type) == CO_UNSIGNED16                     ? 2 \
-     : (type) == CO_INTEGER24 || (type) == CO_UNSIGNED24                     ? 3 \
-                                                                             : 4)
+#define CO_SIZE_OF(type)                                                           \
+    ((type) == CO_DOMAIN                                                       ? 0 \
+     : (type) == CO_BOOLEAN || (type) == CO_INTEGER8 || (type) == CO_UNSIGNED8 ? 1 \
+     : (type) == CO_INTEGER16 || (type) == CO_UNSIGNED16                       ? 2 \
+     : (type) == CO_INTEGER24 || (type) == CO_UNSIGNED24                       ? 3 \
+                                                                               : 4)
 #define CO_OBJECT(owner, field, index, sub, type, access, low, high, name)                    \
     {                                                                                         \
         (index), (sub), (type), (access), CO_SIZE_OF(type), (uint16_t)offsetof(owner, field), \

@@ -129,7 +129,7 @@ static bool initiate_download(struct co_sdo_server *server, const uint8_t *reque
         server->phase = CO_SDO_DOWNLOAD;
         server->toggle = 0;
         server->position = 0;
-        server->length = (uint8_t)length;
+        server->length = length;
     }
     answer[0] = SERVER_INITIATE_DOWNLOAD;
     put_multiplexor(server, answer);
@@ -151,14 +151,14 @@ static bool download_segment(struct co_sdo_server *server, const uint8_t *reques
         return send_abort(server, CO_ABORT_MEMORY, answer);
     }
     memcpy(server->buffer + server->position, request + 1, count);
-    server->position = (uint8_t)(server->position + count);
+    server->position += count;
     if (last) {
         if (server->length != 0 && server->position != server->length) {
             return send_abort(
                 server, server->position > server->length ? CO_ABORT_TOO_LONG : CO_ABORT_TOO_SHORT,
                 answer);
         }
-        const uint32_t refused = write_object(server, server->buffer, server->position);
+        const uint32_t refused = write_object(server, server->buffer, (unsigned)server->position);
         if (refused != CO_ABORT_NONE) {
             return send_abort(server, refused, answer);
         }
@@ -167,6 +167,11 @@ static bool download_segment(struct co_sdo_server *server, const uint8_t *reques
     server->toggle = (uint8_t)(toggle ^ TOGGLE);
     answer[0] = (uint8_t)(SERVER_DOWNLOAD_SEGMENT | toggle);
     return true;
+}
+
+static const struct co_domain *domain_of(const struct co_entry *entry, const void *base)
+{
+    return (const struct co_domain *)(const void *)((const char *)base + entry->offset);
 }
 
 static bool initiate_upload(struct co_sdo_server *server, uint8_t *answer)
@@ -180,12 +185,22 @@ static bool initiate_upload(struct co_sdo_server *server, uint8_t *answer)
     if (server->hooks != NULL && server->hooks->reading != NULL) {
         server->hooks->reading(server->context, entry);
     }
-    server->length = (uint8_t)co_od_load(entry, base, server->buffer);
+    server->source = server->buffer;
+    if (entry->type == CO_DOMAIN) {
+        const struct co_domain *domain = domain_of(entry, base);
+        server->source = domain->bytes;
+        server->length = domain->length;
+        if (domain->length == 0) {
+            return send_abort(server, CO_ABORT_DEVICE_STATE, answer);
+        }
+    } else {
+        server->length = co_od_load(entry, base, server->buffer);
+    }
     put_multiplexor(server, answer);
     if (server->length > 0 && server->length <= 4) {
         answer[0] = (uint8_t)(SERVER_INITIATE_UPLOAD | (4 - server->length) << 2 | EXPEDITED |
                               SIZE_INDICATED);
-        memcpy(answer + 4, server->buffer, server->length);
+        memcpy(answer + 4, server->source, server->length);
         return true;
     }
     server->phase = CO_SDO_UPLOAD;
@@ -205,10 +220,10 @@ static bool upload_segment(struct co_sdo_server *server, const uint8_t *request,
     if (toggle != server->toggle) {
         return send_abort(server, CO_ABORT_TOGGLE, answer);
     }
-    const unsigned left = (unsigned)(server->length - server->position);
+    const uint32_t left = server->length - server->position;
     const unsigned count = left < SEGMENT_BYTES ? left : SEGMENT_BYTES;
-    memcpy(answer + 1, server->buffer + server->position, count);
-    server->position = (uint8_t)(server->position + count);
+    memcpy(answer + 1, server->source + server->position, count);
+    server->position += count;
     server->toggle = (uint8_t)(toggle ^ TOGGLE);
     answer[0] = (uint8_t)(SERVER_UPLOAD_SEGMENT | toggle | (SEGMENT_BYTES - count) << 1);
     if (server->position == server->length) {

@@ -1,5 +1,6 @@
 /* SDO server, CiA 301 clause 7.2.4: expedited and segmented transfers in both
- * directions. Block transfer is refused as the standard demands (0x05040001).
+ * directions; domains are read segment by segment from where they lie. Block transfer is
+ * refused as the standard demands (0x05040001).
  * One request in, at most one answer out; it knows no bus and no clock.
  */
 #ifndef HAL_CANOPEN_CO_SDO_SERVER_H
@@ -33,8 +34,9 @@ struct co_sdo_server {
     uint8_t sub;
     uint8_t phase; /* enum co_sdo_phase */
     uint8_t toggle;
-    uint8_t length;   /* of an upload; announced length of a download, 0 unknown */
-    uint8_t position; /* bytes done */
+    uint32_t length;       /* of an upload; announced length of a download, 0 unknown */
+    uint32_t position;     /* bytes done */
+    const uint8_t *source; /* of an upload: buffer, or where a domain lies */
     uint8_t buffer[CO_VALUE_MAX];
 };
 

@@ -7,6 +7,7 @@
 #include "hal/bytes.h"
 
 enum {
+    OBJECT_DOMAIN = 2,
     OBJECT_VAR = 7,
     OBJECT_ARRAY = 8,
     OBJECT_RECORD = 9,
@@ -125,7 +126,7 @@ static const char *access_name(unsigned access)
 
 static bool has_default(const struct co_entry *entry)
 {
-    if (entry->index == BUILD_IDENTITY || entry->index == 0x100A) {
+    if (entry->index == BUILD_IDENTITY || entry->index == 0x100A || entry->type == CO_DOMAIN) {
         return false;
     }
     return (entry->access & (CO_CONST | CO_WRITE)) != 0 || (entry->access & CO_ADD_NODE) != 0;
@@ -161,7 +162,8 @@ static void write_limit(FILE *stream, const char *key, const struct co_entry *en
 static void write_variable(FILE *stream, const struct co_entry *entry, const void *base)
 {
     fprintf(stream, "ParameterName=%s\nObjectType=0x%X\nDataType=0x%04X\nAccessType=%s\n",
-            entry->name, OBJECT_VAR, entry->type, access_name(entry->access));
+            entry->name, entry->type == CO_DOMAIN ? OBJECT_DOMAIN : OBJECT_VAR, entry->type,
+            access_name(entry->access));
     if (entry->low <= entry->high) {
         write_limit(stream, "LowLimit", entry, entry->low);
         write_limit(stream, "HighLimit", entry, entry->high);

@@ -1,6 +1,10 @@
 /* A changed bit in the parameters in force is found, wherever it is; none is found
  * where nothing changed. */
 #include "firmware/controller_node.h"
+
+#include <string.h>
+
+#include "firmware/settings.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 
@@ -82,6 +86,44 @@ START_TEST(the_checksum_does_not_depend_on_where_tables_lie)
 }
 END_TEST
 
+/* kp, over SDO: expedited, 4 bytes (CiA 301). */
+static void write_kp(float value)
+{
+    struct can_msg request = {.id = 0x610, .length = 8, .data = {0x23, 0x10, 0x20, 0}};
+    for (unsigned i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        if (control_param_descriptors[i].offset == offsetof(struct control_params, kp_m_s_rad)) {
+            request.data[3] = (uint8_t)(i + 1);
+        }
+    }
+    memcpy(request.data + 4, &value, sizeof value);
+    ck_assert(controller_node_receive(&node, &request, 0));
+}
+
+START_TEST(a_parameter_written_meanwhile_hides_no_changed_bit)
+{
+    struct settings settings;
+    settings_default(&settings);
+    for (int with_branch = 0; with_branch < 2; with_branch++) {
+        settings.control.branch = with_branch ? &branch : NULL;
+        fake_bus_init(&fake);
+        ck_assert_int_eq(
+            controller_node_init(&node, &settings.control, 0.4f, true, fake_bus_interface(&fake)),
+            0);
+        (void)controller_node_params_corrupt(&node);
+        write_kp(0.05f);
+        ck_assert(node.objects.params.kp_m_s_rad == 0.05f);
+        ck_assert_uint_eq(node.objects.params_crc, controller_node_crc_of(&node.objects.params));
+        ck_assert(!is_corrupt_after_a_round());
+        flip(&node.objects.params.spring_stiffness_n_m, 1);
+        ck_assert(is_corrupt_after_a_round());
+        write_kp(0.06f);
+        ck_assert(is_corrupt_after_a_round());
+        flip(&node.objects.params.spring_stiffness_n_m, 1);
+        ck_assert(!is_corrupt_after_a_round());
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("params_check");
@@ -89,6 +131,7 @@ int main(void)
     tcase_add_test(tests, untouched_parameters_are_sound);
     tcase_add_test(tests, one_bit_in_values_speed_table_or_branch_is_found);
     tcase_add_test(tests, the_checksum_does_not_depend_on_where_tables_lie);
+    tcase_add_test(tests, a_parameter_written_meanwhile_hides_no_changed_bit);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

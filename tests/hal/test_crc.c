@@ -64,6 +64,28 @@ START_TEST(tables_agree_with_division_and_pieces_with_the_whole)
 }
 END_TEST
 
+/* Against the whole data read again. */
+START_TEST(a_change_of_four_bytes_is_foretold)
+{
+    static uint8_t data[4096];
+
+    for (size_t i = 0; i < sizeof data; i++) {
+        data[i] = (uint8_t)(i * 167U + i / 251U);
+    }
+    for (size_t following = 0; following + 4 <= sizeof data; following += following < 40 ? 1 : 37) {
+        uint8_t *at = data + sizeof data - 4 - following;
+        const uint32_t before = crc32_by_division(data, sizeof data);
+        const uint32_t change = 0x80000001U ^ (uint32_t)(following * 2654435761U);
+        for (unsigned i = 0; i < 4; i++) {
+            at[i] ^= (uint8_t)(change >> (8 * i));
+        }
+        ck_assert_uint_eq(crc32_by_division(data, sizeof data),
+                          before ^ crc32_change(change, following));
+    }
+    ck_assert_uint_eq(crc32_change(0, 77), 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("crc");
@@ -72,6 +94,7 @@ int main(void)
     tcase_add_test(tcase, crc32_has_the_catalogues_check_value);
     tcase_add_test(tcase, crc16_has_the_catalogues_check_value);
     tcase_add_test(tcase, tables_agree_with_division_and_pieces_with_the_whole);
+    tcase_add_test(tcase, a_change_of_four_bytes_is_foretold);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }
