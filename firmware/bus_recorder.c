@@ -31,18 +31,32 @@ static bool was_dear(const struct bus_recorder *recorder)
            task->controller.observer.work.busy;
 }
 
+static void end_tick(struct bus_recorder *recorder)
+{
+    const struct control_task *task = recorder->source.task;
+    const uint8_t fault = (uint8_t)task->output.fault;
+
+    if (fault != recorder->fault) {
+        if (recorder->fault == SUPERVISOR_FAULT_NONE) {
+            black_box_trigger(recorder->box, 1u << fault, task->tick,
+                              BUS_RECORDER_AFTER_FAULT_TICKS);
+        }
+        recorder->fault = fault;
+    }
+    if (!was_dear(recorder)) {
+        black_box_end_tick(recorder->box, task->tick, snapshot_save, &recorder->source);
+    }
+    recorder->in_tick = false;
+    recorder->frames = 0;
+}
+
 static enum can_result bus_receive(void *context, struct can_msg *message, uint64_t *time_ns)
 {
     struct bus_recorder *recorder = context;
     enum can_result result;
 
-    if (recorder->in_tick && !was_dear(recorder)) {
-        black_box_end_tick(recorder->box, recorder->source.task->tick, snapshot_save,
-                           &recorder->source);
-    }
     if (recorder->in_tick) {
-        recorder->in_tick = false;
-        recorder->frames = 0;
+        end_tick(recorder);
     }
     result = can_bus_receive(&recorder->inner, message, time_ns);
     if (result == CAN_OK) {
@@ -74,6 +88,8 @@ void bus_recorder_init(struct bus_recorder *recorder, const struct can_bus *inne
     recorder->box = box;
     recorder->source = *source;
     recorder->in_tick = false;
+    recorder->fault = SUPERVISOR_FAULT_NONE;
+    recorder->frames = 0;
 }
 
 struct can_bus bus_recorder_interface(struct bus_recorder *recorder)

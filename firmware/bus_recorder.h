@@ -1,7 +1,8 @@
 /* A can_bus in front of another that writes everything it sees into a black box.
  *
  * The control task uses it as its bus and knows nothing of it. A tick counts as
- * over when the task asks for the next frame behind its own SYNC.
+ * over when the task asks for the next frame behind its own SYNC. A fault that the task
+ * latches freezes the box some ticks later.
  */
 #ifndef FIRMWARE_BUS_RECORDER_H
 #define FIRMWARE_BUS_RECORDER_H
@@ -12,11 +13,14 @@
 #include "hal/black_box.h"
 #include "hal/can_bus.h"
 
+enum { BUS_RECORDER_AFTER_FAULT_TICKS = 300 }; /* recorded after a fault before it freezes */
+
 struct bus_recorder {
     struct can_bus inner;
     struct black_box *box;
     struct snapshot_source source;
     bool in_tick;    /* the own SYNC was handed out, its tick runs */
+    uint8_t fault;   /* latched at the end of the last tick */
     uint32_t frames; /* of this tick, received since the last SYNC or sent in it */
 };
 

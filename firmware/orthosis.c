@@ -146,17 +146,12 @@ void orthosis_start_cycle(struct orthosis *orthosis)
 unsigned orthosis_poll(struct orthosis *orthosis)
 {
     struct control_task *task = &orthosis->task;
-    const enum supervisor_fault before = task->output.fault;
     unsigned progress;
 
     if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
         latch(orthosis, orthosis->hold);
     }
     progress = control_task_poll(task);
-    if (task->output.fault != SUPERVISOR_FAULT_NONE && before == SUPERVISOR_FAULT_NONE) {
-        black_box_trigger(orthosis->recorder.box, 1u << task->output.fault, task->tick,
-                          ORTHOSIS_BLACK_BOX_TICKS);
-    }
     /* Until the first own SYNC came back no command was ever sent, nothing can
      * move, and a bus that is not there yet is no reason to restart. */
     (void)watchdog_gate_report(&orthosis->gate,

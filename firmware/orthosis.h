@@ -18,8 +18,7 @@
 #include "hal/watchdog.h"
 
 enum {
-    ORTHOSIS_BLACK_BOX_TICKS = 300, /* recorded after a fault before it freezes */
-    ORTHOSIS_RECOVERY_TICKS = 10    /* between attempts to leave bus-off */
+    ORTHOSIS_RECOVERY_TICKS = 10 /* between attempts to leave bus-off */
 };
 
 struct orthosis_config {

@@ -2,7 +2,10 @@
 
 #include <string.h>
 
+#include "firmware/snapshot.h"
+#include "hal/bytes.h"
 #include "hal/frame_table.h"
+#include "sim_host/host/black_box_log.h"
 
 /* ---- whose frame is it ----------------------------------------------------- */
 
@@ -221,11 +224,23 @@ static void run_tick(struct replay *replay)
     } while (replay->sync_pending || replay->next_fed < replay->cycle_count);
 }
 
-/* Compares what followed the SYNC, which then becomes the next tick's input. */
+/* What the controller sends when asked, before the next SYNC. */
+static bool is_answer(uint32_t id)
+{
+    return id == FRAME_SDO_ANSWER_CONTROLLER;
+}
+
+/* Compares what followed the SYNC, which then becomes the next tick's input. Answers to
+ * requests of a cycle are made when that cycle is fed: compared one cycle later. */
 static void compare_cycle(struct replay *replay)
 {
+    for (unsigned i = 0; i < replay->cycle_count && !replay->differs; i++) {
+        if (is_answer(replay->cycle[i].message.id)) {
+            compare(replay, &replay->cycle[i]);
+        }
+    }
     for (unsigned i = 0; i < replay->next_count && !replay->differs; i++) {
-        if (is_controllers(replay->next[i].message.id)) {
+        if (is_controllers(replay->next[i].message.id) && !is_answer(replay->next[i].message.id)) {
             compare(replay, &replay->next[i]);
         }
     }
@@ -246,6 +261,53 @@ static bool keep(struct replay *replay, const struct candump_record *record, uns
     return true;
 }
 
+/* ---- from the middle of a walk ---------------------------------------------- */
+
+static void take_note(struct replay *replay, const struct can_msg *message)
+{
+    const uint32_t first = bytes_get_u32(message->data), second = bytes_get_u32(message->data + 4);
+    if (message->id == BLACK_BOX_ID_IDENTITY) {
+        replay->build_id = first;
+        replay->parameter_crc = second;
+    } else if (message->id == BLACK_BOX_ID_BEGIN) {
+        replay->snapshot_tick = first;
+        replay->snapshot_bytes = second <= sizeof replay->snapshot ? second : 0;
+        memset(replay->snapshot, 0, sizeof replay->snapshot);
+    } else if (message->id >= BLACK_BOX_ID_DATA &&
+               (message->id - BLACK_BOX_ID_DATA) * 8u + message->length <= replay->snapshot_bytes) {
+        memcpy(replay->snapshot + (message->id - BLACK_BOX_ID_DATA) * 8u, message->data,
+               message->length);
+    }
+}
+
+/* All that the log says of the time before goes; what was sent and not shown is in a gap. */
+static bool go_on_from_snapshot(struct replay *replay, unsigned long line)
+{
+    const struct snapshot_source source = {&replay->rig.task, &replay->rig.cia402};
+    struct control_task *task = &replay->rig.task;
+    const uint32_t bytes = replay->snapshot_bytes;
+    replay->snapshot_bytes = 0;
+    if (snapshot_restore(&source, replay->snapshot, bytes) != 0) {
+        snprintf(replay->message, sizeof replay->message,
+                 "line %lu: a snapshot of %u bytes where this build's has %zu: recorded by build "
+                 "%08x",
+                 line, (unsigned)bytes, snapshot_size(), (unsigned)replay->build_id);
+        return false;
+    }
+    if (controller_node_crc_of(&task->node.objects.params) != task->node.objects.params_crc) {
+        snprintf(replay->message, sizeof replay->message,
+                 "line %lu: the gait branch of this subject and law is not that of the recording "
+                 "(parameter CRC %08x)",
+                 line, (unsigned)task->node.objects.params_crc);
+        return false;
+    }
+    replay->rig.stop_pressed = task->emergency_stop;
+    replay->snapshots++;
+    replay->cycle_count = replay->next_count = 0;
+    replay->queue_count = 0;
+    return true;
+}
+
 enum replay_verdict replay_run(struct replay *replay, FILE *log)
 {
     struct candump_record record;
@@ -256,9 +318,19 @@ enum replay_verdict replay_run(struct replay *replay, FILE *log)
 
     while (!replay->differs &&
            (result = candump_read(log, &line, &record, &error)) == CANDUMP_RECORD) {
+        if ((record.message.flags & CAN_FRAME_EXTENDED) != 0) {
+            take_note(replay, &record.message);
+            continue;
+        }
         replay->frames++;
         if (record.message.flags != 0) {
             continue; /* remote and error frames command nothing */
+        }
+        if (replay->snapshot_bytes > 0) {
+            started = false;
+            if (!go_on_from_snapshot(replay, line)) {
+                return REPLAY_BAD_LOG;
+            }
         }
         if (record.message.id != FRAME_SYNC) {
             if (!keep(replay, &record, line)) {

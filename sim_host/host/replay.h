@@ -3,7 +3,8 @@
  * The log's order is all that is needed: a tick's input is the frames between two
  * SYNCs (firmware/control_task.h). Frames of the controller itself are not fed but
  * compared, byte by byte, in order for each identifier; the emergency stop is read
- * back from the controller's own state frames, which say what it was.
+ * back from the controller's own state frames, which say what it was. A log of a black
+ * box (black_box_log.h) begins in the middle of a walk, with a snapshot.
  */
 #ifndef SIM_HOST_HOST_REPLAY_H
 #define SIM_HOST_HOST_REPLAY_H
@@ -12,6 +13,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "hal/black_box.h"
 #include "sim_host/bus/candump_log.h"
 #include "sim_host/host/task_rig.h"
 
@@ -50,6 +52,10 @@ struct replay {
     uint64_t ticks;
     uint64_t frames;   /* read from the log */
     uint64_t compared; /* command frames found equal */
+    uint8_t snapshot[BLACK_BOX_SNAPSHOT_MAX];
+    uint32_t snapshot_bytes, snapshot_tick; /* announced; 0 = none under way */
+    uint32_t snapshots;                     /* gone on from */
+    uint32_t build_id, parameter_crc;       /* what recorded, by its own word; 0 = it says not */
     bool differs;
     char message[REPLAY_MESSAGE_MAX];
 };
