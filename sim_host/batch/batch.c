@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "model/stride.h"
+#include "model/trig.h"
 #include "sim_host/batch/choice.h"
 #include "sim_host/batch/pieces.h"
 
@@ -63,8 +64,13 @@ static void load(struct run *run, int slot)
     b->state[COLUMN_TN][slot] = item->apex[1];
     b->state[COLUMN_WN][slot] = item->apex[2] * w->time_s;
     b->time[0][slot] = b->time[1][slot] = b->time[2][slot] = 0.0;
-    b->step[slot] = b->ankle_rate[slot] = 0.0;
+    b->step[slot] = b->ankle_rate[slot] = b->opening[slot] = 0.0;
     b->clamped[slot] = b->series[slot] = 0;
+
+    b->slope_rad[slot] = item->slope_rad;
+    b->rise[slot] = item->height_rise * (item->slope_rad == 0.0 ? 1.0 : real_cos(item->slope_rad));
+    const int is_level = item->slope_rad == 0.0 && item->height_rise == 0.0;
+    run->precision.has_ground |= !is_level;
 
     int fault = STRIDE_OK;
     if (real_abs(item->apex[1]) > REAL_PI) {
@@ -72,6 +78,10 @@ static void load(struct run *run, int slot)
     }
     if (item->apex[0] >= 0.0) {
         fault = STRIDE_WALKING_BACKWARDS;
+    }
+    if (!(real_abs(item->slope_rad) < REAL_HALF_PI) || !real_is_finite(item->height_rise) ||
+        (run->precision.want_slopes && !is_level)) {
+        fault = STRIDE_BAD_INPUT;
     }
     if (!real_is_finite(item->apex[0]) || !real_is_finite(item->apex[1]) ||
         !real_is_finite(item->apex[2]) || !real_is_finite(push) || push < 0.0) {
@@ -119,6 +129,7 @@ static void store(const struct run *run, int slot, struct batch_item *item)
         item->times_s[i] = b->time[i][slot] * w->time_s;
     }
     item->step_length_m = b->step[slot] * w->length_m;
+    item->inter_leg_rad = b->opening[slot];
     item->ankle_rate_m_s = b->ankle_rate[slot] * w->length_m / w->time_s;
     item->clamped = (int32_t)b->clamped[slot];
     item->series = (int32_t)b->series[slot];
@@ -159,6 +170,7 @@ static void run_items(struct run *run)
     block_stride_fn *const stride_block = choice_stride();
     enlist(run, 0);
     while (run->block.count > 0) {
+        run->precision.has_ground = 0;
         for (int slot = 0; slot < run->block.count; slot++) {
             load(run, slot);
         }
@@ -173,10 +185,14 @@ static void run_items(struct run *run)
     }
 }
 
-/* Items i * PIECE_ITEMS up to the next piece's first. */
-#define PIECE_ITEMS 2048
+/* A thread takes neighbouring items a piece at a time: enough for full vectors, few enough that all threads end
+ * together. */
+#define PIECE_ITEMS_MOST 2048
+#define PIECE_ITEMS_LEAST 64
+#define PIECES_PER_THREAD 16
 
 struct shared {
+    size_t piece_items;
     const struct batch_job *job;
     const struct prepared *walkers;
     struct block_precision precision;
@@ -193,12 +209,21 @@ static int run_piece(void *context, size_t piece)
     run->job = shared->job;
     run->walkers = shared->walkers;
     run->precision = shared->precision;
-    run->next = piece * PIECE_ITEMS;
-    run->end =
-        run->next + PIECE_ITEMS < run->job->count ? run->next + PIECE_ITEMS : run->job->count;
+    run->next = piece * shared->piece_items;
+    run->end = run->next + shared->piece_items < run->job->count ? run->next + shared->piece_items
+                                                                 : run->job->count;
     run_items(run);
     free(run);
     return BATCH_OK;
+}
+
+static size_t piece_items(size_t count, int threads)
+{
+    const size_t share = count / ((size_t)pieces_threads(threads) * PIECES_PER_THREAD);
+    const size_t rounded = share / PIECE_ITEMS_LEAST * PIECE_ITEMS_LEAST;
+    return rounded < PIECE_ITEMS_LEAST  ? PIECE_ITEMS_LEAST
+           : rounded > PIECE_ITEMS_MOST ? PIECE_ITEMS_MOST
+                                        : rounded;
 }
 
 static enum batch_error check_job(const struct batch_settings *settings,
@@ -231,7 +256,8 @@ enum batch_error batch_run_threads(const struct batch_settings *settings,
     }
     if (error == BATCH_OK) {
         shared.walkers = walkers;
-        const size_t pieces = (job->count + PIECE_ITEMS - 1) / PIECE_ITEMS;
+        shared.piece_items = threads == 1 ? PIECE_ITEMS_MOST : piece_items(job->count, threads);
+        const size_t pieces = (job->count + shared.piece_items - 1) / shared.piece_items;
         error = (enum batch_error)pieces_run(threads, pieces, run_piece, &shared);
     }
     free(walkers);

@@ -25,18 +25,22 @@ struct batch_item {
     double
         gain_m_s; /* kp: r0[k] = push + kp (v[k] - aim), v = -stance rate (paper eq. 16, signs of forward
                              speed); not below 0. 0: no law */
-    double aim_rad_s;  /* v* */
-    uint32_t walker;   /* index into the walkers given */
-    int32_t fault;     /* in: 0, else the item is left alone; out: enum stride_fault's values */
-    int64_t strides;   /* in: 0; out: strides completed; the last is in the fields below */
-    double times_s[3]; /* apex to strike, double support (0 unless want_times), lift-off to apex */
+    double aim_rad_s; /* v* */
+    double
+        slope_rad; /* ground of the next stride, as in model/ground.h: > 0 uphill, below pi/2 in size */
+    double height_rise; /* next foothold above the slope line, leg lengths; both 0: level */
+    uint32_t walker;    /* index into the walkers given */
+    int32_t fault;      /* in: 0, else the item is left alone; out: enum stride_fault's values */
+    int64_t strides;    /* in: 0; out: strides completed; the last is in the fields below */
+    double times_s[3];  /* apex to strike, double support (0 unless want_times), lift-off to apex */
     double step_length_m;  /* toe to toe */
+    double inter_leg_rad;  /* angle between the legs at heel strike */
     double ankle_rate_m_s; /* after collision and clamp */
     int32_t clamped;       /* 1 where the clamp acted */
     int32_t series;        /* power series that the last stride took: its cost */
 };
 
-/* Derivatives of the next apex. With a law, r0's dependence on the apex is not in by_apex: the whole
+/* Derivatives of the next apex, on level ground (else the item's fault is STRIDE_BAD_INPUT). With a law, r0's dependence on the apex is not in by_apex: the whole
  * derivative is by_apex[i][j] - (j == 0 ? gain_m_s * by_push[i] : 0). */
 struct batch_slopes {
     double by_apex[3][3]; /* [i][j]: d next[i] / d apex[j] */
@@ -64,8 +68,10 @@ struct batch_settings {
 
 /* Called for each item after each stride, and once with fault != 0 when it fails; from the thread that runs
  * it, for different items at the same time. `index`: of the item in the array. May change apex,
- * push_m, gain_m_s and aim_rad_s for the next stride (noise, sweeps), and keep what it wants to keep; slopes is
- * NULL unless they were asked for. Returns 0 to go on, else the item is done. */
+ * push_m, gain_m_s, aim_rad_s, slope_rad and height_rise for the next stride, and keep what it wants to keep: a law
+ * of any kind sets push_m here (its first answer the caller writes into the item), noise changes what the law sees,
+ * rough ground draws the next foothold. slopes is NULL unless they were asked for. Returns 0 to go on, else the
+ * item is done. */
 typedef int batch_stride_done_fn(void *context, size_t index, struct batch_item *item,
                                  const struct batch_slopes *slopes);
 

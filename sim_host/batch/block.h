@@ -21,10 +21,13 @@ struct block {
     double mass_ratio[BATCH_BLOCK];          /* m / M */
     double stiffness[BATCH_BLOCK];           /* k l / (M g) */
     double push[BATCH_BLOCK];                /* r0 / l */
+    double slope_rad[BATCH_BLOCK];           /* of the ground */
+    double rise[BATCH_BLOCK];                /* height_rise cos(slope): across the slope, l */
     double state[COLUMN_COUNT][BATCH_BLOCK]; /* angles, rates; in: apex, out: next apex */
     double slope[BATCH_DIRECTIONS][COLUMN_COUNT][BATCH_BLOCK]; /* d state / d direction */
     double time[3][BATCH_BLOCK];    /* apex to strike, double support, lift-off to apex */
     double step[BATCH_BLOCK];       /* toe to toe, l */
+    double opening[BATCH_BLOCK];    /* angle between the legs at the strike */
     double ankle_rate[BATCH_BLOCK]; /* after collision and clamp */
     int64_t series[BATCH_BLOCK];    /* power series expanded on the way */
     int64_t clamped[BATCH_BLOCK];
@@ -38,6 +41,7 @@ struct block_precision {
     double log2_tolerance; /* of a step's last term */
     int want_times; /* the double support's duration too, a quadrature the map itself does not need */
     int want_slopes; /* the derivatives */
+    int has_ground;  /* some walker of the block walks on ground that is not level */
 };
 
 /* One stride of a block's walkers. Bounded; no state kept. */

@@ -17,6 +17,7 @@ struct crew {
     double slope[BATCH_DIRECTIONS][COLUMN_COUNT][BATCH_LANES];
     double mass_ratio[BATCH_LANES];
     double time[BATCH_LANES];
+    double slope_rad[BATCH_LANES], rise[BATCH_LANES]; /* of the ground */
     int slot[BATCH_LANES]; /* -1: nobody; the lane computes on with what is left in it */
     int steps[BATCH_LANES];
     int waiting; /* next slot of the block to look at */
@@ -39,6 +40,8 @@ static void crew_enlist(struct crew *crew, const struct block *block, int lane, 
     crew->steps[lane] = 0;
     crew->time[lane] = 0.0;
     crew->mass_ratio[lane] = block->mass_ratio[slot];
+    crew->slope_rad[lane] = block->slope_rad[slot];
+    crew->rise[lane] = block->rise[slot];
     for (int c = 0; c < COLUMN_COUNT; c++) {
         crew->state[c][lane] = block->state[c][slot];
         for (int d = 0; d < directions; d++) {
@@ -96,15 +99,17 @@ LANE_INLINE void crew_move_slopes(struct crew *crew, const struct taylor *t,
 }
 
 LANE_INLINE struct flight_end crew_step(struct crew *crew, const struct block_precision *precision,
-                                        enum flight_goal goal, int directions)
+                                        enum flight_goal goal, int directions, int has_ground)
 {
     struct taylor t;
+    const struct flight_ground ground = {vd_load(crew->slope_rad), vd_load(crew->rise)};
     const struct flight_walker walker = flight_walker_of(vd_load(crew->mass_ratio));
     const struct flight_state x = {vd_load(crew->state[COLUMN_TS]), vd_load(crew->state[COLUMN_TN]),
                                    vd_load(crew->state[COLUMN_WS]),
                                    vd_load(crew->state[COLUMN_WN])};
     taylor_expand(&t, &walker, &x, precision->order);
-    const struct flight_end end = flight_land(&t, goal, taylor_step(&t, precision->log2_tolerance));
+    const struct flight_end end = flight_land(&t, goal, has_ground ? &ground : NULL,
+                                              taylor_step(&t, precision->log2_tolerance));
     if (directions > 0) {
         crew_move_slopes(crew, &t, &walker, goal, &end, directions);
     }
@@ -118,7 +123,7 @@ LANE_INLINE struct flight_end crew_step(struct crew *crew, const struct block_pr
 
 /* Flies all walkers of the block that have no fault to the goal. */
 LANE_INLINE void fly(struct block *block, const struct block_precision *precision,
-                     enum flight_goal goal, double *time, int directions)
+                     enum flight_goal goal, double *time, int directions, int has_ground)
 {
     const int64_t overdue = goal == GOAL_STRIKE ? STRIDE_NO_HEEL_STRIKE : STRIDE_NO_APEX;
     struct crew crew;
@@ -127,7 +132,7 @@ LANE_INLINE void fly(struct block *block, const struct block_precision *precisio
         crew_enlist(&crew, block, lane, directions);
     }
     while (crew.flying > 0) {
-        const struct flight_end end = crew_step(&crew, precision, goal, directions);
+        const struct flight_end end = crew_step(&crew, precision, goal, directions, has_ground);
         for (int lane = 0; lane < BATCH_LANES; lane++) {
             if (crew.slot[lane] < 0) {
                 continue;
@@ -199,7 +204,7 @@ LANE_INLINE void scatter_dual(struct block *block, int column, const int *slots,
 
 /* Collision, clamp and double support of all walkers of the block that have no fault. */
 LANE_INLINE void push_all(struct block *block, const struct block_precision *precision,
-                          int directions)
+                          int directions, int has_ground)
 {
     int from = 0, slots[BATCH_LANES] = {0};
     for (int count = gather(block, &from, slots); count > 0; count = gather(block, &from, slots)) {
@@ -211,9 +216,15 @@ LANE_INLINE void push_all(struct block *block, const struct block_precision *pre
         if (directions > 0) {
             rest.d[directions - 1] = vd_all(1.0); /* the last direction is r0 */
         }
+        const struct flight_ground ground = {gathered(block->slope_rad, slots),
+                                             gathered(block->rise, slots)};
+        /* The strike is where ts + tn is twice the incline; on level ground to rounding, hence exactly. */
+        const vd incline =
+            vd_pick(ground_is_level(&ground), vd_all(0.0), 0.5 * (x[COLUMN_TS].v + x[COLUMN_TN].v));
         const struct push_result out =
             push_off(gathered(block->mass_ratio, slots), gathered(block->stiffness, slots), rest, x,
-                     vi_all(-1), directions);
+                     has_ground ? &incline : NULL, vi_all(-1), directions);
+        scatter(block->opening, slots, count, vd_abs(x[COLUMN_TN].v - x[COLUMN_TS].v));
         struct flight_state after = {out.ts.v, out.tn.v, out.ws.v, out.wn.v};
         const vi fault = vi_pick(out.fault == vi_all(STRIDE_OK), flight_fault(&after), out.fault);
         scatter_dual(block, COLUMN_TS, slots, count, out.ts, directions);
@@ -234,16 +245,23 @@ LANE_INLINE void push_all(struct block *block, const struct block_precision *pre
 
 static void stride_plain(struct block *block, const struct block_precision *precision)
 {
-    fly(block, precision, GOAL_STRIKE, block->time[0], 0);
-    push_all(block, precision, 0);
-    fly(block, precision, GOAL_APEX, block->time[2], 0);
+    fly(block, precision, GOAL_STRIKE, block->time[0], 0, 0);
+    push_all(block, precision, 0, 0);
+    fly(block, precision, GOAL_APEX, block->time[2], 0, 0);
+}
+
+static void stride_rough(struct block *block, const struct block_precision *precision)
+{
+    fly(block, precision, GOAL_STRIKE, block->time[0], 0, 1);
+    push_all(block, precision, 0, 1);
+    fly(block, precision, GOAL_APEX, block->time[2], 0, 0);
 }
 
 static void stride_with_slopes(struct block *block, const struct block_precision *precision)
 {
-    fly(block, precision, GOAL_STRIKE, block->time[0], BATCH_DIRECTIONS - 1);
-    push_all(block, precision, BATCH_DIRECTIONS);
-    fly(block, precision, GOAL_APEX, block->time[2], BATCH_DIRECTIONS);
+    fly(block, precision, GOAL_STRIKE, block->time[0], BATCH_DIRECTIONS - 1, 0);
+    push_all(block, precision, BATCH_DIRECTIONS, 0);
+    fly(block, precision, GOAL_APEX, block->time[2], BATCH_DIRECTIONS, 0);
 }
 
 double BATCH_PEAK(long rounds)
@@ -276,6 +294,8 @@ void BATCH_STRIDE(struct block *block, const struct block_precision *precision)
 {
     if (precision->want_slopes) {
         stride_with_slopes(block, precision);
+    } else if (precision->has_ground) {
+        stride_rough(block, precision);
     } else {
         stride_plain(block, precision);
     }

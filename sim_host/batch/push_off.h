@@ -15,12 +15,14 @@
 
 /* One double support's constants. */
 struct push {
-    vd leg;       /* m / M */
-    vd stiffness; /* k l / (M g) */
-    vd rest;      /* r0 / l */
-    vd step;      /* d / l, toe to toe */
-    vd start;     /* mu r'^2 / 2 after the collision */
-    vd lifted;    /* V after the collision, computed as on the way */
+    vd leg;          /* m / M */
+    vd stiffness;    /* k l / (M g) */
+    vd rest;         /* r0 / l */
+    vd step;         /* d / l, toe to toe */
+    vd start;        /* mu r'^2 / 2 after the collision */
+    vd lifted;       /* V after the collision, computed as on the way */
+    vd sine, cosine; /* of the incline from toe to toe; used where is_inclined */
+    int is_inclined;
 };
 
 /* The triangle of both legs and the ground at an extension r, and what moves with it. */
@@ -70,7 +72,12 @@ LANE_INLINE vd push_potential(const struct push *push, vd r)
     const vd heron =
         (sides + push->step) * (sides - push->step) * (push->step + r) * (push->step - r);
     const vd weight = 1.0 + 1.5 * push->leg - 0.5 * push->leg / trailing;
-    return weight * vd_sqrt(heron) / (2.0 * push->step);
+    const vd level = weight * vd_sqrt(heron) / (2.0 * push->step);
+    if (!push->is_inclined) {
+        return level;
+    }
+    const vd along = (push->step * push->step + r * sides) / (2.0 * push->step);
+    return level * push->cosine + weight * along * push->sine;
 }
 
 /* mu r'^2 / 2 at an extension r; at 0 exactly what it starts with. */
@@ -85,8 +92,13 @@ LANE_INLINE vd push_force_at_rest(const struct push *push)
 {
     const vd height = vd_sqrt(1.0 - 0.25 * push->step * push->step);
     /* The hip rises by sin(lean) / sin D = 1 / (2 height) per extension. */
-    return push->stiffness * push->rest - (1.0 + push->leg) * 0.5 / height -
-           0.5 * push->leg * height;
+    if (!push->is_inclined) {
+        return push->stiffness * push->rest - (1.0 + push->leg) * 0.5 / height -
+               0.5 * push->leg * height;
+    }
+    const vd rises = 0.5 / height * push->cosine + push->sine / push->step;
+    const vd lies = height * push->cosine + 0.5 * push->step * push->sine;
+    return push->stiffness * push->rest - (1.0 + push->leg) * rises - 0.5 * push->leg * lies;
 }
 
 #define PUSH_SAMPLES 8
@@ -140,6 +152,14 @@ LANE_INLINE vi push_turns_back(const struct push *push, vd start, vd end, vi wan
     return stops & extends;
 }
 
+/* The potential on the incline: the hip's way along the line of the toes is a height, too. */
+LANE_INLINE void push_chain_turn(const struct push *push, struct push_chain *p)
+{
+    const vd weight = 1.0 + 1.5 * push->leg - 0.5 * push->leg / p->trailing.v;
+    const vd along = push->step - p->ahead.v;
+    p->potential.v = p->potential.v * push->cosine + weight * along * push->sine;
+}
+
 struct push_result {
     struct dual ts, tn, ws, wn; /* just after lift-off, legs renamed */
     struct push push;
@@ -160,9 +180,11 @@ LANE_INLINE struct dual push_start(vd leg, struct dual sine, struct dual cosine,
     return dual_mul(dual_mul(sin_d, drive, n), dual_inverse(divisor, n), n);
 }
 
-/* x: ts, tn, ws, wn at the strike (ts = -tn < 0); rest: r0. Lanes outside `wanted` may hold anything. */
+/* x: ts, tn, ws, wn at the strike (ts < 0, ts + tn twice the incline); rest: r0; incline: from toe to toe, NULL where
+ * all lanes are level (derivatives only then). Lanes outside `wanted` may hold anything. */
 LANE_INLINE struct push_result push_off(vd leg, vd stiffness, struct dual rest,
-                                        const struct dual x[COLUMN_COUNT], vi wanted, int n)
+                                        const struct dual x[COLUMN_COUNT], const vd *incline,
+                                        vi wanted, int n)
 {
     const vd zero = vd_all(0.0), half = vd_all(0.5), two = vd_all(2.0);
     struct push_result result;
@@ -178,8 +200,15 @@ LANE_INLINE struct push_result push_off(vd leg, vd stiffness, struct dual rest,
     start = dual_line(vd_pick(result.clamped, zero, vd_all(1.0)), start, zero, n);
     result.ankle_rate = start.v;
 
-    const struct push_chain first = push_chain_at(leg, step, dual_all(zero, n), n);
-    const struct push_chain last = push_chain_at(leg, step, rest, n);
+    struct push_chain first = push_chain_at(leg, step, dual_all(zero, n), n);
+    struct push_chain last = push_chain_at(leg, step, rest, n);
+    struct push push = {.leg = leg, .stiffness = stiffness, .rest = rest.v, .step = step.v};
+    if (incline != NULL) {
+        push.is_inclined = 1;
+        vd_sincos(*incline, &push.sine, &push.cosine);
+        push_chain_turn(&push, &first);
+        push_chain_turn(&push, &last);
+    }
     const struct dual kinetic =
         dual_line(half, dual_mul(first.mass, dual_mul(start, start, n), n), zero, n);
     const struct dual spring = dual_line(0.5 * stiffness, dual_mul(rest, rest, n), zero, n);
@@ -188,7 +217,7 @@ LANE_INLINE struct push_result push_off(vd leg, vd stiffness, struct dual rest,
     left.v = vd_max(left.v, zero); /* a NaN becomes 0, too, and is found below */
     const struct dual rate =
         dual_sqrt(dual_mul(dual_line(two, left, zero, n), dual_inverse(last.mass, n), n), n);
-    struct push push = {leg, stiffness, rest.v, step.v, kinetic.v, zero};
+    push.start = kinetic.v;
     push.lifted = push_potential(&push, zero);
     result.push = push;
 
@@ -203,6 +232,11 @@ LANE_INLINE struct push_result push_off(vd leg, vd stiffness, struct dual rest,
     result.ws = dual_line(-vd_all(1.0), swing, zero, n);
     result.wn =
         dual_line(-vd_all(1.0), dual_mul(dual_mul(last.cos_d, per_leg, n), swing, n), zero, n);
+
+    if (incline != NULL) {
+        result.ts.v = result.ts.v + *incline;
+        result.tn.v = result.tn.v + *incline;
+    }
 
     const vi no_room = ~(push.step > push.rest);
     const vi stops = push_turns_back(&push, kinetic.v, left.v, wanted & ~no_room);
