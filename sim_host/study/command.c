@@ -58,6 +58,21 @@ void command_numbers(const char *text, const char *option, int count, double *va
     }
 }
 
+int command_list(const char *text, const char *option, int most, double *values,
+                 const struct argp_state *state)
+{
+    int count = 1;
+    for (const char *at = text; *at != '\0'; at++) {
+        count += *at == ',';
+    }
+    if (count > most) {
+        argp_error(state, "--%s: at most %d numbers", option, most);
+        return 0;
+    }
+    command_numbers(text, option, count, values, state);
+    return count;
+}
+
 int command_integer(const char *text, const char *option, int low, int high,
                     const struct argp_state *state)
 {

@@ -12,7 +12,7 @@ enum exit_status { EXIT_FOUND = 0, EXIT_NOT_FOUND = 1, EXIT_USAGE = 2 };
 /* Runs one command; argv[0] is its name. Returns the exit status. */
 typedef int command_function(int argc, char **argv);
 command_function command_fixed_point, command_continue, command_doublings, command_bifurcation,
-    command_basin, command_gain, command_map;
+    command_basin, command_gain, command_map, command_noise;
 
 /* Parses with the common options added; `options` of the command are its own struct, which begins with a
  * struct common. Exits with status 2 on an error, 0 on --help. */
@@ -26,6 +26,9 @@ struct common command_defaults(void);
 double command_number(const char *text, const char *option, const struct argp_state *state);
 void command_numbers(const char *text, const char *option, int count, double *values,
                      const struct argp_state *state);
+/* The same for a list of 1 to `most`. Returns how many. */
+int command_list(const char *text, const char *option, int most, double *values,
+                 const struct argp_state *state);
 /* A whole number within [low, high]. */
 int command_integer(const char *text, const char *option, int low, int high,
                     const struct argp_state *state);

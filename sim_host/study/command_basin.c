@@ -3,19 +3,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_host/study/basin_walks.h"
 #include "sim_host/study/command.h"
 #include "sim_host/study/pool.h"
 
 enum axis { AXIS_STANCE_RATE, AXIS_SWING_ANGLE, AXIS_SWING_RATE, AXIS_R0, AXIS_COUNT };
-enum { POINTS_MAX = 5000 };
-#define NEAR 1e-4 /* this near to the gait (rad, rad/s) counts as there */
+enum { POINTS_MAX = 5000, PORTION = 4096 /* starts of a slice side by side */ };
 
 static const char *const axis_names[AXIS_COUNT] = {"stance-rate", "swing-angle", "swing-rate",
                                                    "r0"};
 static const double default_ranges[AXIS_COUNT][2] = {
     {-1.2, 0.0}, {-1.0, 0.6}, {-3.0, 6.0}, {0.005, 0.07}};
-
-enum outcome { OUTCOME_FALLS = 0, OUTCOME_CONVERGES = 1, OUTCOME_WALKS_ON = 2 };
 
 struct options {
     struct common common;
@@ -118,15 +116,10 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     }
 }
 
-struct cell_result {
-    unsigned char outcome;
-    int strides;
-    enum stride_fault fault;
-};
-
 struct line {
-    struct cell_result *cells; /* of a plane's line */
-    long counts[3];            /* of a slice, by outcome */
+    struct basin_end *cells;     /* of a plane's line */
+    long counts[BASIN_OUTCOMES]; /* of a slice, by outcome */
+    int has_failed;              /* no memory */
 };
 
 /* A gait to stand still at, per value of r0. */
@@ -150,59 +143,60 @@ static double axis_value(const struct options *options, enum axis axis, int i)
     return range[0] + (range[1] - range[0]) * i / (options->points - 1);
 }
 
-static struct cell_result try_state(const struct base *base, int strides, const double start[3])
-{
-    double x[3] = {start[0], start[1], start[2]};
-    struct cell_result cell = {OUTCOME_WALKS_ON, 0, STRIDE_OK};
-    for (; cell.strides < strides; cell.strides++) {
-        double next[3], r0;
-        struct stride_result result;
-        int near = 1;
-        for (int k = 0; k < 3; k++) {
-            near = near && real_abs(x[k] - base->x[k]) < NEAR;
-        }
-        if (near) {
-            cell.outcome = OUTCOME_CONVERGES;
-            return cell;
-        }
-        cell.fault = problem_stride(&base->problem, x, next, &r0, &result);
-        if (cell.fault != STRIDE_OK) {
-            cell.outcome = OUTCOME_FALLS;
-            return cell;
-        }
-        for (int k = 0; k < 3; k++) {
-            x[k] = next[k];
-        }
-    }
-    return cell;
-}
-
 static void compute_line(void *context, int i)
 {
     const struct study *study = context;
     const struct options *options = &study->options;
-    for (int j = 0; j < options->points; j++) {
+    struct line *line = &study->lines[i];
+    struct basin_start *starts = calloc((size_t)options->points, sizeof *starts);
+    struct basin_end *ends = calloc((size_t)options->points, sizeof *ends);
+    int *cell = calloc((size_t)options->points, sizeof *cell);
+    size_t count = 0;
+    line->has_failed = starts == NULL || ends == NULL || cell == NULL;
+    for (int j = 0; j < options->points && !line->has_failed; j++) {
         const int r0_index = options->first == AXIS_R0 ? i : options->second == AXIS_R0 ? j : 0;
         const struct base *base = &study->bases[r0_index];
         double values[AXIS_COUNT] = {base->x[0], base->x[1], base->x[2], 0.0};
         values[options->first] = axis_value(options, options->first, i);
         values[options->second] = axis_value(options, options->second, j);
         if (base->good) {
-            study->lines[i].cells[j] = try_state(base, options->strides, values);
+            starts[count] =
+                (struct basin_start){&base->problem, base->x, {values[0], values[1], values[2]}};
+            cell[count++] = j;
         }
     }
+    if (count > 0) {
+        line->has_failed = basin_walks(starts, count, options->strides, ends) != 0;
+        for (size_t n = 0; n < count; n++) {
+            line->cells[cell[n]] = ends[n];
+        }
+    }
+    free(starts);
+    free(ends);
+    free(cell);
+}
+
+static int is_computed(const struct line *line)
+{
+    if (line->has_failed) {
+        fprintf(stderr, "afo-study: out of memory; take fewer --points\n");
+    }
+    return !line->has_failed;
 }
 
 static int take_line(void *context, int i)
 {
     struct study *study = context;
     const struct options *options = &study->options;
+    if (!is_computed(&study->lines[i])) {
+        return 0;
+    }
     for (int j = study->skip; j < options->points; j++) {
-        const struct cell_result *cell = &study->lines[i].cells[j];
+        const struct basin_end *cell = &study->lines[i].cells[j];
         const struct cell row[] = {cell_number(axis_value(options, options->first, i)),
                                    cell_number(axis_value(options, options->second, j)),
-                                   cell_integer(cell->outcome), cell_integer(cell->strides),
-                                   cell_integer(cell->fault)};
+                                   cell_integer((long)cell->outcome), cell_integer(cell->strides),
+                                   cell_integer((long)cell->fault)};
         report_row(&study->report, row);
     }
     study->skip = 0;
@@ -210,28 +204,54 @@ static int take_line(void *context, int i)
     return !ferror(study->report.file);
 }
 
+/* Starts first .. first + count - 1 of a slice. */
+static void compute_portion(const struct study *study, int i, size_t first, size_t count,
+                            struct basin_start *starts, struct basin_end *ends)
+{
+    const struct options *options = &study->options;
+    const struct base *base = &study->bases[0];
+    struct line *line = &study->lines[i];
+    for (size_t n = 0; n < count; n++) {
+        const int j = (int)((first + n) / (size_t)options->points);
+        const int k = (int)((first + n) % (size_t)options->points);
+        starts[n] = (struct basin_start){&base->problem,
+                                         base->x,
+                                         {axis_value(options, AXIS_STANCE_RATE, i),
+                                          axis_value(options, AXIS_SWING_ANGLE, j),
+                                          axis_value(options, AXIS_SWING_RATE, k)}};
+    }
+    line->has_failed |= basin_walks(starts, count, options->strides, ends) != 0;
+    for (size_t n = 0; n < count; n++) {
+        line->counts[ends[n].outcome]++;
+    }
+}
+
 static void compute_slice(void *context, int i)
 {
     const struct study *study = context;
-    const struct options *options = &study->options;
-    for (int j = 0; j < options->points; j++) {
-        for (int k = 0; k < options->points; k++) {
-            const double x[3] = {axis_value(options, AXIS_STANCE_RATE, i),
-                                 axis_value(options, AXIS_SWING_ANGLE, j),
-                                 axis_value(options, AXIS_SWING_RATE, k)};
-            study->lines[i].counts[try_state(&study->bases[0], options->strides, x).outcome]++;
-        }
+    const size_t all = (size_t)study->options.points * (size_t)study->options.points;
+    struct basin_start *starts = calloc(PORTION, sizeof *starts);
+    struct basin_end *ends = calloc(PORTION, sizeof *ends);
+    study->lines[i].has_failed = starts == NULL || ends == NULL;
+    for (size_t first = 0; first < all && !study->lines[i].has_failed; first += PORTION) {
+        compute_portion(study, i, first, all - first < PORTION ? all - first : PORTION, starts,
+                        ends);
     }
+    free(starts);
+    free(ends);
 }
 
 static int take_slice(void *context, int i)
 {
     struct study *study = context;
     const struct line *line = &study->lines[i];
+    if (!is_computed(line)) {
+        return 0;
+    }
     const struct cell row[] = {cell_number(axis_value(&study->options, AXIS_STANCE_RATE, i)),
-                               cell_integer(line->counts[OUTCOME_CONVERGES]),
-                               cell_integer(line->counts[OUTCOME_WALKS_ON]),
-                               cell_integer(line->counts[OUTCOME_FALLS])};
+                               cell_integer(line->counts[BASIN_CONVERGES]),
+                               cell_integer(line->counts[BASIN_WALKS_ON]),
+                               cell_integer(line->counts[BASIN_FALLS])};
     report_row(&study->report, row);
     report_progress(&study->report, i + 1, study->options.points);
     return !ferror(study->report.file);
@@ -263,7 +283,7 @@ static void print_volume(struct study *study)
     double converging = resumed[1], all = resumed[1] + resumed[2] + resumed[3], cell = 1.0;
     for (int i = 0; i < options->points; i++) {
         const long *counts = study->lines[i].counts;
-        converging += (double)counts[OUTCOME_CONVERGES];
+        converging += (double)counts[BASIN_CONVERGES];
         all += (double)(counts[0] + counts[1] + counts[2]);
     }
     for (int k = 0; k < 3; k++) {
@@ -329,7 +349,7 @@ int command_basin(int argc, char **argv)
         !options->volume && (options->first == AXIS_R0 || options->second == AXIS_R0);
     const int base_count = has_r0_axis ? options->points : 1;
     int status = EXIT_NOT_FOUND;
-    struct cell_result *cells =
+    struct basin_end *cells =
         calloc((size_t)options->points * (size_t)options->points, sizeof *cells);
     study.lines = calloc((size_t)options->points, sizeof *study.lines);
     study.bases = calloc((size_t)base_count, sizeof *study.bases);

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 
 #include "sim_host/study/command.h"
-#include "sim_host/study/periodic.h"
+#include "sim_host/study/long_runs.h"
 #include "sim_host/study/pool.h"
 
-enum { KEEP_MAX = 10000, POINTS_MAX = 1000000, LONGEST_PERIOD = 64 };
-#define SAME 1e-6 /* states nearer than this (rad, rad/s) are one state of a periodic walk */
+enum { KEEP_MAX = 10000, POINTS_MAX = 1000000 };
+#define GROUP 64 /* runs side by side on the batch engine: a job of the pool */
 
 struct options {
     struct common common;
@@ -56,153 +56,39 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     }
 }
 
-struct sample {
-    double x[3], inter_leg_rad;
-};
-
-struct run {
-    double r0, gait[3]; /* the period-1 gait it starts beside */
-    int has_gait;
-    struct sample *samples;
-    enum stride_fault fault;
-    int period; /* 0: none up to LONGEST_PERIOD; -1: fell */
-    double lyapunov;
-};
-
 struct study {
     struct options options;
-    struct run *runs;
+    struct long_run *runs;
     struct report report;
-    int skip; /* rows of the first run that a resumed file has already */
+    int first; /* run that a resumed file does not have whole */
+    int skip;  /* its rows that the file has already */
 };
 
-/* Walks, keeps samples. Returns the fault. */
-static enum stride_fault keep_samples(const struct problem *problem, int keep, double x[3],
-                                      struct sample *samples)
+static int group_end(const struct study *study, int group)
 {
-    for (int i = 0; i < keep; i++) {
-        double next[3], r0;
-        struct stride_result result;
-        const enum stride_fault fault = problem_stride(problem, x, next, &r0, &result);
-        if (fault != STRIDE_OK) {
-            return fault;
-        }
-        for (int k = 0; k < 3; k++) {
-            samples[i].x[k] = x[k];
-            x[k] = next[k];
-        }
-        samples[i].inter_leg_rad = result.inter_leg_rad;
-    }
-    return STRIDE_OK;
+    const int end = (group + 1) * GROUP;
+    return end < study->options.points ? end : study->options.points;
 }
 
-static int period_of(const struct sample *samples, int keep)
+static void compute(void *context, int group)
 {
-    for (int period = 1; period <= LONGEST_PERIOD && 2 * period <= keep; period++) {
-        int same = 1;
-        for (int i = 0; i + period < keep && same; i++) {
-            for (int k = 0; k < 3; k++) {
-                same = same && real_abs(samples[i].x[k] - samples[i + period].x[k]) < SAME;
-            }
-        }
-        if (same) {
-            return period;
-        }
-    }
-    return 0;
-}
-
-/* ln(x) for x > 0 by repeated square roots: ln x = 2^n ln x^(1/2^n), then a series. Own, so that
- * results do not depend on the C library. */
-static double natural_log(double x)
-{
-    double factor = 1.0;
-    while (x > 1.01 || x < 0.99) {
-        x = real_sqrt(x);
-        factor *= 2.0;
-    }
-    const double t = (x - 1.0) / (x + 1.0), s = t * t;
-    return factor * 2.0 * t * (1.0 + s * (1.0 / 3.0 + s * (1.0 / 5.0 + s / 7.0)));
-}
-
-/* Mean growth of a small difference per stride (natural logarithm), by the map's derivative. */
-static double lyapunov(const struct problem *problem, int strides, double x[3])
-{
-    struct problem single = *problem;
-    struct orbit orbit;
-    double w[3] = {1.0, 0.3, 0.2}, sum = 0.0;
-    single.period = 1;
-    for (int i = 0; i < strides; i++) {
-        double moved[3], before = 0.0, after = 0.0;
-        for (int k = 0; k < 3; k++) {
-            orbit.x[k] = x[k];
-        }
-        if (orbit_evaluate(&single, 1, &orbit) != ORBIT_OK) {
-            return NO_NUMBER;
-        }
-        for (int k = 0; k < 3; k++) {
-            moved[k] = orbit.by_x[k][0] * w[0] + orbit.by_x[k][1] * w[1] + orbit.by_x[k][2] * w[2];
-            before += w[k] * w[k];
-            after += moved[k] * moved[k];
-            x[k] = orbit.next[k];
-        }
-        const double growth = real_sqrt(after / before);
-        if (!(growth > 0.0)) {
-            return NO_NUMBER;
-        }
-        sum += natural_log(growth);
-        for (int k = 0; k < 3; k++) {
-            w[k] = moved[k] / real_sqrt(after);
-        }
-    }
-    return sum / strides;
-}
-
-static void compute(void *context, int i)
-{
-    static const double sides[] = {1e-3, -1e-3, 1e-2, -1e-2, 3e-2, -3e-2};
     const struct study *study = context;
-    struct run *run = &study->runs[i];
-    struct problem problem = {.params = study->options.common.params,
-                              .r0_m = run->r0,
-                              .kp = study->options.kp,
-                              .period = 1};
-    struct orbit scratch;
-    run->period = -1;
-    run->lyapunov = NO_NUMBER;
-    run->fault = STRIDE_BAD_INPUT;
-    for (int k = 0; k < 3; k++) {
-        problem.reference_x[k] = run->gait[k];
-    }
-    if (!run->has_gait || problem_prepare(&problem, &scratch) != ORBIT_OK) {
-        return;
-    }
-    for (unsigned s = 0; s < sizeof sides / sizeof sides[0]; s++) {
-        double x[3] = {run->gait[0], run->gait[1], run->gait[2]};
-        periodic_push_off_gait(&problem, sides[s], x);
-        if (!periodic_walk(&problem, study->options.transient, x)) {
-            run->fault = STRIDE_FALLEN;
-            continue;
-        }
-        run->fault = keep_samples(&problem, study->options.keep, x, run->samples);
-        if (run->fault == STRIDE_OK) {
-            run->period = period_of(run->samples, study->options.keep);
-            if (study->options.lyapunov > 0) {
-                run->lyapunov = lyapunov(&problem, study->options.lyapunov, x);
-            }
-            return;
-        }
+    const struct options *options = &study->options;
+    const struct long_run_settings settings = {
+        options->common.params, options->kp, options->transient, options->keep, options->lyapunov};
+    const int from = group * GROUP > study->first ? group * GROUP : study->first;
+    struct long_run *runs = &study->runs[from];
+    if (long_runs(&settings, runs, (size_t)(group_end(study, group) - from)) != 0) {
+        runs->samples = NULL; /* take tells */
     }
 }
 
 /* One row per kept stride; as many where the walker fell, so that a file can be resumed by counting. */
-static int take(void *context, int i)
+static void print_run(struct study *study, const struct long_run *run)
 {
-    struct study *study = context;
-    const struct run *run = &study->runs[i];
     const double none = NO_NUMBER;
     for (int k = study->skip; k < study->options.keep; k++) {
-        const struct sample *s = &run->samples[k];
+        const struct long_run_sample *s = &run->samples[k];
         const int good = run->period >= 0;
         const struct cell row[] = {cell_number(run->r0),
                                    cell_integer(run->period),
@@ -215,7 +101,20 @@ static int take(void *context, int i)
         report_row(&study->report, row);
     }
     study->skip = 0;
-    report_progress(&study->report, i + 1, study->options.points);
+}
+
+static int take(void *context, int group)
+{
+    struct study *study = context;
+    const int end = group_end(study, group);
+    for (; study->first < end; study->first++) {
+        if (study->runs[study->first].samples == NULL) {
+            fprintf(stderr, "afo-study: out of memory\n");
+            return 0;
+        }
+        print_run(study, &study->runs[study->first]);
+    }
+    report_progress(&study->report, end, study->options.points);
     return !ferror(study->report.file);
 }
 
@@ -229,7 +128,7 @@ static void find_gaits(struct study *study)
     struct branch_gait gait = branch_start(BRANCH_LONG);
     int good = branch_follow(&gait, ratio, stiffness, gait.r0);
     for (int i = 0; i < study->options.points; i++) {
-        struct run *run = &study->runs[i];
+        struct long_run *run = &study->runs[i];
         run->r0 = study->options.from +
                   (study->options.to - study->options.from) * i / (study->options.points - 1);
         good = good && branch_follow(&gait, ratio, stiffness, run->r0 / l);
@@ -262,8 +161,9 @@ static int run_study(struct study *study)
     }
     find_gaits(study);
     study->skip = study->report.rows_resumed % options->keep;
-    const struct pool_jobs jobs = {study->report.rows_resumed / options->keep,
-                                   options->points,
+    study->first = study->report.rows_resumed / options->keep;
+    const struct pool_jobs jobs = {study->first / GROUP,
+                                   (options->points + GROUP - 1) / GROUP,
                                    options->common.threads,
                                    study,
                                    compute,
@@ -296,7 +196,7 @@ int command_bifurcation(int argc, char **argv)
         return EXIT_USAGE;
     }
     const size_t samples = (size_t)options->points * (size_t)options->keep;
-    struct sample *all = calloc(samples, sizeof *all);
+    struct long_run_sample *all = calloc(samples, sizeof *all);
     study.runs = calloc((size_t)options->points, sizeof *study.runs);
     int status = EXIT_NOT_FOUND;
     if (all == NULL || study.runs == NULL) {

@@ -24,20 +24,6 @@ static const struct argp_option table[] = {
     {0},
 };
 
-static void parse_gains(struct options *options, const char *text, const struct argp_state *state)
-{
-    int count = 1;
-    for (const char *at = text; *at != '\0'; at++) {
-        count += *at == ',';
-    }
-    if (count > GAINS_MAX) {
-        argp_error(state, "--kp: at most %d gains", GAINS_MAX);
-        return;
-    }
-    command_numbers(text, "kp", count, options->gains, state);
-    options->gain_count = count;
-}
-
 static error_t parse(int key, char *argument, struct argp_state *state)
 {
     struct options *options = state->input;
@@ -52,7 +38,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         options->points = command_integer(argument, "points", 2, POINTS_MAX, state);
         return 0;
     case 'K':
-        parse_gains(options, argument, state);
+        options->gain_count = command_list(argument, "kp", GAINS_MAX, options->gains, state);
         return 0;
     case 'b':
         options->best = 1;
@@ -183,7 +169,7 @@ int command_gain(int argc, char **argv)
     static const char *const columns[] = {"kp",  "r0_m", "speed_rad_s", "re1",     "im1", "re2",
                                           "im2", "re3",  "im3",         "largest", NULL};
     struct options options = {
-        .common = command_defaults(), .from = -1.0, .to = -1.0, .points = 100};
+        .common = command_defaults(), .from = NO_NUMBER, .to = NO_NUMBER, .points = 100};
     struct report report;
     command_parse(table, parse,
                   "Eigenvalues of the long branch's period-1 gaits over r0 under the step law "
@@ -198,8 +184,8 @@ int command_gain(int argc, char **argv)
     const double unit = l * real_sqrt(l / p->gravity_m_s2) /
                         (paper.leg_length_m * real_sqrt(paper.leg_length_m / paper.gravity_m_s2));
     const double paper_gains[3] = {0.0, 0.02, 0.042};
-    options.from = options.from < 0.0 ? 0.05 * l : options.from;
-    options.to = options.to < 0.0 ? 0.27 * l : options.to;
+    options.from = options.from != options.from ? 0.05 * l : options.from;
+    options.to = options.to != options.to ? 0.27 * l : options.to;
     for (int i = 0; i < 3 && options.gain_count == i; i++) {
         options.gains[options.gain_count++] = paper_gains[i] * unit;
     }

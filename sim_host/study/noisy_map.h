@@ -1,8 +1,10 @@
 /* The step law on the ideal return map, told apex speeds with an error: what an
- * estimator's error costs the law. Plain doubles, for callers of either precision. */
+ * estimator's error costs the law. Many walkers on the batch engine; plain doubles, for callers of
+ * either precision. */
 #ifndef SIM_HOST_STUDY_NOISY_MAP_H
 #define SIM_HOST_STUDY_NOISY_MAP_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 struct noisy_walk {
@@ -11,8 +13,21 @@ struct noisy_walk {
     int fell;
 };
 
-/* The paper's walker under eq. (16) at the steady gait of speed_rad_s, `strides` long,
- * each measured speed multiplied by 1 + error_share times a normal number. Returns 0,
+/* A law in its gait: r0[k] = r0 + kp (v[k] - v*), not below a fifth of a percent of the leg. */
+struct noisy_law {
+    double hip_mass_kg, leg_mass_kg, leg_length_m, ankle_stiffness_N_m, gravity_m_s2;
+    double gait
+        [3]; /* stance rate, swing angle, swing rate: where each walk starts; v* = -stance rate */
+    double r0_m, kp_m_s_rad;
+};
+
+/* `count` walks from the gait, `strides` long, each measured speed multiplied by 1 + error_share times a normal
+ * number; walk i draws from stream i of the seed. On `threads` threads (0: all cores); no result depends on it.
+ * Returns 0, or -1 without memory or with a walker out of range. Cost: about a microsecond a stride. */
+int noisy_map_walks(const struct noisy_law *law, double error_share, int strides, uint64_t seed,
+                    int threads, struct noisy_walk *walks, size_t count);
+
+/* One walk of the paper's walker under eq. (16) at the steady gait of speed_rad_s. Returns 0,
  * or -1 when there is no such gait. */
 int noisy_map_walk(double speed_rad_s, double kp_m_s_rad, double error_share, int strides,
                    uint64_t seed, struct noisy_walk *walk);

@@ -45,7 +45,7 @@ void problem_set(struct problem *problem, enum parameter parameter, double value
     *parameter_field(problem, parameter) = value;
 }
 
-static double push_off(const struct problem *problem, double stance_rate)
+double problem_push_off(const struct problem *problem, double stance_rate)
 {
     return problem->kp == 0.0
                ? problem->r0_m
@@ -56,7 +56,7 @@ enum stride_fault problem_stride(const struct problem *problem, const double x[3
                                  double *r0_m, struct stride_result *result)
 {
     const struct apex from = {x[0], x[1], x[2]};
-    *r0_m = push_off(problem, x[0]);
+    *r0_m = problem_push_off(problem, x[0]);
     if (stride(&problem->walker, &problem->settings, &from, *r0_m, result) != STRIDE_OK) {
         return result->fault;
     }
@@ -152,7 +152,7 @@ enum orbit_status orbit_evaluate(const struct problem *problem, int differentiat
     for (int step = 0; step < problem->period; step++) {
         const double x[3] = {orbit->next[0], orbit->next[1], orbit->next[2]};
         const struct apex from = {x[0], x[1], x[2]};
-        const double r0 = push_off(problem, x[0]);
+        const double r0 = problem_push_off(problem, x[0]);
         struct stride_result result;
         struct stride_derivative derivative;
         const enum stride_fault fault =

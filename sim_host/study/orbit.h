@@ -79,6 +79,9 @@ enum orbit_status orbit_find(const struct problem *problem, struct orbit *orbit)
 /* 1 when the walk already repeats after a proper divisor of its period (differences below 1e-7). */
 int orbit_repeats_earlier(const struct problem *problem, const struct orbit *orbit);
 
+/* The law's push-off at an apex of this stance rate (rad/s), m; below 0 the stride refuses it. */
+double problem_push_off(const struct problem *problem, double stance_rate);
+
 /* One apex to the next with the law: the stride's push-off is put into *r0_m. */
 enum stride_fault problem_stride(const struct problem *problem, const double x[3], double next[3],
                                  double *r0_m, struct stride_result *result);

@@ -17,6 +17,7 @@ static const struct {
     {"bifurcation", command_bifurcation, "long runs over r0: periods, chaos, loss of walking"},
     {"basin", command_basin, "where from the walker finds its gait"},
     {"gain", command_gain, "eigenvalues under the step law, and the best gain"},
+    {"noise", command_noise, "Monte Carlo: the step law told speeds with errors"},
     {"map", command_map, "iterate the return map from a state"},
     {"laws", laws_main, "the laws that choose the push-off, beside each other"},
     {"observe", command_observe, "how well the controller knows the gait, and what it costs"},

@@ -153,14 +153,15 @@ def test_long_runs_know_periods_chaos_and_falls():
 
 
 def test_results_do_not_depend_on_the_number_of_threads():
-    for command in (("bifurcation", "--points", 9, "--transient", 40, "--keep", 5, "--lyapunov", 10),
+    for command in (("bifurcation", "--points", 150, "--transient", 40, "--keep", 5, "--lyapunov", 10),
                     ("basin", "--points", 15, "--strides", 30),
-                    ("basin", "--volume", "--points", 8, "--strides", 20)):
+                    ("basin", "--volume", "--points", 8, "--strides", 20),
+                    ("noise", "--walkers", 300, "--strides", 30)):
         one, four = (run(*command, "--csv", "--threads", n).stdout for n in (1, 4))
         assert one == four and len(one) > 200
 
 
-@pytest.mark.parametrize("command", [("bifurcation", "--points", 7, "--transient", 30, "--keep", 5),
+@pytest.mark.parametrize("command", [("bifurcation", "--points", 70, "--transient", 30, "--keep", 5),
                                      ("basin", "--points", 9, "--strides", 20),
                                      ("basin", "--volume", "--points", 7, "--strides", 9)], ids=lambda c: c[1])
 def test_an_interrupted_run_is_resumed_to_the_same_file(tmp_path, command):
@@ -184,6 +185,13 @@ def test_the_basin_holds_the_gait_and_not_the_fall():
     assert 0 < volume["share"] < 0.5 and volume["volume_rad3_s2"] > 0
 
 
+def test_what_an_error_of_the_measured_speed_costs_the_law():
+    """Known of eq. (16) at 0.8 rad/s: 0.3 % RMS is survived, 1 % falls within about 30 steps."""
+    small, large = rows("noise", "--r0", 0.1716, "--error", "0.003,0.01", "--walkers", 200)
+    assert int(small["fell"]) == 0 and 0.005 < float(small["speed_spread"]) < 0.05
+    assert int(large["fell"]) == 200 and 10 < float(large["strides_to_fall"]) < 60
+
+
 def test_the_map_tells_each_apex_and_the_fault():
     walk = rows("map", "--r0", 0.11, "--steps", 200, status=1)
     # The state it starts from is the (unstable) gait to rounding; it leaves it and falls.
@@ -203,7 +211,10 @@ def test_the_map_tells_each_apex_and_the_fault():
     (("continue", "--from", 0.1), "must both be given"),
     (("bifurcation", "--from", 0.3, "--to", 0.1), "rise"),
     (("basin", "--plane", "r0,r0"), "differ"),
+    (("noise", "--error", "2"), "shares"),
+    (("noise", "--walkers", 0), "whole number"),
     (("gain", "--kp", "1,2,x"), "list of 3 numbers"),
+    (("gain", "--from=-1"), "rise"),
     (("fixed-point", "--out", "/nonexistent/folder/file"), "cannot write"),
     (("fixed-point", "--resume"), "--resume needs"),
     (("fixed-point", "extra"), "unexpected argument"),
