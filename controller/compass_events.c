@@ -18,11 +18,6 @@
 #define EXTENSION_SEEN_SHARE REAL(0.001)
 #define EXTENSION_DONE_SHARE REAL(0.0002)
 
-static real seconds_since(uint32_t tick, uint32_t then)
-{
-    return (real)(tick - then) * CONTROL_PERIOD_S;
-}
-
 void compass_events_begin_phase(struct compass_events *events, uint32_t tick)
 {
     events->swing_passed = false;

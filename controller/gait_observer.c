@@ -30,11 +30,6 @@ static uint32_t ticks_from_seconds(real seconds)
     return (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5));
 }
 
-static real seconds_since(uint32_t tick, uint32_t then)
-{
-    return (real)(tick - then) * CONTROL_PERIOD_S;
-}
-
 static bool is_person(const struct control_params *params)
 {
     return params->body == (real)BODY_PERSON;

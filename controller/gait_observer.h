@@ -75,7 +75,7 @@ void gait_observer_init(struct gait_observer *observer, const struct control_par
 
 /* Takes the samples of one tick (once a tick, in order; held values for missing
  * ones) and updates observer->state, whose events are those reported in this
- * tick. Cost: one Runge-Kutta step of the model a tick (about 800 instructions on a
+ * tick. Cost: one midpoint step of the model a tick (about 800 instructions on a
  * Cortex-M4F), for a person about 500 operations; after an apex, for eight ticks,
  * one fit over 2 * window + 1 samples (about 10 operations each) or one more step. */
 void gait_observer_update(struct gait_observer *observer, const struct control_params *params,

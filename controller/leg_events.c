@@ -39,11 +39,6 @@
 
 #define HALF_WINDOW_S ((real)LEG_RATE_HALF_WINDOW * CONTROL_PERIOD_S)
 
-void leg_events_init(struct leg_events *leg, uint32_t tick)
-{
-    *leg = (struct leg_events){.contact = LEG_UNKNOWN, .since_tick = tick, .moved_tick = tick};
-}
-
 real leg_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick)
 {
     /* Twice the sum of n^2 over the half window. */
@@ -64,11 +59,6 @@ static void enter(struct leg_events *leg, enum leg_contact contact, uint32_t tic
     leg->turned = false;
     leg->swung = false;
     leg->landing = false;
-}
-
-static real seconds_since(uint32_t tick, uint32_t then)
-{
-    return (real)(tick - then) * CONTROL_PERIOD_S;
 }
 
 /* Ticks from `tick` back to where the rate went through level, from the last tick's

@@ -26,7 +26,6 @@
 #include "controller/ankle_push.h"
 #include "controller/signals.h"
 
-#define leg_events_init REAL_SYMBOL(leg_events_init)
 #define leg_events_update REAL_SYMBOL(leg_events_update)
 #define leg_events_rate REAL_SYMBOL(leg_events_rate)
 
@@ -45,7 +44,7 @@ struct leg_event {
     real age_s; /* the event lies this long before the tick of the call, >= 0 */
 };
 
-struct leg_events {
+struct leg_events { /* all zeros to begin with */
     enum leg_contact contact;
     real rate_before_rad_s;   /* smoothed rate one tick ago */
     uint32_t first_tick;      /* at which the rate went through the coming event's first level */
@@ -67,8 +66,6 @@ struct leg_view {
     real extension;       /* of the ankle, over the leg's length */
     bool fresh;           /* the sensor's sample of this tick has come */
 };
-
-void leg_events_init(struct leg_events *leg, uint32_t tick);
 
 /* Slope of the line through the samples within LEG_RATE_HALF_WINDOW of `centre`, rad/s;
  * angle_rad[tick % size] as in apex_fit.h. About 200 operations. */

@@ -59,7 +59,7 @@ struct model_observer {
 void model_observer_init(struct model_observer *observer, const struct control_params *params);
 
 /* One tick: predicts to the newest sample and corrects by it. Every tick in order.
- * Cost: one Runge-Kutta step (about 800 instructions on a Cortex-M4F). */
+ * Cost: one midpoint step (about 800 instructions on a Cortex-M4F). */
 void model_observer_advance(struct model_observer *observer, const struct controller_input *input);
 
 /* The other foot landed age_s before the newest sample; rest_m is the rest extension

@@ -19,6 +19,12 @@
 enum { CONTROL_RATE_HZ = 1000 };
 #define CONTROL_PERIOD_S REAL(0.001)
 
+/* From tick `then` to tick `tick`, which is not before it. */
+static inline real seconds_since(uint32_t tick, uint32_t then)
+{
+    return (real)(tick - then) * CONTROL_PERIOD_S;
+}
+
 /* An age that stands for "never received". */
 enum { AGE_NEVER = UINT16_MAX };
 

@@ -39,8 +39,8 @@ def share_within(off, limit_s):
 
 def judge(result, rows, toe_off_shares=(0.85, 0.97)):
     """The criteria; toe-off's 16 ms share is held to what the recording's own contact data
-    allow: 12 of its 88 toe-offs lie 19 to 27 ms off the others against every feature of
-    thigh, shank, leg, ankle and foot alike, so that 0.86 to 0.91 is where each ends."""
+    allow: 14 of its 88 toe-offs lie 17 to 30 ms from their leg's median against every feature
+    of thigh, shank, leg, ankle and foot alike, while half of all lie within 5 ms of it."""
     strikes, toe_offs = [], []
     for name, side in SIDES.items():
         leg = result[name]
