@@ -119,9 +119,12 @@ static bool send_commands(struct control_task *task)
  * understood its controlword: stopped (NMT) it unloads by itself (0x6007). */
 static void force_stop(struct control_task *task)
 {
+    bool off = true;
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         struct sea_drive_reading drive;
         sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        off = off && drive.age_ticks <= FORCE_STOP_TICKS &&
+              (drive.state == SEA_DRIVE_DISABLED || drive.state == SEA_DRIVE_FAULT);
         const bool disobeys =
             task->output.state == SUPERVISOR_FAULT && drive.state == SEA_DRIVE_ENABLED;
         /* One telegram that says otherwise does not outweigh the others. */
@@ -135,6 +138,11 @@ static void force_stop(struct control_task *task)
             count(&task->counters.forced_stops);
             (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
         }
+    }
+    if (off || task->output.state != SUPERVISOR_FAULT) {
+        task->powered_ticks = 0;
+    } else if (task->powered_ticks < CONTROL_TASK_POWER_TICKS) {
+        task->powered_ticks++;
     }
     /* Whoever speaks with our identifiers is heard by the drives as we are: no command of
      * ours could outdo theirs, and no answer be trusted. Stopped, a drive obeys no PDO. */
@@ -273,6 +281,11 @@ unsigned control_task_poll(struct control_task *task)
         }
     }
     return progress;
+}
+
+bool control_task_power_must_go(const struct control_task *task)
+{
+    return task->powered_ticks >= CONTROL_TASK_POWER_TICKS;
 }
 
 bool control_task_cycle_complete(const struct control_task *task)

@@ -119,6 +119,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     init_black_box(config, &settings);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
+    orthosis->permit = config->permit;
     if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
         latch(orthosis, orthosis->hold);
     } else if (config->restarted) {
@@ -154,7 +155,10 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     progress = control_task_poll(task);
     /* Until the first own SYNC came back no command was ever sent, nothing can
      * move, and a bus that is not there yet is no reason to restart. */
-    (void)watchdog_gate_report(&orthosis->gate,
-                               task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
+    const bool fed = watchdog_gate_report(&orthosis->gate,
+                                          task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
+    if (fed && orthosis->permit != NULL && !control_task_power_must_go(task)) {
+        power_permit_toggle(orthosis->permit);
+    }
     return progress;
 }

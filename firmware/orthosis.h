@@ -15,6 +15,7 @@
 #include "firmware/control_task.h"
 #include "firmware/settings.h"
 #include "hal/param_store.h"
+#include "hal/power_permit.h"
 #include "hal/watchdog.h"
 
 enum {
@@ -25,6 +26,7 @@ struct orthosis_config {
     struct can_bus bus;
     struct emergency_stop stop;
     const struct watchdog *watchdog;
+    const struct power_permit *permit; /* of the drives' power; NULL: the board has none */
     const struct nv_store *nv;
     struct black_box *black_box; /* in memory that a reset does not clear */
     bool restarted;              /* after a crash or by the watchdog: stay in the safe state */
@@ -38,6 +40,7 @@ struct orthosis {
     struct control_task task;
     struct bus_recorder recorder;
     struct watchdog_gate gate;
+    const struct power_permit *permit;
     enum supervisor_fault hold; /* keeps this fault latched for good; NONE = does not */
     uint16_t recovery_wait;
     uint32_t bus_recoveries; /* asked for; saturates */

@@ -182,7 +182,17 @@ void board_io_init(void)
     pin_alternate(GPIOA_BASE, 12U, GPIO_AF_FDCAN1);
     mmio_change(GPIOC_BASE + GPIO_PUPDR, 3U, GPIO_PULL_DOWN);
     pin_mode(GPIOC_BASE, 0U, GPIO_MODE_INPUT);
+    pin_mode(GPIOC_BASE, 1U, GPIO_MODE_OUTPUT);
 }
+
+static void toggle(void *context)
+{
+    (void)context;
+    mmio_write(GPIOC_BASE + GPIO_ODR, mmio_read(GPIOC_BASE + GPIO_ODR) ^ 2U);
+}
+
+static const struct power_permit_ops pc1_ops = {toggle};
+const struct power_permit pc1_power_permit = {&pc1_ops, 0};
 
 static bool is_pressed(void *context)
 {

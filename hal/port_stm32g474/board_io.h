@@ -10,6 +10,7 @@
 
 #include "hal/clock.h"
 #include "hal/emergency_stop.h"
+#include "hal/power_permit.h"
 #include "hal/watchdog.h"
 
 /* TIM2 counts microseconds; its compare unit marks each period. */
@@ -50,6 +51,9 @@ extern const struct watchdog iwdg_watchdog;
 
 /* Switches the pins and FDCAN1's clock on. Start-up only. */
 void board_io_init(void);
+
+/* PC1, push-pull: toggles with every feed of the watchdog while the drives may have power. */
+extern const struct power_permit pc1_power_permit;
 
 /* PC0, pulled down: high only while the closed contact feeds it. */
 extern const struct emergency_stop pc0_emergency_stop;

@@ -79,6 +79,7 @@
 #define GPIO_OSPEEDR 0x08u
 #define GPIO_PUPDR 0x0Cu
 #define GPIO_IDR 0x10u
+#define GPIO_ODR 0x14u
 #define GPIO_BSRR 0x18u
 #define GPIO_AFRL 0x20u
 #define GPIO_AFRH 0x24u

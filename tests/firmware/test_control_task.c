@@ -345,6 +345,38 @@ START_TEST(a_drive_that_stays_enabled_is_stopped)
 }
 END_TEST
 
+/* A drive that hangs, or keeps its torque, in FAULT: only the hardware can help. */
+START_TEST(the_power_must_go_when_a_drive_cannot_be_trusted)
+{
+    static const uint16_t statuswords[] = {0x1227, 0x0207, 0x020F, 0x0223};
+    struct bench b;
+    for (int silent = 0; silent < 2; silent++) {
+        for (size_t i = 0; i < sizeof statuswords / sizeof statuswords[0]; i++) {
+            start(&b);
+            run_ticks(&b, 110, 0x1227);
+            b.stop_pressed = true;
+            run_ticks(&b, 600, 0x0221);
+            ck_assert_int_eq(b.task.output.state, SUPERVISOR_FAULT);
+            ck_assert(!control_task_power_must_go(&b.task)); /* both are off */
+            for (int tick = 0; tick <= CONTROL_TASK_POWER_TICKS + 60; tick++) {
+                fake_bus_clear(&b.fake);
+                ck_assert(tick >= CONTROL_TASK_POWER_TICKS || !control_task_power_must_go(&b.task));
+                put_heartbeats(&b);
+                put(&b, 0x181, 6, 0x0221);
+                if (!silent) {
+                    put(&b, 0x182, 6, statuswords[i]);
+                }
+                put_own_sync(&b);
+                (void)control_task_poll(&b.task);
+            }
+            ck_assert(control_task_power_must_go(&b.task));
+            run_ticks(&b, 1, 0x0218);
+            ck_assert(!control_task_power_must_go(&b.task));
+        }
+    }
+}
+END_TEST
+
 START_TEST(parameters_out_of_range_are_refused)
 {
     struct bench b;
@@ -445,6 +477,7 @@ int main(void)
     tcase_add_loop_test(tests, somebody_elses_answers_are_a_fault, 0, 4);
     tcase_add_test(tests, what_is_wrong_with_the_nodes_at_power_up_is_a_fault);
     tcase_add_test(tests, a_drive_that_stays_enabled_is_stopped);
+    tcase_add_test(tests, the_power_must_go_when_a_drive_cannot_be_trusted);
     tcase_add_test(tests, parameters_out_of_range_are_refused);
     tcase_add_test(tests, the_tick_counter_may_wrap);
     tcase_add_test(tests, a_node_that_was_silent_at_set_up_is_asked_again);

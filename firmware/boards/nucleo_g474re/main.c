@@ -136,6 +136,7 @@ int main(void)
     struct orthosis_config config = {
         .stop = pc0_emergency_stop,
         .watchdog = &iwdg_watchdog,
+        .permit = &pc1_power_permit,
         .nv = &nv,
         .black_box = &black_box,
         .restarted = restarted(reset_flags),

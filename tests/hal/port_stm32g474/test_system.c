@@ -414,7 +414,7 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
     board_io_init();
     ck_assert_uint_eq(port_a[0], 0xABFFFFFF - (1u << 22) - (1u << 24)); /* 11 -> 10, twice */
     ck_assert_uint_eq(port_a[0x24 / 4], 0x00099000);
-    ck_assert_uint_eq(port_c[0], 0xFFFFFFFC);
+    ck_assert_uint_eq(port_c[0], 0xFFFFFFF4);   /* 0: input, 1: output */
     ck_assert_uint_eq(port_c[0x0C / 4] & 3, 2); /* pulled down */
     ck_assert(chip.rcc[0x58 / 4] & (1u << 25));
     ck_assert_uint_eq(chip.rcc[0x38 / 4] & (1u << 25), 0); /* reset released */
@@ -425,6 +425,12 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
     ck_assert(emergency_stop_is_pressed(&pc0_emergency_stop));
     port_c[0x10 / 4] = 1;
     ck_assert(!emergency_stop_is_pressed(&pc0_emergency_stop));
+
+    for (uint32_t feed = 1; feed <= 6; feed++) { /* and nothing else of the port moves */
+        port_c[0x14 / 4] |= 0xF0;
+        power_permit_toggle(&pc1_power_permit);
+        ck_assert_uint_eq(port_c[0x14 / 4], 0xF0 | (feed % 2 << 1));
+    }
 }
 END_TEST
 
