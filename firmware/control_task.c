@@ -139,7 +139,9 @@ static void force_stop(struct control_task *task)
             (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
         }
     }
-    if (off || task->output.state != SUPERVISOR_FAULT) {
+    const bool stops =
+        task->output.state == SUPERVISOR_UNLOADING || task->output.state == SUPERVISOR_FAULT;
+    if (off || !stops) {
         task->powered_ticks = 0;
     } else if (task->powered_ticks < CONTROL_TASK_POWER_TICKS) {
         task->powered_ticks++;

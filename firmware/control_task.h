@@ -70,7 +70,7 @@ struct control_task {
     uint8_t configured;  /* bit i: node i of the network is set up */
     uint16_t sync_waits; /* cycles the SYNC under way has been waited for; 0 = none is */
     bool foreign;        /* in this tick: another node sends with an identifier of ours */
-    uint16_t powered_ticks; /* in SUPERVISOR_FAULT a drive is silent or under torque for so long */
+    uint16_t powered_ticks;      /* while it stops: a drive is silent or under torque for so long */
     uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
     bool emergency_stop;         /* as used in the last tick, and as sent */
 };
@@ -96,8 +96,8 @@ enum { CONTROL_TASK_START_TICK = 600 };
 unsigned control_task_poll(struct control_task *task);
 enum { CONTROL_TASK_POLL_FRAMES = 64 };
 
-/* True when the hardware must take the drives' power: in SUPERVISOR_FAULT one has been silent
- * or under torque for longer than any unload by itself takes. */
+/* True when the hardware must take the drives' power: in SUPERVISOR_UNLOADING and FAULT one has
+ * been silent or under torque for longer than any unload by itself takes. */
 bool control_task_power_must_go(const struct control_task *task);
 enum { CONTROL_TASK_POWER_TICKS = 500 };
 

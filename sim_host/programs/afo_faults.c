@@ -10,6 +10,7 @@
 
 #include "sim_host/faults/campaign.h"
 #include "sim_host/faults/summary.h"
+#include "sim_host/host/output_file.h"
 #include "sim_host/host/walk_options.h"
 
 enum { EXIT_SAFE = 0, EXIT_UNSAFE = 1, EXIT_USAGE = 2, PATH_BYTES = 1024, JOBS_MAX = 64 };
@@ -94,41 +95,50 @@ static error_t take(int key, char *text, struct argp_state *state)
 
 /* ---- one run alone ------------------------------------------------------------------- */
 
-static FILE *open_for(const char *path)
+enum { MESSAGE_BYTES = OUTPUT_PATH_MAX + 256 };
+
+/* With no path: a file that is not open. */
+static bool open_output(struct output_file *file, const char *path)
 {
-    FILE *file = path != NULL ? fopen(path, "w") : NULL;
-    if (path != NULL && file == NULL) {
-        fprintf(stderr, "afo-faults: %s: %s\n", path, strerror(errno));
-        exit(EXIT_USAGE);
+    char message[MESSAGE_BYTES];
+    *file = (struct output_file){0};
+    if (path != NULL && output_file_open(file, path, message, sizeof message) != 0) {
+        fprintf(stderr, "afo-faults: %s\n", message);
+        return false;
     }
-    return file;
+    return true;
 }
 
-static void close_for(FILE *file, const char *path)
+static bool commit_output(struct output_file *file)
 {
-    if (file != NULL && fclose(file) != 0) {
-        fprintf(stderr, "afo-faults: %s: %s\n", path, strerror(errno));
-        exit(EXIT_USAGE);
+    char message[MESSAGE_BYTES];
+    if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
+        fprintf(stderr, "afo-faults: %s\n", message);
+        return false;
     }
+    return true;
 }
 
 static int run_alone(const struct options *options)
 {
     struct campaign_plan plan;
     struct campaign_result result;
+    struct output_file log, ticks;
     campaign_plan(options->seed, options->run, &plan);
-    FILE *log = open_for(options->log);
-    FILE *ticks = open_for(options->ticks);
-    struct campaign *campaign = campaign_create();
-    if (campaign == NULL) {
+    if (!open_output(&log, options->log)) {
         return EXIT_USAGE;
     }
-    campaign_run(campaign, &plan, log, ticks, &result);
+    struct campaign *campaign = open_output(&ticks, options->ticks) ? campaign_create() : NULL;
+    if (campaign == NULL) {
+        output_file_discard(&log);
+        output_file_discard(&ticks);
+        return EXIT_USAGE;
+    }
+    campaign_run(campaign, &plan, log.stream, ticks.stream, &result);
     campaign_destroy(campaign);
-    close_for(log, options->log);
-    close_for(ticks, options->ticks);
+    const bool log_kept = commit_output(&log), ticks_kept = commit_output(&ticks);
     summary_tell(stdout, &result);
-    return result.unsafe == 0 ? EXIT_SAFE : EXIT_UNSAFE;
+    return !log_kept || !ticks_kept ? EXIT_USAGE : result.unsafe == 0 ? EXIT_SAFE : EXIT_UNSAFE;
 }
 
 /* ---- many ------------------------------------------------------------------------------ */
@@ -297,5 +307,10 @@ int main(int argc, char **argv)
     if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0) {
         return EXIT_USAGE;
     }
-    return options.single ? run_alone(&options) : run_campaign(&options);
+    const int status = options.single ? run_alone(&options) : run_campaign(&options);
+    if (fflush(stdout) != 0 || ferror(stdout) != 0) {
+        fputs("afo-faults: cannot write to standard output\n", stderr);
+        return EXIT_USAGE;
+    }
+    return status;
 }

@@ -345,7 +345,7 @@ START_TEST(a_drive_that_stays_enabled_is_stopped)
 }
 END_TEST
 
-/* A drive that hangs, or keeps its torque, in FAULT: only the hardware can help. */
+/* A drive that hangs, or keeps its torque, after a stop: only the hardware can help. */
 START_TEST(the_power_must_go_when_a_drive_cannot_be_trusted)
 {
     static const uint16_t statuswords[] = {0x1227, 0x0207, 0x020F, 0x0223};

@@ -1,6 +1,7 @@
 /* The orthosis on a NUCLEO-G474RE: FDCAN1 on PA11 and PA12, emergency stop on PC0. */
 #include <string.h>
 
+#include "firmware/boards/nucleo_g474re/can_filters.h"
 #include "firmware/orthosis.h"
 #include "hal/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
@@ -23,21 +24,6 @@ static struct flash_store flash;
 
 __attribute__((section(".blackbox"))) static struct black_box black_box;
 __attribute__((section(".noinit"))) struct crash_record crash_record;
-
-/* FIFO 0 for the answers of every cycle, FIFO 1 for all else: neither can fill up
- * with the other's frames. */
-static const struct fdcan_filter filters[] = {
-    {FRAME_DRIVE_STATE_LEFT, FRAME_DRIVE_STATE_RIGHT, 0},
-    {FRAME_LEG_STATE_LEFT, FRAME_LEG_STATE_RIGHT, 0},
-    {FRAME_NMT, FRAME_NMT, 1},
-    {FRAME_SYNC, FRAME_EMCY_SENSOR_RIGHT, 1},
-    {FRAME_DRIVE_TARGETS, FRAME_DRIVE_TARGETS, 1},
-    {FRAME_DRIVE_COMMAND_LEFT, FRAME_DRIVE_COMMAND_RIGHT, 1},
-    {FRAME_DRIVE_SLOW_LEFT, FRAME_DRIVE_SLOW_RIGHT, 1},
-    {FRAME_SDO_ANSWER_DRIVE_LEFT, FRAME_SDO_ANSWER_SENSOR_RIGHT, 1},
-    {FRAME_SDO_REQUEST_CONTROLLER, FRAME_SDO_REQUEST_CONTROLLER, 1},
-    {FRAME_HEARTBEAT_DRIVE_LEFT, FRAME_HEARTBEAT_CONTROLLER, 1},
-};
 
 void fdcan1_handler(void);
 void tim2_handler(void);
@@ -113,7 +99,8 @@ static _Noreturn void give_up(enum crash_cause cause, uint32_t detail)
 
 static void start_ports(void)
 {
-    const struct fdcan_config config = {CRYSTAL_HZ, filters, sizeof filters / sizeof filters[0],
+    const struct fdcan_config config = {CRYSTAL_HZ, can_filters,
+                                        sizeof can_filters / sizeof can_filters[0],
                                         tim2_clock_now_ns, &timer};
     enum fdcan_result result;
 

@@ -1,0 +1,75 @@
+/* What the control task must hear, against what the board's filters let through. That the
+ * FDCAN filters by these ranges is shown by tests/hal/port_stm32g474/test_fdcan.c. */
+#include "firmware/boards/nucleo_g474re/can_filters.h"
+#include "tests/support/assert_close.h"
+
+static const struct {
+    uint32_t id;
+    unsigned sender;
+    char kind;
+} table[] = {
+#define ENTRY(name, id, bytes, period_us, deadline_us, node, kind) {id, node, #kind[0]},
+    FRAME_TABLE(ENTRY)
+#undef ENTRY
+};
+enum {
+    FRAMES = sizeof table / sizeof table[0],
+    FILTERS = sizeof can_filters / sizeof can_filters[0]
+};
+
+/* The queue an identifier goes to; -1: rejected. The first filter that matches decides (RM0440,
+ * FDCAN acceptance filter). */
+static int queue_of(uint32_t id)
+{
+    for (size_t i = 0; i < FILTERS; i++) {
+        if (id >= can_filters[i].first && id <= can_filters[i].last) {
+            return can_filters[i].fifo;
+        }
+    }
+    return -1;
+}
+
+START_TEST(what_others_send_is_heard)
+{
+    for (size_t i = 0; i < FRAMES; i++) {
+        if (table[i].sender != NODE_CONTROLLER) {
+            const bool cyclic = table[i].kind == 'S';
+            ck_assert_msg(queue_of(table[i].id) == (cyclic ? 0 : 1), "%#x goes to queue %d",
+                          table[i].id, queue_of(table[i].id));
+        }
+    }
+}
+END_TEST
+
+START_TEST(a_second_master_is_heard)
+{
+    unsigned masters = 0;
+    for (uint32_t id = 0; id <= CAN_ID_STANDARD_MAX; id++) {
+        if (frame_is_masters(id)) {
+            masters++;
+            ck_assert_msg(queue_of(id) == 1, "%#x goes to queue %d", id, queue_of(id));
+        }
+    }
+    ck_assert_uint_eq(masters, 5);
+    ck_assert_int_eq(queue_of(FRAME_NMT), 1);
+}
+END_TEST
+
+START_TEST(other_traffic_costs_nothing)
+{
+    ck_assert_int_eq(queue_of(0x7FF), -1);
+    ck_assert_int_eq(queue_of(FRAME_TELEMETRY), -1);
+    ck_assert_int_eq(queue_of(FRAME_SDO_REQUEST_DRIVE_LEFT), -1);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("board_filters");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, what_others_send_is_heard);
+    tcase_add_test(tests, a_second_master_is_heard);
+    tcase_add_test(tests, other_traffic_costs_nothing);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
