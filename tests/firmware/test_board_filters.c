@@ -1,7 +1,19 @@
 /* What the control task must hear, against what the board's filters let through. That the
  * FDCAN filters by these ranges is shown by tests/hal/port_stm32g474/test_fdcan.c. */
 #include "firmware/boards/nucleo_g474re/can_filters.h"
+#include "hal/can_frame.h"
 #include "tests/support/assert_close.h"
+
+#include <stdint.h>
+
+static const struct {
+    uint32_t first, last;
+    int fifo;
+} can_filters[] = {
+#define FILTER(first, last, fifo) {first, last, fifo},
+    CAN_FILTERS(FILTER)
+#undef FILTER
+};
 
 static const struct {
     uint32_t id;

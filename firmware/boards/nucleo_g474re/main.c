@@ -22,6 +22,9 @@ static struct fdcan can;
 static struct tim2_clock timer;
 static struct flash_store flash;
 
+#define FILTER(first, last, fifo) {first, last, fifo},
+static const struct fdcan_filter can_filters[] = {CAN_FILTERS(FILTER)};
+
 __attribute__((section(".blackbox"))) static struct black_box black_box;
 __attribute__((section(".noinit"))) struct crash_record crash_record;
 
