@@ -119,10 +119,14 @@ static bool send_commands(struct control_task *task)
  * understood its controlword: stopped (NMT) it unloads by itself (0x6007). */
 static void force_stop(struct control_task *task)
 {
+    const bool stops =
+        task->output.state == SUPERVISOR_UNLOADING || task->output.state == SUPERVISOR_FAULT;
     bool off = true;
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        struct sea_drive_reading drive;
-        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        struct sea_drive_reading drive = {.state = SEA_DRIVE_DISABLED};
+        if (stops) {
+            sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        }
         off = off && drive.age_ticks <= FORCE_STOP_TICKS &&
               (drive.state == SEA_DRIVE_DISABLED || drive.state == SEA_DRIVE_FAULT);
         const bool disobeys =
@@ -139,8 +143,6 @@ static void force_stop(struct control_task *task)
             (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
         }
     }
-    const bool stops =
-        task->output.state == SUPERVISOR_UNLOADING || task->output.state == SUPERVISOR_FAULT;
     if (off || !stops) {
         task->powered_ticks = 0;
     } else if (task->powered_ticks < CONTROL_TASK_POWER_TICKS) {

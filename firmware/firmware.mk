@@ -27,7 +27,7 @@ $(ARM_BUILD)/obj/firmware/version.o: $(BUILD)/stamp/identity
 ARM_COLD := controller/laws/% controller/control_params% controller/speed_table% controller/observer_gains% \
         controller/leg_events% controller/step_law% controller/zeroing% model/stride% model/walker% \
         model/ground%
-ARM_WARM := firmware/snapshot.c controller/apex_judge.c controller/apex_fit.c controller/model_observer.c model/integrator% firmware/bus_recorder.c \
+ARM_WARM := hal/crc.c firmware/snapshot.c firmware/bus_recorder.c controller/apex_judge.c controller/apex_fit.c controller/model_observer.c model/integrator% \
         model/timed_stride.c
 ARM_HOT := $(filter-out $(ARM_COLD),$(SRC_MODEL) $(SRC_CONTROLLER)) firmware/control_task.c \
         firmware/bus_recorder.c firmware/snapshot.c hal/black_box.c hal/leg_sensors.c \
