@@ -7,7 +7,8 @@
 #include "hal/black_box.h"
 
 /* The controller behind its pointer to the parameters, as one block: a field that
- * somebody adds is in it. Rounded up to what it takes with 64-bit pointers. */
+ * somebody adds is in it. No pointer may be, which tests/firmware/test_snapshot_layout.py
+ * holds: it compares the sizes on both targets. Rounded up to what it takes with 64 bits. */
 enum {
     CONTROLLER_BYTES = sizeof(struct controller) - offsetof(struct controller, observer),
     CONTROLLER_BLOCK = (CONTROLLER_BYTES + 7) / 8 * 8

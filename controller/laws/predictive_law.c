@@ -27,11 +27,18 @@ int predictive_law_init(struct predictive_law *law, const struct walker_params *
     if (walker_init(&law->walker, params) != WALKER_OK) {
         return -1;
     }
-    const real unit_s = law->walker.time_unit_s;
-    law->single = stride_settings_fixed(&law->walker, SINGLE_STEP_UNITS * unit_s);
-    law->push = stride_settings_fixed(&law->walker, PUSH_STEP_UNITS * unit_s);
-    law->push.phase_limit_s = PUSH_LIMIT_STEPS * law->push.double_step_s;
     return 0;
+}
+
+/* Not kept in *law: they hold a pointer, and the law's state must mean the same on every
+ * machine. */
+static struct stride_settings settings_of(const struct predictive_law *law, real step_units,
+                                          real limit_steps)
+{
+    struct stride_settings settings =
+        stride_settings_fixed(&law->walker, step_units * law->walker.time_unit_s);
+    settings.phase_limit_s = limit_steps * settings.single_step_s;
+    return settings;
 }
 
 bool predictive_law_trusts_itself(const struct predictive_law *law)
@@ -93,9 +100,9 @@ void predictive_law_finish(struct predictive_law *law)
 static int foretell(const struct predictive_law *law, real r0_m, struct apex *next)
 {
     struct stride_result stride = law->strike;
-    struct stride_settings swing = law->single;
-    swing.phase_limit_s = SWING_LIMIT_STEPS * swing.single_step_s;
-    if (stride_push_off(&law->walker, &law->push, r0_m, &stride) != STRIDE_OK ||
+    const struct stride_settings swing = settings_of(law, SINGLE_STEP_UNITS, SWING_LIMIT_STEPS);
+    const struct stride_settings push = settings_of(law, PUSH_STEP_UNITS, PUSH_LIMIT_STEPS);
+    if (stride_push_off(&law->walker, &push, r0_m, &stride) != STRIDE_OK ||
         stride.lift_off[STANCE_ANGLE] < LIFT_OFF_MARGIN_RAD ||
         stride_from_lift_off(&law->walker, &swing, &stride) != STRIDE_OK) {
         return 0;
@@ -163,8 +170,7 @@ static void keep_within_reach(struct predictive_law *law)
 
 static void to_strike(struct predictive_law *law)
 {
-    struct stride_settings settings = law->single;
-    settings.phase_limit_s = STRIKE_LIMIT_STEPS * settings.single_step_s;
+    const struct stride_settings settings = settings_of(law, SINGLE_STEP_UNITS, STRIKE_LIMIT_STEPS);
     law->strike = (struct stride_result){.fault = STRIDE_OK};
     if (stride_to_strike(&law->walker, &settings, &law->request.apex, &law->strike) == STRIDE_OK) {
         keep_within_reach(law);

@@ -60,7 +60,6 @@ struct predictive_request {
 
 struct predictive_law {
     struct walker walker;
-    struct stride_settings single, push; /* integration before and after heel strike */
     enum predictive_stage stage;
     struct predictive_request request;
     struct gait_branch_point target; /* the gait at the (clamped) target speed */

@@ -8,6 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "firmware/bus_recorder.h"
+#include "firmware/version.h"
 #include "hal/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
 #include "sim_host/host/pacer.h"
@@ -39,6 +41,8 @@ struct host {
     double speed_rad_s;
     struct socketcan_bus socket;
     struct task_rig rig;
+    struct bus_recorder recorder;
+    struct black_box black_box; /* read it with afo-blackbox */
     struct pacer pacer;
     uint64_t lost_cycles; /* cycles that went on without an answer */
     uint32_t steps;
@@ -160,6 +164,19 @@ static int open_bus(struct host *host)
             : result == -ENODEV     ? " (ip link shows the interfaces)"
                                     : "");
     return -1;
+}
+
+/* The bus, with the black box before it; only the orthosis's own drives have snapshots. */
+static struct can_bus recorded_bus(struct host *host)
+{
+    const struct can_bus bus = socketcan_bus_interface(&host->socket);
+    const struct snapshot_source source = {&host->rig.task, &host->rig.cia402};
+    if (host->subject.protocol != DRIVE_PROTOCOL_CIA402) {
+        return bus;
+    }
+    black_box_start(&host->black_box, version_build_id(), controller_node_crc_of(&host->params));
+    bus_recorder_init(&host->recorder, &bus, &host->black_box, &source);
+    return bus_recorder_interface(&host->recorder);
 }
 
 /* ---- running --------------------------------------------------------------- */
@@ -337,8 +354,8 @@ int main(int argc, char **argv)
     if (open_bus(&host) != 0) {
         return EXIT_USAGE;
     }
-    if (task_rig_init(&host.rig, &host.subject, &host.params, socketcan_bus_interface(&host.socket),
-                      host.speed_rad_s, true) != CONTROL_PARAMS_OK) {
+    if (task_rig_init(&host.rig, &host.subject, &host.params, recorded_bus(&host), host.speed_rad_s,
+                      true) != CONTROL_PARAMS_OK) {
         fprintf(stderr, "afo-host: the control task refuses these parameters\n");
         socketcan_bus_close(&host.socket);
         return EXIT_USAGE;

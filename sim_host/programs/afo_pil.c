@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "hal/black_box.h"
+#include "sim_host/host/black_box_log.h"
 #include "sim_host/host/emulator.h"
 #include "sim_host/host/loop.h"
 #include "sim_host/host/output_file.h"
@@ -30,6 +31,7 @@ enum {
     FIRST_STEP_TICKS = 20000,
     STEP_TICKS = 10000,
     RECORD_DELAY_TICKS = 150,
+    SDO_PATIENCE_TICKS = 200,
     PORT_DRIVE_LEFT = LOOP_PORT_FIRST_NODE,
     PORT_SENSOR_LEFT = LOOP_PORT_FIRST_NODE + 1
 };
@@ -83,7 +85,7 @@ struct options {
     enum fault fault;
     uint32_t fault_step;
     uint64_t corrupt_frame;
-    const char *log_path, *costs_path;
+    const char *log_path, *costs_path, *black_box_path;
     bool json;
     bool quiet;
 };
@@ -95,7 +97,10 @@ struct session {
     struct emulator emulator;
     struct pil_bridge bridge;
     struct walk_record record;
-    struct output_file log, costs;
+    struct output_file log, costs, black_box_log;
+    struct can_bus tool; /* a port of its own, to ask the image over SDO */
+    struct black_box black_box;
+    struct black_box_summary black_box_summary;
     bool reached, fell, fault_began;
     char trouble[256];
     double wall_s;
@@ -112,7 +117,8 @@ enum {
     KEY_FAULT_STEP,
     KEY_CORRUPT,
     KEY_LOG,
-    KEY_COSTS
+    KEY_COSTS,
+    KEY_BLACK_BOX
 };
 
 static const struct argp_option option_list[] = {
@@ -130,6 +136,8 @@ static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "What comes out:", 3},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
     {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 0},
+    {"black-box", KEY_BLACK_BOX, "FILE", 0,
+     "fetch the image's black box over SDO at the end, as a log for afo-replay", 0},
     {"json", 'j', 0, 0, "one JSON object on standard output", 0},
     {"quiet", 'q', 0, 0, "no report", 0},
     {0}};
@@ -182,6 +190,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_COSTS:
         options->costs_path = text;
+        return 0;
+    case KEY_BLACK_BOX:
+        options->black_box_path = text;
         return 0;
     case 'j':
         options->json = true;
@@ -258,7 +269,10 @@ static int prepare(struct session *session)
     if ((options->log_path != NULL &&
          output_file_open(&session->log, options->log_path, message, sizeof message) != 0) ||
         (options->costs_path != NULL &&
-         output_file_open(&session->costs, options->costs_path, message, sizeof message) != 0)) {
+         output_file_open(&session->costs, options->costs_path, message, sizeof message) != 0) ||
+        (options->black_box_path != NULL &&
+         output_file_open(&session->black_box_log, options->black_box_path, message,
+                          sizeof message) != 0)) {
         return complain(message);
     }
     pil_bridge_init(&session->bridge, &session->emulator);
@@ -273,6 +287,8 @@ static int prepare(struct session *session)
     if (loop_init(session->loop, &session->config, session->log.stream, message) != 0) {
         return complain(message);
     }
+    session->tool =
+        sim_bus_port(&session->loop->bus, sim_bus_attach(&session->loop->bus, "tool", NULL, NULL));
     return start_image(session);
 }
 
@@ -389,6 +405,34 @@ static void fail(struct session *session)
     }
 }
 
+/* ---- black box -------------------------------------------------------------------- */
+
+static bool let_it_run(void *context, unsigned waits)
+{
+    struct session *session = context;
+
+    tick(session);
+    return waits < SDO_PATIENCE_TICKS && !session->bridge.failed;
+}
+
+/* A box that no fault has frozen is frozen now. */
+static void fetch_black_box(struct session *session)
+{
+    char version[BLACK_BOX_VERSION_MAX + 1];
+
+    session->bridge.comparing = false; /* the host's task has no black box to read from */
+    if (black_box_fetch(&session->tool, let_it_run, session, true, &session->black_box, version,
+                        session->trouble, sizeof session->trouble) != 0) {
+        session->reached = false;
+    } else if (black_box_log_write(&session->black_box, version, "can0",
+                                   session->black_box_log.stream,
+                                   &session->black_box_summary) != 0) {
+        session->reached = false;
+        snprintf(session->trouble, sizeof session->trouble,
+                 "the black box cannot be read or written");
+    }
+}
+
 /* ---- reporting -------------------------------------------------------------------- */
 
 static void print_difference(FILE *stream, const struct pil_difference *difference)
@@ -425,7 +469,7 @@ static void print_json(const struct session *session)
            "\"worst_tick\": %u, \"mean_tick_instructions\": %.0f, \"stack_unused_bytes\": %u, "
            "\"starts\": %u, \"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, "
            "\"crash_pc\": %u, \"crash_count\": %u, \"black_box_state\": %u, \"build_id\": %u, "
-           "\"wall_s\": %.1f}\n",
+           "\"black_box_frames\": %u, \"black_box_fault_bits\": %u, \"wall_s\": %.1f}\n",
            session->reached && bridge->differences == 0 ? "true" : "false", session->record.count,
            session->fell ? "true" : "false", session->trouble,
            (unsigned long long)session->loop->tick, (unsigned long long)bridge->compared,
@@ -433,7 +477,8 @@ static void print_json(const struct session *session)
            mean_instructions(bridge), bridge->stack_unused, bridge->starts, bridge->state,
            supervisor_fault_name((enum supervisor_fault)bridge->fault), (unsigned)crash->cause,
            (unsigned)crash->pc, (unsigned)crash->count, (unsigned)bridge->hello.black_box_state,
-           (unsigned)bridge->hello.build_id, session->wall_s);
+           (unsigned)bridge->hello.build_id, (unsigned)session->black_box_summary.frames,
+           (unsigned)session->black_box_summary.reason, session->wall_s);
 }
 
 static void print_report(const struct session *session)
@@ -480,11 +525,16 @@ static int run(struct session *session)
     if (session->options.fault != FAULT_NONE) {
         fail(session);
     }
+    if (session->black_box_log.stream != NULL && session->trouble[0] == '\0') {
+        fetch_black_box(session);
+    }
     session->wall_s = now_s() - start_s;
     if ((session->log.stream != NULL &&
          output_file_commit(&session->log, message, sizeof message) != 0) ||
         (session->costs.stream != NULL &&
-         output_file_commit(&session->costs, message, sizeof message) != 0)) {
+         output_file_commit(&session->costs, message, sizeof message) != 0) ||
+        (session->black_box_log.stream != NULL &&
+         output_file_commit(&session->black_box_log, message, sizeof message) != 0)) {
         complain(message);
         return EXIT_BAD;
     }
@@ -517,6 +567,7 @@ int main(int argc, char **argv)
     emulator_stop(&session.emulator);
     output_file_discard(&session.log);
     output_file_discard(&session.costs);
+    output_file_discard(&session.black_box_log);
     walk_record_free(&session.record);
     if (session.loop != NULL) {
         loop_free(session.loop);

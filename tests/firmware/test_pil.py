@@ -2,6 +2,7 @@
 bit for bit, and every fault of the device ends in the safe state with the right record."""
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -83,6 +84,33 @@ def test_faults_end_in_the_safe_state(fault, latched, crash):
     if crash:
         assert walk["crash_count"] == 1
         assert walk["black_box_state"] >= 1  # the reset did not clear it
+
+
+@pytest.mark.parametrize("options, fault_bits", [
+    (["--steps", "8"], 0),                       # frozen by whoever asks for it
+    (["--fault", "emergency-stop"], 1 << 1),     # by the fault
+    (["--fault", "hard-fault"], 1 << 17),        # by the start after the reset, which did not clear it
+])
+def test_the_black_box_replays_from_the_middle(tmp_path, options, fault_bits):
+    """Fetched over SDO from the image, replayed by the host's build of the same code."""
+    log = tmp_path / "box.log"
+    walk = pil(*options, "--speed", "0.8", "--black-box", str(log))
+    assert walk["black_box_fault_bits"] == fault_bits
+    assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
+    replay = [str(ROOT / "build" / "afo-replay"), "--speed", "0.8"]
+    result = subprocess.run([*replay, str(log)], cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout + result.stderr
+    ticks = int(re.search(r"(\d+) ticks; all (\d+) frames", result.stdout).group(1))
+    assert ticks > 1500
+    assert f"snapshot of build {walk['build_id']:08x}" in result.stdout
+    # One bit of a target position two thirds through must be told with its place.
+    lines = log.read_text().splitlines()
+    targets = [i for i, line in enumerate(lines) if " 201#" in line]
+    place = targets[2 * len(targets) // 3]
+    lines[place] = lines[place][:-1] + format(int(lines[place][-1], 16) ^ 1, "X")
+    log.write_text("\n".join(lines) + "\n")
+    result = subprocess.run([*replay, str(log)], cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 1 and f"line {place + 1}" in result.stdout
 
 
 def test_the_image_names_its_build():
