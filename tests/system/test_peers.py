@@ -38,7 +38,7 @@ def test_canopen_and_can_utils_during_a_walk():
         {BUILD}/afo-host --can vcan0 --speed 0.41 --quiet & host=$!
         {PYTHON} tests/system/peer_tool.py; status=$?
         kill -TERM $host; wait $host; [ $? = 1 ] || status=1 # it tells the fault
-        kill -TERM $walker; wait $walker || status=1
+        kill -TERM $walker; wait $walker; [ $? -le 1 ] || status=1 # they may have fallen
         exit $status""", 400)
     assert out.rstrip().endswith("done"), out
     assert out.count("\n") == 6, out
