@@ -41,15 +41,17 @@
 
 real leg_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick)
 {
-    /* Twice the sum of n^2 over the half window. */
-    const real squares = (real)(LEG_RATE_HALF_WINDOW * (LEG_RATE_HALF_WINDOW + 1) *
-                                (2 * LEG_RATE_HALF_WINDOW + 1) / 3);
+    /* Twice the sum of n^2 over the half window, a whole number. */
+    enum {
+        SQUARES =
+            LEG_RATE_HALF_WINDOW * (LEG_RATE_HALF_WINDOW + 1) * (2 * LEG_RATE_HALF_WINDOW + 1) / 3
+    };
     real sum = REAL(0.0);
     for (uint32_t n = 1; n <= LEG_RATE_HALF_WINDOW; n++) {
         sum +=
             (real)n * (angle_rad[(centre_tick + n) % size] - angle_rad[(centre_tick - n) % size]);
     }
-    return sum / (squares * CONTROL_PERIOD_S);
+    return sum / ((real)SQUARES * CONTROL_PERIOD_S);
 }
 
 static void enter(struct leg_events *leg, enum leg_contact contact, uint32_t tick)

@@ -27,11 +27,11 @@ static void count_malformed(struct cansimple_drives *drives)
 static void take(struct cansimple_drives *drives, struct cansimple_axis *axis,
                  const struct can_msg *message)
 {
-    const uint32_t command = message->id & 0x1Fu;
+    const uint32_t kind = message->id & 0x1Fu;
     if (message->flags != 0) {
         return; /* a remote request, not an answer */
     }
-    if (command == CANSIMPLE_HEARTBEAT) {
+    if (kind == CANSIMPLE_HEARTBEAT) {
         if (message->length < 5) {
             count_malformed(drives);
             return;
@@ -39,7 +39,7 @@ static void take(struct cansimple_drives *drives, struct cansimple_axis *axis,
         axis->axis_error = bytes_get_u32(message->data);
         axis->axis_state = message->data[4];
         axis->heartbeat_age_ticks = 0;
-    } else if (command == CANSIMPLE_ENCODER_ESTIMATES) {
+    } else if (kind == CANSIMPLE_ENCODER_ESTIMATES) {
         const float turns = bytes_get_f32(message->data);
         if (message->length != 8 || !(turns - turns == 0.0f)) {
             count_malformed(drives);

@@ -99,15 +99,15 @@ void predictive_law_finish(struct predictive_law *law)
 /* The rest of the stride for one r0. Returns 0 when it ends in a fault or too close to one. */
 static int foretell(const struct predictive_law *law, real r0_m, struct apex *next)
 {
-    struct stride_result stride = law->strike;
+    struct stride_result rest = law->strike;
     const struct stride_settings swing = settings_of(law, SINGLE_STEP_UNITS, SWING_LIMIT_STEPS);
     const struct stride_settings push = settings_of(law, PUSH_STEP_UNITS, PUSH_LIMIT_STEPS);
-    if (stride_push_off(&law->walker, &push, r0_m, &stride) != STRIDE_OK ||
-        stride.lift_off[STANCE_ANGLE] < LIFT_OFF_MARGIN_RAD ||
-        stride_from_lift_off(&law->walker, &swing, &stride) != STRIDE_OK) {
+    if (stride_push_off(&law->walker, &push, r0_m, &rest) != STRIDE_OK ||
+        rest.lift_off[STANCE_ANGLE] < LIFT_OFF_MARGIN_RAD ||
+        stride_from_lift_off(&law->walker, &swing, &rest) != STRIDE_OK) {
         return 0;
     }
-    *next = stride.next;
+    *next = rest.next;
     return -next->stance_rate_rad_s * law->walker.time_unit_s >= SLOWEST_UNITS;
 }
 

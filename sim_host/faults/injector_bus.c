@@ -88,8 +88,10 @@ struct sim_bus_fault injector_on_frame(struct shot_state *state, const struct ca
         fault.delay_ns = (uint32_t)(shot->magnitude * 1e6 * injector_random(&state->rng));
         return id == sensor ? fault : nothing;
     }
-    case FAULT_DUPLICATED:
-        return chance(state) ? (struct sim_bus_fault){.kind = SIM_BUS_FAULT_DUPLICATE} : nothing;
+    case FAULT_DUPLICATED: {
+        const struct sim_bus_fault twice = {.kind = SIM_BUS_FAULT_DUPLICATE};
+        return chance(state) ? twice : nothing;
+    }
     case FAULT_CORRUPT_ANGLE:
         return id == sensor ? flipped(state, message) : nothing;
     case FAULT_CORRUPT_DRIVE:

@@ -1,7 +1,7 @@
 #include "sim_host/host/ground_options.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <stdlib.h>
 
 #include "sim_host/host/walk_options.h"
 
@@ -21,8 +21,10 @@ static const struct argp_option option_list[] = {
 
 static void take_push(struct ground_options *options, const char *text, struct argp_state *state)
 {
-    char rest;
-    if (sscanf(text, "%lf@%lf%c", &options->push_Ns, &options->push_s, &rest) != 2 ||
+    char *at, *end;
+    options->push_Ns = strtod(text, &at);
+    options->push_s = strtod(*at == '@' ? at + 1 : at, &end);
+    if (at == text || *at != '@' || end == at + 1 || *end != '\0' ||
         !(options->push_Ns >= -1e4 && options->push_Ns <= 1e4) ||
         !(options->push_s >= 0.0 && options->push_s <= 1e6)) {
         argp_error(state, "--push: \"%s\" is not NEWTONSECONDS@SECONDS, as in 0.05@12.5", text);

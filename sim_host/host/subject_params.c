@@ -4,7 +4,6 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "sim_host/host/subject.h"
 #include "sim_host/study/gait_curve.h"
@@ -99,6 +98,13 @@ struct kept_branch {
     struct kept_branch *next;
 };
 
+static bool is_same_walker(const struct gait_walker *a, const struct gait_walker *b)
+{
+    return a->hip_mass_kg == b->hip_mass_kg && a->leg_mass_kg == b->leg_mass_kg &&
+           a->leg_length_m == b->leg_length_m && a->ankle_stiffness_N_m == b->ankle_stiffness_N_m &&
+           a->gravity_m_s2 == b->gravity_m_s2;
+}
+
 static const struct gait_branch *branch_of(const struct subject *subject, double length_scale)
 {
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -108,8 +114,7 @@ static const struct gait_branch *branch_of(const struct subject *subject, double
 
     pthread_mutex_lock(&lock);
     for (entry = kept; entry != NULL; entry = entry->next) {
-        if (memcmp(&entry->walker, &walker, sizeof walker) == 0 &&
-            entry->length_scale == length_scale) {
+        if (is_same_walker(&entry->walker, &walker) && entry->length_scale == length_scale) {
             break;
         }
     }

@@ -266,6 +266,8 @@ static int run_campaign(struct options *options)
         (struct campaign_result *)calloc(options->runs, sizeof *results);
     bool *done = (bool *)calloc(options->runs, sizeof *done);
     if (results == NULL || done == NULL || options->out == NULL) {
+        free(results);
+        free(done);
         fputs("afo-faults: out of memory, or no temporary directory\n", stderr);
         return EXIT_USAGE;
     }

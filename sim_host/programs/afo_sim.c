@@ -106,7 +106,7 @@ static int prepare(struct session *session)
             return -1;
         }
         session->config.plant.kind = PLANT_WEARER;
-        strcpy(session->config.plant.wearer_path, options->wearer_path);
+        snprintf(session->config.plant.wearer_path, PLANT_PATH_MAX, "%s", options->wearer_path);
         session->config.plant.wearer_format = options->wearer_format;
         prepare_for_wearer(&session->config.params, options->walk.open_loop);
     }

@@ -44,8 +44,8 @@ def tree(tmp_path):
     return tmp_path
 
 
-def lint(tree, check):
-    return subprocess.run([tree / "scripts" / "lint", check], capture_output=True, text=True, timeout=300)
+def lint(tree, *checks):
+    return subprocess.run([tree / "scripts" / "lint", *checks], capture_output=True, text=True, timeout=300)
 
 
 @pytest.mark.parametrize("check", SEEDED)
@@ -58,6 +58,23 @@ def test_a_seeded_finding_is_reported(tree, check):
     done = lint(tree, check)
     assert done.returncode == 1
     assert f"FAIL  {check}" in done.stdout and word in done.stdout, done.stdout
+
+
+@pytest.mark.parametrize("name,text", [
+    ("probe", "#!/usr/bin/env bash\nif true; then\n"), ("probe", "#!/bin/sh\ncase x in\n"),
+    ("probe", "#!/usr/bin/python3\ndef f(:\n"), ("probe.py", "x = (\n")])
+def test_a_script_that_does_not_parse_is_reported(tree, name, text):
+    assert lint(tree, "scripts").returncode == 0
+    (tree / "scripts" / name).write_text(text)
+    (tree / "scripts" / name).chmod(0o644 if name.endswith(".py") else 0o755)
+    done = lint(tree, "scripts")
+    assert done.returncode == 1 and "probe" in done.stdout, done.stdout
+
+
+def test_this_tree_passes_the_quick_checks():
+    """The rest takes minutes: `make lint`. Layering and symbols have tests of their own."""
+    done = lint(ROOT, "layout", "scripts")
+    assert done.returncode == 0, done.stdout
 
 
 def test_an_idle_deviation_is_reported(tree):
