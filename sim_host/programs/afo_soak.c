@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "sim_host/faults/injector.h"
 #include "sim_host/host/loop.h"
+#include "sim_host/host/soak_watch.h"
 #include "sim_host/host/walk_options.h"
 
 enum { EXIT_WELL = 0, EXIT_ILL = 1, EXIT_USAGE = 2 };
@@ -16,32 +16,41 @@ enum { EXIT_WELL = 0, EXIT_ILL = 1, EXIT_USAGE = 2 };
 enum {
     KEY_TICKS = 0x600,
     KEY_SEED,
+    KEY_SPOIL,
     REPORT_PARTS = 20,
-    /* Counters begin this far from their ends, so that all of them pass them. */
-    TICKS_BEFORE_WRAP = 200000,
     COMMAND_MS = 120000, /* a new speed command, on average */
     PUSH_MS = 90000,
     RESET_AFTER_TICKS = 1500,
-    SETTLED_STEPS = 40 /* after a change of command, before a step counts for the mean */
+    SETTLED_STEPS = 40,      /* after a change of command, before a step counts for the mean */
+    COUNTED_STEPS = 500,     /* fewer settled steps than this say nothing about a mean */
+    PAUSE_MAX_TICKS = 20000, /* between two steps: a fall, its fault, a reset, engaging anew */
+    SPOIL_EVERY_TICKS = 10000
 };
+
+/* What can be made ill, to show that it is noticed. */
+enum spoil { SPOIL_NOTHING, SPOIL_LEAK, SPOIL_WRAP, SPOIL_STUCK, SPOIL_CLOCK, SPOIL_STOP, SPOILS };
+static const char *const spoil_names[SPOILS] = {"nothing", "leak",  "wrap",
+                                                "stuck",   "clock", "stop"};
 
 struct options {
     uint64_t ticks, seed;
+    enum spoil spoil;
 };
 
-struct part { /* one of REPORT_PARTS stretches of the soak */
-    uint64_t steps, counted, falls, faults;
-    double off_sum, off_worst; /* measured minus commanded apex speed, shares */
+struct part {                                      /* one of REPORT_PARTS stretches of the soak */
+    uint64_t steps, counted, falls, faults, pause; /* the longest between two steps, ticks */
+    double off_sum, off_worst;                     /* measured minus commanded apex speed, shares */
 };
 
 struct soak {
     struct loop loop;
     struct part part[REPORT_PARTS];
+    struct soak_watch watch;
     uint64_t rng;
     uint32_t last_number, settled;
-    uint64_t fault_since;
+    uint64_t fault_since, step_tick;
     bool in_fault, was_down;
-    long pages_before;
+    void *volatile lost; /* what the leak has lost */
 };
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -54,6 +63,15 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_SEED:
         options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
         break;
+    case KEY_SPOIL:
+        options->spoil = SPOIL_NOTHING;
+        for (int i = 1; i < SPOILS; i++) {
+            options->spoil = strcmp(text, spoil_names[i]) == 0 ? (enum spoil)i : options->spoil;
+        }
+        if (options->spoil == SPOIL_NOTHING) {
+            argp_error(state, "--spoil: \"%s\" is none of leak, wrap, stuck, clock, stop", text);
+        }
+        break;
     case ARGP_KEY_ARG:
         argp_error(state, "unexpected argument \"%s\"", text);
         break;
@@ -61,19 +79,6 @@ static error_t take(int key, char *text, struct argp_state *state)
         return ARGP_ERR_UNKNOWN;
     }
     return 0;
-}
-
-static long resident_pages(void)
-{
-    long size = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (file == NULL || fscanf(file, "%ld %ld", &size, &resident) != 2) {
-        resident = -1;
-    }
-    if (file != NULL) {
-        fclose(file);
-    }
-    return resident;
 }
 
 static int set_up(struct soak *soak, const struct options *options)
@@ -94,15 +99,7 @@ static int set_up(struct soak *soak, const struct options *options)
         fprintf(stderr, "afo-soak: %s\n", message);
         return -1;
     }
-    struct control_task *task = &soak->loop.rig.task;
-    task->tick = UINT32_MAX - TICKS_BEFORE_WRAP;
-    task->counters = (struct control_task_counters){UINT32_MAX - TICKS_BEFORE_WRAP,
-                                                    UINT32_MAX - 1,
-                                                    UINT32_MAX - 1,
-                                                    UINT32_MAX - 1,
-                                                    UINT32_MAX - 1,
-                                                    UINT32_MAX - 1,
-                                                    UINT32_MAX - 1};
+    soak_watch_init(&soak->watch, &soak->loop);
     soak->rng = options->seed;
     return 0;
 }
@@ -148,6 +145,35 @@ static void operate(struct soak *soak, struct part *part)
     }
 }
 
+/* The mutations that the watching must notice; each now and then in the second half. */
+static void spoil(struct soak *soak, const struct options *options)
+{
+    struct control_task *task = &soak->loop.rig.task;
+    const bool now = soak->loop.tick % SPOIL_EVERY_TICKS == 0;
+    if (soak->loop.tick < options->ticks / 2) {
+        return;
+    }
+    switch (options->spoil) {
+    case SPOIL_LEAK:
+        soak->lost = now ? malloc(1) : soak->lost;
+        break;
+    case SPOIL_WRAP: /* as an addition that does not saturate */
+        task->counters.late_answers += now ? 3 : 0;
+        break;
+    case SPOIL_STUCK:
+        task->counters.syncs_sent -= now ? 1 : 0;
+        break;
+    case SPOIL_CLOCK:
+        task->tick += now ? 1 : 0;
+        break;
+    case SPOIL_STOP:
+        soak->loop.rig.stop_pressed = true;
+        break;
+    default:
+        break;
+    }
+}
+
 static void watch(struct soak *soak, struct part *part)
 {
     const struct controller *controller = &soak->loop.rig.task.controller;
@@ -155,10 +181,13 @@ static void watch(struct soak *soak, struct part *part)
     const bool down = plant_fault(&soak->loop.nodes.plant) != WALK_FAULT_NONE;
     part->falls += down && !soak->was_down ? 1 : 0;
     soak->was_down = down;
+    const uint64_t pause = soak->loop.tick - soak->step_tick;
+    part->pause = pause > part->pause ? pause : part->pause;
     if (step->number == soak->last_number) {
         return;
     }
     soak->last_number = step->number;
+    soak->step_tick = soak->loop.tick;
     part->steps++;
     soak->settled++;
     if (down || step->number < SETTLED_STEPS) {
@@ -175,29 +204,32 @@ static void watch(struct soak *soak, struct part *part)
 
 static void report_part(const struct soak *soak, int index, const struct part *part)
 {
-    printf("  %2d  %10llu  %8llu %6llu %6llu   %+9.2e  %8.2e   %ld\n", index + 1,
+    printf("  %2d  %10llu  %8llu %6llu %6llu  %7llu   %+9.2e  %8.2e  %zu\n", index + 1,
            (unsigned long long)soak->loop.tick, (unsigned long long)part->steps,
            (unsigned long long)part->falls, (unsigned long long)part->faults,
+           (unsigned long long)part->pause,
            part->counted > 0 ? part->off_sum / (double)part->counted : 0.0, part->off_worst,
-           resident_pages());
+           soak->watch.heap_bytes);
     fflush(stdout);
 }
 
-static void run(struct soak *soak, uint64_t ticks)
+static void run(struct soak *soak, const struct options *options)
 {
-    puts("part       ticks     steps  falls  stops  mean off    worst off  pages");
+    puts("part       ticks     steps  falls  stops  longest   mean off    worst off  heap\n"
+         "                                          pause");
+    fflush(stdout);
     for (int index = 0; index < REPORT_PARTS; index++) {
         struct part *part = &soak->part[index];
-        const uint64_t end = ticks * (uint64_t)(index + 1) / REPORT_PARTS;
+        const uint64_t end = options->ticks * (uint64_t)(index + 1) / REPORT_PARTS;
         while (soak->loop.tick < end) {
             disturb(soak);
             operate(soak, part);
             loop_tick(&soak->loop);
+            spoil(soak, options);
             watch(soak, part);
+            soak_watch_tick(&soak->watch, &soak->loop);
         }
-        if (index == 0) {
-            soak->pages_before = resident_pages();
-        }
+        soak_watch_memory(&soak->watch);
         report_part(soak, index, part);
     }
 }
@@ -210,26 +242,31 @@ static bool expect(bool holds, const char *what)
 
 static bool judge(const struct soak *soak)
 {
-    const struct control_task *task = &soak->loop.rig.task;
-    const struct control_task_counters *counters = &task->counters;
+    const struct soak_watch *watch = &soak->watch;
     bool walks = true, steady = true;
+    uint64_t counted = 0;
     for (int i = 0; i < REPORT_PARTS; i++) {
         const struct part *part = &soak->part[i];
-        walks = walks && part->steps > 0;
-        steady =
-            steady && (part->counted == 0 || fabs(part->off_sum / (double)part->counted) < 2e-3);
+        walks = walks && part->steps > 0 && part->pause <= PAUSE_MAX_TICKS;
+        counted += part->counted;
+        steady = steady && (part->counted < COUNTED_STEPS ||
+                            fabs(part->off_sum / (double)part->counted) < 2e-3);
     }
-    bool well = expect(walks, "it walks in every part");
-    well = expect(steady, "the mean apex speed is the commanded one within 0.2 % in every part") &&
-           well;
+    bool well = expect(walks, "it walks in every part, and is never out of step for 20 s");
     well =
-        expect(soak->loop.tick < TICKS_BEFORE_WRAP || task->tick < UINT32_MAX - TICKS_BEFORE_WRAP,
-               "the controller's clock ran over") &&
+        expect(steady, "the mean apex speed is the commanded one within 0.2 % in every part of 500 "
+                       "settled steps or more") &&
         well;
-    well = expect(soak->loop.tick < TICKS_BEFORE_WRAP || counters->syncs_sent == UINT32_MAX,
-                  "full counters stay full") &&
-           well;
-    well = expect(resident_pages() <= soak->pages_before + 16, "memory does not grow") && well;
+    for (int ill = 0; ill < SOAK_ILLS; ill++) {
+        well = expect(watch->ill[ill] == 0, soak_ill_name((enum soak_ill)ill)) && well;
+        if (watch->ill[ill] != 0) {
+            printf("      %llu times, first at tick %llu\n", (unsigned long long)watch->ill[ill],
+                   (unsigned long long)watch->first_ill[ill]);
+        }
+    }
+    printf("%llu ticks, %.1f h of walking, %llu settled steps counted\n",
+           (unsigned long long)soak->loop.tick, (double)soak->loop.tick / 3.6e6,
+           (unsigned long long)counted);
     return well;
 }
 
@@ -238,6 +275,8 @@ int main(int argc, char **argv)
     static const struct argp_option option_list[] = {
         {"ticks", KEY_TICKS, "N", 0, "control ticks to walk (default 100000000: 28 hours)", 0},
         {"seed", KEY_SEED, "N", 0, "seed of commands and disturbances (default 1)", 0},
+        {"spoil", KEY_SPOIL, "WHAT", 0,
+         "make something ill, to see it noticed: leak, wrap, stuck, clock or stop", 0},
         {0}};
     static const struct argp parser = {
         option_list,
@@ -254,6 +293,6 @@ int main(int argc, char **argv)
     if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0 || set_up(&soak, &options) != 0) {
         return EXIT_USAGE;
     }
-    run(&soak, options.ticks);
+    run(&soak, &options);
     return judge(&soak) ? EXIT_WELL : EXIT_ILL;
 }
