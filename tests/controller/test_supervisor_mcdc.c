@@ -200,7 +200,7 @@ static int count_pairs(const struct decision *decision)
 #define BEFORE SUPERVISOR_FAULT_FALL
 
 struct update_decisions {
-    struct decision latch, table_is_told, stays, overdue_reason, clears, which;
+    struct decision latch, table_is_told, stays, reason_missing, is_given, clears, which;
 };
 
 static void run_one(struct update_decisions *d, int from, unsigned inputs,
@@ -212,8 +212,11 @@ static void run_one(struct update_decisions *d, int from, unsigned inputs,
     const bool fault = (inputs & SUPERVISOR_IF_FAULT) != 0;
     const bool none = latched == SUPERVISOR_FAULT_NONE;
     const bool taken = supervisor.latched == GIVEN;
-    see(&d->latch, (fault ? 1u : 0u) | (from != SUPERVISOR_INIT ? 2u : 0u) | (none ? 4u : 0u),
-        taken);
+    const bool out_of_init = from == SUPERVISOR_INIT && to == SUPERVISOR_FAULT;
+    if (!out_of_init) { /* there a later decision latches the same reason */
+        see(&d->latch, (fault ? 1u : 0u) | (from != SUPERVISOR_INIT ? 2u : 0u) | (none ? 4u : 0u),
+            taken);
+    }
     see(&d->stays, to == from ? 1u : 0u, !changed && supervisor.since_tick == 0);
     if (from == SUPERVISOR_UNLOADING && (inputs & SUPERVISOR_IF_UNLOADED) != 0) {
         see(&d->table_is_told, !none || taken ? 1u : 0u, to == SUPERVISOR_FAULT);
@@ -225,8 +228,13 @@ static void run_one(struct update_decisions *d, int from, unsigned inputs,
             see(&d->clears, to == SUPERVISOR_INIT ? 1u : 0u,
                 supervisor.latched == SUPERVISOR_FAULT_NONE);
         }
-        see(&d->overdue_reason, (to == SUPERVISOR_FAULT ? 1u : 0u) | (none && !taken ? 2u : 0u),
-            late);
+        const bool entered = late || (out_of_init && taken);
+        see(&d->reason_missing,
+            (to == SUPERVISOR_FAULT ? 1u : 0u) | (none && !(taken && !out_of_init) ? 2u : 0u),
+            entered);
+        if (entered) {
+            see(&d->is_given, fault ? 1u : 0u, taken);
+        }
         if (late) {
             see(&d->which, from == SUPERVISOR_SELF_TEST ? 1u : 0u,
                 supervisor.latched == SUPERVISOR_FAULT_SELF_TEST);
@@ -234,10 +242,18 @@ static void run_one(struct update_decisions *d, int from, unsigned inputs,
     }
 }
 
+#define ALL_DECISIONS                                                          \
+    {                                                                          \
+        .latch = {.conditions = 3}, .table_is_told = {.conditions = 1},        \
+        .stays = {.conditions = 1}, .reason_missing = {.conditions = 2},       \
+        .is_given = {.conditions = 1}, .clears = {.conditions = 1}, .which = { \
+            .conditions = 1                                                    \
+        }                                                                      \
+    }
+
 START_TEST(every_condition_of_an_update_has_its_pair)
 {
-    struct update_decisions d = {{.conditions = 3}, {.conditions = 1}, {.conditions = 1},
-                                 {.conditions = 2}, {.conditions = 1}, {.conditions = 1}};
+    struct update_decisions d = ALL_DECISIONS;
     for (int from = 0; from < SUPERVISOR_STATES; from++) {
         for (unsigned inputs = 0; inputs < SUPERVISOR_INPUTS; inputs++) {
             run_one(&d, from, inputs, SUPERVISOR_FAULT_NONE);
@@ -247,7 +263,8 @@ START_TEST(every_condition_of_an_update_has_its_pair)
     ck_assert_int_eq(count_pairs(&d.latch), 3);
     ck_assert_int_eq(count_pairs(&d.table_is_told), 1);
     ck_assert_int_eq(count_pairs(&d.stays), 1);
-    ck_assert_int_eq(count_pairs(&d.overdue_reason), 2);
+    ck_assert_int_eq(count_pairs(&d.reason_missing), 2);
+    ck_assert_int_eq(count_pairs(&d.is_given), 1);
     ck_assert_int_eq(count_pairs(&d.clears), 1);
     ck_assert_int_eq(count_pairs(&d.which), 1);
 }
@@ -256,15 +273,14 @@ END_TEST
 /* Where only inputs without a fault are tried, the first decision's conditions show nothing. */
 START_TEST(a_decision_without_its_vectors_has_no_pairs)
 {
-    struct update_decisions d = {{.conditions = 3}, {.conditions = 1}, {.conditions = 1},
-                                 {.conditions = 2}, {.conditions = 1}, {.conditions = 1}};
+    struct update_decisions d = ALL_DECISIONS;
     for (int from = 0; from < SUPERVISOR_STATES; from++) {
         for (unsigned inputs = 0; inputs < SUPERVISOR_INPUTS; inputs++) {
             run_one(&d, from, inputs & ~(unsigned)SUPERVISOR_IF_FAULT, SUPERVISOR_FAULT_NONE);
         }
     }
     ck_assert_int_eq(count_pairs(&d.latch), 0);
-    ck_assert_int_eq(count_pairs(&d.overdue_reason), 1); /* nothing was latched before */
+    ck_assert_int_eq(count_pairs(&d.reason_missing), 1); /* nothing was latched before */
 }
 END_TEST
 
