@@ -167,10 +167,10 @@ static struct leg_event when_due(struct leg_events *leg, struct leg_event found)
     } else if (leg->waiting.kind != LEG_EVENT_NONE) {
         leg->waiting.age_s += CONTROL_PERIOD_S;
     }
-    const struct leg_event event = leg->waiting;
-    if (event.kind == LEG_EVENT_NONE || event.age_s < REAL(0.0)) {
+    if (leg->waiting.kind == LEG_EVENT_NONE || leg->waiting.age_s < REAL(0.0)) {
         return (struct leg_event){LEG_EVENT_NONE, REAL(0.0)};
     }
+    const struct leg_event event = leg->waiting;
     leg->waiting.kind = LEG_EVENT_NONE;
     return event;
 }

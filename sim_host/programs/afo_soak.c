@@ -174,7 +174,7 @@ static void spoil(struct soak *soak, const struct options *options)
     }
 }
 
-static void watch(struct soak *soak, struct part *part)
+static void watch_walk(struct soak *soak, struct part *part)
 {
     const struct controller *controller = &soak->loop.rig.task.controller;
     const struct step_record *step = &controller->last_step;
@@ -226,7 +226,7 @@ static void run(struct soak *soak, const struct options *options)
             operate(soak, part);
             loop_tick(&soak->loop);
             spoil(soak, options);
-            watch(soak, part);
+            watch_walk(soak, part);
             soak_watch_tick(&soak->watch, &soak->loop);
         }
         soak_watch_memory(&soak->watch);

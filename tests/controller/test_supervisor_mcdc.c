@@ -206,7 +206,7 @@ struct update_decisions {
 static void run_one(struct update_decisions *d, int from, unsigned inputs,
                     enum supervisor_fault latched)
 {
-    struct supervisor supervisor = {(enum supervisor_state)from, latched, 0};
+    struct supervisor supervisor = {.state = (enum supervisor_state)from, .latched = latched};
     const bool changed = supervisor_update(&supervisor, 7, (uint16_t)inputs, GIVEN);
     const int to = (int)supervisor.state;
     const bool fault = (inputs & SUPERVISOR_IF_FAULT) != 0;

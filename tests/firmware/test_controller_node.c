@@ -1,0 +1,286 @@
+/* The controller's own node, asked over SDO as a tool asks it (CiA 301 clause 7.2.4): what may be
+ * written when, with which abort code it is refused, and what is told of faults and zero offsets. */
+#include "firmware/controller_node.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "hal/bytes.h"
+#include "sim_host/host/subject.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
+
+enum { TOO_HIGH = 0x06090031, TOO_LOW = 0x06090032, VALUE = 0x06090030, DEVICE_STATE = 0x08000022 };
+enum { PARAMS = 0x2010, COMMANDS = 0x2000 };
+
+static struct fake_bus fake;
+static struct controller_node node;
+static struct controller controller;
+static struct controller_output output;
+static uint64_t now_ns;
+
+static void setup(void)
+{
+    struct control_params params;
+    struct subject subject;
+    char message[SUBJECT_MESSAGE_MAX];
+    subject_default(&subject);
+    ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
+    fake_bus_init(&fake);
+    ck_assert_int_eq(controller_node_init(&node, &params, 0.4f, true, fake_bus_interface(&fake)),
+                     0);
+    memset(&controller, 0, sizeof controller);
+    memset(&output, 0, sizeof output);
+    output.state = SUPERVISOR_STANDBY;
+    now_ns = 1000000000;
+}
+
+static void run(int ticks)
+{
+    for (int i = 0; i < ticks; i++) {
+        now_ns += 1000000;
+        controller_node_update(&node, &controller, &output, false, now_ns);
+    }
+}
+
+/* One request; the answer's bytes. */
+static const uint8_t *ask(uint8_t command, uint16_t index, uint8_t sub, uint32_t value)
+{
+    struct can_msg request = {.id = 0x610, .length = 8, .data = {command}};
+    bytes_put_u16(request.data + 1, index);
+    request.data[3] = sub;
+    bytes_put_u32(request.data + 4, value);
+    fake_bus_clear(&fake);
+    ck_assert(controller_node_receive(&node, &request, now_ns));
+    const struct can_msg *answer = fake_bus_last(&fake, 0x590);
+    ck_assert_ptr_nonnull(answer);
+    return answer->data;
+}
+
+static uint32_t bits_of(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+/* The abort code, 0 when it was written. */
+static uint32_t write_float(uint16_t index, uint8_t sub, float value)
+{
+    const uint8_t *answer = ask(0x23, index, sub, bits_of(value));
+    return answer[0] == 0x60 ? 0 : bytes_get_u32(answer + 4);
+}
+
+static uint32_t read_u32(uint16_t index, uint8_t sub)
+{
+    return bytes_get_u32(ask(0x40, index, sub, 0) + 4);
+}
+
+static float *field(int i)
+{
+    return (float *)((char *)&node.objects.params + control_param_descriptors[i].offset);
+}
+
+/* CRC-32 of ISO-HDLC, bit by bit, over the parameters' floats and their table. */
+static uint32_t crc_of_params(void)
+{
+    const struct control_params *params = &node.objects.params;
+    const size_t own = offsetof(struct control_params, table) + sizeof params->table;
+    uint32_t crc = 0xFFFFFFFFu;
+    for (size_t i = 0; i < own + sizeof *params->branch; i++) {
+        crc ^= i < own ? ((const uint8_t *)params)[i] : ((const uint8_t *)params->branch)[i - own];
+        for (int bit = 0; bit < 8; bit++) {
+            crc = (crc & 1u) != 0 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
+        }
+    }
+    return ~crc;
+}
+
+START_TEST(each_parameter_is_held_to_its_range)
+{
+    const struct control_param_descriptor *d = &control_param_descriptors[_i];
+    const uint8_t sub = (uint8_t)(_i + 1);
+    const float before = *field(_i);
+    ck_assert_uint_eq(write_float(PARAMS, sub, nextafterf(d->maximum, INFINITY)), TOO_HIGH);
+    ck_assert_uint_eq(write_float(PARAMS, sub, nextafterf(d->minimum, -INFINITY)), TOO_LOW);
+    ck_assert_uint_eq(write_float(PARAMS, sub, NAN), VALUE);
+    ck_assert_uint_eq(write_float(PARAMS, sub, INFINITY), VALUE);
+    ck_assert(*field(_i) == before);
+    ck_assert_uint_eq(write_float(PARAMS, sub, before), 0);
+}
+END_TEST
+
+/* While a spring may be loaded the law may be tuned, the body not. */
+START_TEST(with_power_on_only_the_law_may_change)
+{
+    static const char *const live[] = {"kp_m_s_rad", "speed_ramp_rad_s", "r0_min_m", "r0_max_m",
+                                       "r0_change_max_m"};
+    bool is_live = false;
+    for (size_t i = 0; i < sizeof live / sizeof live[0]; i++) {
+        is_live = is_live || strcmp(control_param_descriptors[_i].name, live[i]) == 0;
+    }
+    output.state = SUPERVISOR_WALKING;
+    run(1);
+    ck_assert_uint_eq(write_float(PARAMS, (uint8_t)(_i + 1), *field(_i)),
+                      is_live ? 0 : DEVICE_STATE);
+    output.state = SUPERVISOR_FAULT; /* torque off */
+    run(1);
+    ck_assert_uint_eq(write_float(PARAMS, (uint8_t)(_i + 1), *field(_i)), 0);
+}
+END_TEST
+
+START_TEST(a_parameter_that_does_not_fit_the_others_is_refused)
+{
+    const uint8_t start_r0 = 8; /* its place in the table, as the EDS says */
+    ck_assert_str_eq(control_param_descriptors[start_r0 - 1].name, "start_r0_m");
+    const float beyond = 1.01f * node.objects.params.r0_max_m;
+    ck_assert_uint_eq(write_float(PARAMS, start_r0, beyond), VALUE);
+    ck_assert(node.objects.params.start_r0_m < beyond);
+    ck_assert_uint_eq(write_float(PARAMS, start_r0, node.objects.params.r0_max_m), 0);
+    assert_close(node.objects.params.start_r0_m, node.objects.params.r0_max_m, 0, 1e-7);
+}
+END_TEST
+
+START_TEST(the_checksum_is_the_parameters_own)
+{
+    ck_assert_uint_eq(read_u32(0x2030, 3), crc_of_params());
+    const uint32_t before = crc_of_params();
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.05f), 0); /* kp */
+    ck_assert_uint_ne(crc_of_params(), before);
+    ck_assert_uint_eq(read_u32(0x2030, 3), crc_of_params());
+}
+END_TEST
+
+/* A value that is written while the check runs is no fault; a bit that flips is. */
+START_TEST(writing_is_no_corruption)
+{
+    const int round =
+        (int)((sizeof(struct control_params) + sizeof(struct gait_branch)) / CONTROLLER_CRC_BYTES) +
+        2;
+    for (int i = 0; i < 3 * round; i++) {
+        if (i % 40 == 7) {
+            ck_assert_uint_eq(write_float(PARAMS, 7, 0.01f + 1e-4f * (float)(i % 64)), 0);
+        }
+        ck_assert(!controller_node_params_corrupt(&node));
+    }
+    node.objects.params.kp_m_s_rad = 0.9f; /* not by a write */
+    bool corrupt = false;
+    for (int i = 0; i < 2 * round; i++) {
+        corrupt = controller_node_params_corrupt(&node);
+    }
+    ck_assert(corrupt);
+}
+END_TEST
+
+START_TEST(the_speed_asked_for_lies_on_the_table)
+{
+    const struct speed_table *table = &node.objects.params.table;
+    const float low = table->speed_rad_s[0], high = table->speed_rad_s[table->count - 1];
+    ck_assert_uint_eq(write_float(COMMANDS, 1, nextafterf(high, INFINITY)), TOO_HIGH);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, nextafterf(low, 0.0f)), TOO_LOW);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, NAN), VALUE);
+    ck_assert(node.objects.desired_speed_rad_s == 0.4f);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, high), 0);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, low), 0);
+    ck_assert(node.objects.desired_speed_rad_s == low);
+    const uint8_t *answer = ask(0x2F, COMMANDS, 2, 2); /* a flag is 0 or 1 */
+    ck_assert_uint_eq(bytes_get_u32(answer + 4), TOO_HIGH);
+    ck_assert_uint_eq(ask(0x2F, COMMANDS, 2, 0)[0], 0x60);
+    ck_assert_uint_eq(node.objects.walk_requested, 0);
+}
+END_TEST
+
+static const struct can_msg *emergency(void)
+{
+    return fake_bus_last(&fake, 0x090);
+}
+
+/* A latched fault is an emergency (0xFF10, vendor bytes state and fault), its reset the all clear. */
+START_TEST(a_fault_and_its_reset_are_told)
+{
+    run(20);
+    fake_bus_clear(&fake);
+    output.state = SUPERVISOR_UNLOADING;
+    output.fault = SUPERVISOR_FAULT_SPRING;
+    run(20);
+    ck_assert_ptr_nonnull(emergency());
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0xFF10);
+    ck_assert_uint_eq(emergency()->data[3], SUPERVISOR_UNLOADING);
+    ck_assert_uint_eq(emergency()->data[4], SUPERVISOR_FAULT_SPRING);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x090), 1);
+    output.state = SUPERVISOR_INIT;
+    output.fault = SUPERVISOR_FAULT_NONE;
+    run(20);
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0x0000);
+    ck_assert_uint_eq(emergency()->data[2], 0); /* nothing is left in the error register */
+}
+END_TEST
+
+START_TEST(a_refused_node_is_told_until_it_is_set_up)
+{
+    const struct setup_failure failure = {SETUP_DIFFERS, 2, 1, 0x6091, 1000, 2000};
+    controller_node_report_setup(&node, &failure);
+    run(20);
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0x6320);
+    ck_assert_uint_eq(emergency()->data[3], 2);
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data + 4), 0x6091);
+    ck_assert_uint_eq(read_u32(0x2031, 5), 1000);
+    ck_assert_uint_eq(read_u32(0x2031, 6), 2000);
+    fake_bus_clear(&fake);
+    controller_node_setup_done(&node, 1); /* another one */
+    run(20);
+    ck_assert_ptr_null(emergency());
+    controller_node_setup_done(&node, 2);
+    run(20);
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0x0000);
+    ck_assert_uint_eq(node.objects.refused_node, 0);
+}
+END_TEST
+
+START_TEST(found_offsets_become_parameters)
+{
+    controller.zeroing.mean =
+        (struct zero_offsets){.angle_rad = {0.011f, -0.012f}, .ankle_m = {0.0013f, -0.0014f}};
+    run(1);
+    ck_assert(node.objects.params.angle_zero_left_rad == 0.0f);
+    output.new_zero = true;
+    run(1);
+    output.new_zero = false;
+    ck_assert(node.objects.params.angle_zero_left_rad == 0.011f);
+    ck_assert(node.objects.params.angle_zero_right_rad == -0.012f);
+    ck_assert(node.objects.params.ankle_zero_left_m == 0.0013f);
+    ck_assert(node.objects.params.ankle_zero_right_m == -0.0014f);
+    ck_assert_uint_eq(node.objects.params_crc, crc_of_params());
+}
+END_TEST
+
+/* Nobody else is its master. */
+START_TEST(it_obeys_no_nmt_and_no_sync)
+{
+    const struct can_msg stop = {.id = 0x000, .length = 2, .data = {2, 0}};
+    const struct can_msg sync = {.id = 0x080};
+    ck_assert(controller_node_receive(&node, &stop, now_ns));
+    ck_assert(controller_node_receive(&node, &sync, now_ns));
+    ck_assert(co_device_is_operational(&node.device));
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("controller_node");
+    TCase *tests = tcase_create("all");
+    tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_loop_test(tests, each_parameter_is_held_to_its_range, 0, CONTROL_PARAM_COUNT);
+    tcase_add_loop_test(tests, with_power_on_only_the_law_may_change, 0, CONTROL_PARAM_COUNT);
+    tcase_add_test(tests, a_parameter_that_does_not_fit_the_others_is_refused);
+    tcase_add_test(tests, the_checksum_is_the_parameters_own);
+    tcase_add_test(tests, writing_is_no_corruption);
+    tcase_add_test(tests, the_speed_asked_for_lies_on_the_table);
+    tcase_add_test(tests, a_fault_and_its_reset_are_told);
+    tcase_add_test(tests, a_refused_node_is_told_until_it_is_set_up);
+    tcase_add_test(tests, found_offsets_become_parameters);
+    tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
