@@ -75,6 +75,7 @@ static enum settings_result check_setup(const struct node_setup_config *setup, i
     const float counts_per_m = (float)setup->counts_per_m[leg];
 
     if (setup->counts_per_m[leg] == 0u || counts_per_m != axis->counts_per_m ||
+        setup->rated_force_N[leg] != axis->rated_force_N ||
         setup->limit_min_counts[leg] >= setup->limit_max_counts[leg] ||
         setup->following_error_counts[leg] == 0u) {
         return SETTINGS_BAD_SETUP;

@@ -11,7 +11,7 @@
 #include "hal/param_store.h"
 #include "hal/sea_drive_cia402.h"
 
-enum { SETTINGS_VERSION = 1 }; /* another layout of struct settings_record is another number */
+enum { SETTINGS_VERSION = 2 }; /* another layout of struct settings_record is another number */
 
 struct settings {
     struct control_params control; /* its branch lies elsewhere and is only pointed to */
@@ -44,7 +44,7 @@ enum settings_result {
     SETTINGS_BAD_AXIS = -2,    /* scale not finite and positive, direction not +1 or -1 */
     SETTINGS_BAD_SENSOR = -3,  /* offset or lever not finite, lever not positive, direction */
     SETTINGS_BAD_SPEED = -4,
-    SETTINGS_BAD_SETUP = -5 /* scale zero or not the axis's, limits not in order */
+    SETTINGS_BAD_SETUP = -5 /* scale zero, scale or force not the axis's, limits not in order */
 };
 
 /* Settings that pass the check and are nobody's: the paper's walker. A device that

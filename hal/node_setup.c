@@ -154,6 +154,8 @@ static struct setup_step drive_step(const struct node_setup_config *config, uint
         return SCALING(0x6092, 1);
     case 20:
         return SCALING(0x6092, 2);
+    case 21:
+        return SCALING(0x6076, 0);
     default:
         return END;
     }
@@ -219,25 +221,58 @@ static uint32_t value_read(const struct co_sdo_client *client)
     return bytes_get_u32(bytes);
 }
 
-/* counts per metre = counts per motor turn * motor turns per shaft turn / feed. The
- * feed constant is in nanometres per shaft turn (its unit, 0x60A8, is the maker's). */
-static enum setup_verdict check_scaling(struct node_setup *setup)
+/* Shaft turns of the motor per nanometre of spring: gear ratio / feed constant. The feed
+ * constant is in nanometres per shaft turn (its unit, 0x60A8, is the maker's). 0 when the
+ * drive gives none. */
+static float turns_per_nm(const uint32_t *v)
+{
+    if (v[3] == 0 || v[4] == 0) {
+        return 0.0f;
+    }
+    return ((float)v[2] / (float)v[3]) * ((float)v[5] / (float)v[4]);
+}
+
+/* counts per metre = counts per motor turn * motor turns per metre. */
+static enum setup_verdict check_scaling(struct node_setup *setup, enum leg leg)
 {
     const uint32_t *v = setup->scaling;
-    const enum leg leg = setup->node == NODE_DRIVE_LEFT ? LEG_LEFT : LEG_RIGHT;
     const uint32_t expected = setup->config->counts_per_m[leg];
     const struct setup_step step = {STEP_SCALING, 0x6092, 1, 4, expected, ALL_BITS};
-    float found = 0.0f;
-    if (v[1] != 0 && v[3] != 0 && v[4] != 0) {
-        found = ((float)v[0] / (float)v[1]) * ((float)v[2] / (float)v[3]) *
-                ((float)v[5] / (float)v[4]) * 1.0e9f;
-    }
+    const float found = v[1] != 0 ? ((float)v[0] / (float)v[1]) * turns_per_nm(v) * 1.0e9f : 0.0f;
     const float difference = found - (float)expected;
     const float tolerance = 1.0e-4f * (float)expected;
     if (difference <= tolerance && difference >= -tolerance) {
         return SETUP_DONE;
     }
     return fail(setup, SETUP_DIFFERS, &step, found < 4.0e9f ? (uint32_t)found : ALL_BITS);
+}
+
+/* 0x6076 is the motor's rated torque in mNm (CiA 402-2), and the force is that torque times
+ * the motor's angle per metre of spring: what 1000 per mille of 0x6077 mean. Without it
+ * every force would be judged by a made-up scale. */
+static enum setup_verdict check_rated_force(struct node_setup *setup, enum leg leg)
+{
+    const float turn_rad_per_nm_to_N_per_mNm = 6.28318531f * 1.0e9f * 1.0e-3f;
+    const float unit_N = turns_per_nm(setup->scaling) * turn_rad_per_nm_to_N_per_mNm;
+    const float expected_mNm = setup->config->rated_force_N[leg] / unit_N;
+    const uint32_t found = setup->scaling[SETUP_SCALING_VALUES - 1];
+    const float difference = (float)found - expected_mNm;
+    const float tolerance = 0.5f + 0.02f * expected_mNm; /* it is whole mNm */
+    const struct setup_step step = {STEP_SCALING, 0x6076, 0, 4, (uint32_t)(expected_mNm + 0.5f),
+                                    ALL_BITS};
+    if (difference <= tolerance && difference >= -tolerance) {
+        return SETUP_DONE;
+    }
+    return fail(setup, SETUP_DIFFERS, &step, found);
+}
+
+/* What the drive says of itself must be what the settings say of it. */
+static enum setup_verdict check_drive(struct node_setup *setup)
+{
+    const enum leg leg = setup->node == NODE_DRIVE_LEFT ? LEG_LEFT : LEG_RIGHT;
+    const enum setup_verdict verdict = check_scaling(setup, leg);
+    const bool has_force = setup->config->rated_force_N[leg] > 0.0f;
+    return verdict == SETUP_DONE && has_force ? check_rated_force(setup, leg) : verdict;
 }
 
 /* The transfer of this step is done; compares, and goes on to the next one. */
@@ -250,10 +285,8 @@ static enum setup_verdict finish_step(struct node_setup *setup, const struct set
     setup->reading_back = false;
     const uint32_t found = value_read(&setup->client);
     if (step->kind == STEP_SCALING) {
-        setup->scaling[(step->index == 0x608F   ? 0
-                        : step->index == 0x6091 ? 2
-                                                : 4) +
-                       step->sub - 1] = found;
+        const unsigned next = setup->scaled++; /* in the order of the steps */
+        setup->scaling[next < SETUP_SCALING_VALUES ? next : 0] = found;
     } else {
         const uint32_t width = step->kind == STEP_EXPECT || step->bytes == 4
                                    ? ALL_BITS
@@ -310,7 +343,7 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
     }
     if (step.kind == STEP_END) {
         const bool drive = setup->node == NODE_DRIVE_LEFT || setup->node == NODE_DRIVE_RIGHT;
-        return drive ? check_scaling(setup) : SETUP_DONE;
+        return drive ? check_drive(setup) : SETUP_DONE;
     }
     begin_transfer(setup, &step, now_ns);
     (void)co_sdo_client_poll(&setup->client, bus, now_ns);

@@ -23,6 +23,8 @@ struct node_setup_config {
     int32_t limit_min_counts[LEG_COUNT]; /* software position limits, 0x607D */
     int32_t limit_max_counts[LEG_COUNT];
     uint32_t following_error_counts[LEG_COUNT]; /* 0x6065 */
+    float rated_force_N
+        [LEG_COUNT]; /* of the spring, at the motor's rated torque 0x6076; 0 = unknown */
     bool ankle_is_lever[LEG_COUNT];
 };
 
@@ -44,7 +46,7 @@ struct setup_failure {
     uint32_t found;
 };
 
-enum { SETUP_TIMEOUT_MS = 100, SETUP_TRIES = 3, SETUP_SCALING_VALUES = 6 };
+enum { SETUP_TIMEOUT_MS = 100, SETUP_TRIES = 3, SETUP_SCALING_VALUES = 7 };
 
 struct node_setup {
     const struct node_setup_config *config; /* the caller's */
@@ -55,7 +57,8 @@ struct node_setup {
     uint8_t timeouts;  /* of the transfer under way: one lost frame is no refusal */
     bool reading_back; /* the value of this step was written, now it is read */
     bool under_way;    /* a transfer is with the client */
-    uint32_t scaling[SETUP_SCALING_VALUES]; /* 0x608F, 0x6091, 0x6092 as read */
+    uint8_t scaled;    /* how many of them have been read */
+    uint32_t scaling[SETUP_SCALING_VALUES]; /* 0x608F, 0x6091, 0x6092, 0x6076 as read */
 };
 
 /* Begins with node NODE_DRIVE_LEFT .. NODE_SENSOR_RIGHT; *config must outlive. */

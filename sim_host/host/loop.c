@@ -24,6 +24,7 @@ static void configure_actuators(struct plant_config *plant, const struct subject
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct sea_params *sea = &plant->sea[side];
         sea->counts_per_m = subject->counts_per_m;
+        sea->rated_force_N = subject_rated_force_N(subject);
         if (subject->stroke_max_m > 0.0) {
             sea->stroke_max_m = subject->stroke_max_m;
             sea->end_stop_max_m = subject->stroke_max_m + 0.005 * subject->leg_length_m;

@@ -17,7 +17,7 @@ struct subject_key {
     const char *meaning;
 };
 
-enum { SUBJECT_KEYS = 19, SUBJECT_KEYS_REQUIRED = 4 };
+enum { SUBJECT_KEYS = 22, SUBJECT_KEYS_REQUIRED = 4 };
 
 /* Keys with words for values. */
 enum word_key { WORD_NAME, WORD_PROTOCOL, WORD_ANKLE_KIND, WORD_KEYS };
@@ -45,6 +45,12 @@ static const struct subject_key subject_keys[SUBJECT_KEYS] = {
     KEY("sea", "force_max_N", 0.1, 50000.0, force_max_N, "motor force limit, N"),
     /* Coarser than 30000 the position loop hunts too much for the hand to let go. */
     KEY("sea", "counts_per_m", 30000.0, 1.0e8, counts_per_m, "motor counts per metre of spring"),
+    KEY("drive", "rated_force_N", 0.1, 50000.0, rated_force_N,
+        "CiA 402: force of the spring at the motor's rated torque, N"),
+    KEY("drive", "zero_counts", -1.0e9, 1.0e9, zero_counts,
+        "CiA 402: count at the unloaded spring"),
+    KEY("drive", "direction", -1.0, 1.0, direction,
+        "CiA 402: 1 when counts rise with compression, else -1"),
     KEY("drive", "turns_per_m", 0.1, 100000.0, turns_per_m,
         "CANSimple: motor turns per metre of spring"),
     KEY("drive", "rad_per_m", 0.1, 100000.0, rad_per_m,
@@ -77,6 +83,7 @@ void subject_default(struct subject *subject)
         .force_max_N = 90.0,
         .counts_per_m = 13107200.0,
         .ankle_lever_m = 0.12,
+        .direction = 1.0,
         .turns_per_m = 200.0, /* a 5 mm screw */
         .rad_per_m = 50.0,    /* a drum of 20 mm radius; AK80-9 ranges */
         .zero_rad = -12.0,
@@ -213,6 +220,60 @@ static int take_key(void *context, const char *section, const char *key, const c
     return -1;
 }
 
+static int refuse(char *message, const char *path, const char *reason)
+{
+    snprintf(message, SUBJECT_MESSAGE_MAX, "%s: %s", path, reason);
+    return -1;
+}
+
+/* A [drive] key of another protocol would do nothing, and be believed. */
+static int check_drive_keys(const struct reading *reading, const char *path, char *message)
+{
+    static const char *const owners[] = {"CiA 402", "CANSimple", "MIT"};
+    const char *own = owners[reading->subject->protocol];
+    for (int i = 0; i < SUBJECT_KEYS; i++) {
+        const struct subject_key *k = &subject_keys[i];
+        if (reading->given[i] && strcmp(k->section, "drive") == 0 &&
+            strncmp(k->meaning, own, strlen(own)) != 0) {
+            snprintf(message, SUBJECT_MESSAGE_MAX,
+                     "%s: key \"%s\" (%s) does nothing with this subject's protocol, %s", path,
+                     k->key, k->meaning, own);
+            return -1;
+        }
+    }
+    return 0;
+}
+
+/* The motor's stroke must fit the field it is commanded in: beyond, every target would
+ * silently be the last that fits. */
+static int check_fit(const struct subject *subject, const char *path, char *message)
+{
+    const double stroke_m = subject_stroke_m(subject);
+    if (subject->protocol == DRIVE_PROTOCOL_MIT) {
+        const double end_rad = subject->zero_rad + stroke_m * subject->rad_per_m;
+        if (fabs(subject->zero_rad) > subject->position_range_rad ||
+            fabs(end_rad) > subject->position_range_rad) {
+            snprintf(
+                message, SUBJECT_MESSAGE_MAX,
+                "%s: the motor's angle from \"zero_rad\", %g rad, to %g rad at the full stroke "
+                "of %g m lies outside \"position_range_rad\", %g rad",
+                path, subject->zero_rad, end_rad, stroke_m, subject->position_range_rad);
+            return -1;
+        }
+    }
+    if (fabs(subject->direction) != 1.0) {
+        return refuse(message, path, "key \"direction\" is 1 or -1");
+    }
+    if (subject->zero_counts != floor(subject->zero_counts)) {
+        return refuse(message, path, "key \"zero_counts\" is a whole number");
+    }
+    if (fabs(subject->zero_counts) + stroke_m * subject->counts_per_m > 2.0e9) {
+        return refuse(message, path,
+                      "\"zero_counts\" and the stroke in \"counts_per_m\" exceed 32 bits");
+    }
+    return 0;
+}
+
 int subject_read(struct subject *subject, const char *path, char *message)
 {
     struct reading reading = {.subject = subject};
@@ -238,7 +299,9 @@ int subject_read(struct subject *subject, const char *path, char *message)
                  path, subject->leg_mass_kg, subject->torso_mass_kg);
         return -1;
     }
-    return 0;
+    return check_drive_keys(&reading, path, message) == 0 && check_fit(subject, path, message) == 0
+               ? 0
+               : -1;
 }
 
 struct gait_walker subject_gait_walker(const struct subject *subject)
@@ -252,11 +315,19 @@ double subject_stroke_m(const struct subject *subject)
     return subject->stroke_max_m > 0.0 ? subject->stroke_max_m : 0.35 * subject->leg_length_m;
 }
 
+double subject_rated_force_N(const struct subject *subject)
+{
+    return subject->rated_force_N > 0.0 ? subject->rated_force_N
+                                        : 0.35 * subject->leg_length_m * subject->spring_N_per_m;
+}
+
 struct walker_drives subject_drives(const struct subject *subject)
 {
     const bool mit = subject->protocol == DRIVE_PROTOCOL_MIT;
     return (struct walker_drives){.protocol = subject->protocol,
                                   .units_per_m = mit ? subject->rad_per_m : subject->turns_per_m,
+                                  .zero_counts = (int32_t)subject->zero_counts,
+                                  .inverted = subject->direction < 0.0,
                                   .zero_units = mit ? subject->zero_rad : 0.0,
                                   .ranges = {subject->position_range_rad,
                                              subject->velocity_range_rad_s,

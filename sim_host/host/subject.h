@@ -27,8 +27,10 @@ struct subject {
     enum ankle_kind ankle;
     double ankle_lever_m, ankle_neutral_rad;
     enum drive_protocol protocol;
-    double turns_per_m;         /* CANSimple: motor turns per metre of spring */
-    double rad_per_m, zero_rad; /* MIT mode: motor angle per metre, at the unloaded spring */
+    double rated_force_N;          /* CiA 402: at the motor's rated torque; 0 = by the scale */
+    double zero_counts, direction; /* CiA 402: count at the unloaded spring; +1 or -1 */
+    double turns_per_m;            /* CANSimple: motor turns per metre of spring */
+    double rad_per_m, zero_rad;    /* MIT mode: motor angle per metre, at the unloaded spring */
     double position_range_rad, velocity_range_rad_s, torque_range_Nm; /* MIT mode: of the fields */
     double kp_Nm_rad, kd_Nms_rad;                 /* MIT mode: the drive's position loop */
     double control_override[CONTROL_PARAM_COUNT]; /* [controller] section, by parameter */
@@ -46,6 +48,10 @@ int subject_read(struct subject *subject, const char *path, char *message);
 
 /* Stroke limit of the SEA, m: the file's, or by the body's scale. */
 double subject_stroke_m(const struct subject *subject);
+
+/* Force of the spring at the drive's rated torque, N: the file's, or that of the spring
+ * at 0.35 leg lengths. */
+double subject_rated_force_N(const struct subject *subject);
 
 /* The drives as the virtual nodes are to play them. */
 struct walker_drives subject_drives(const struct subject *subject);

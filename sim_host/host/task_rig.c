@@ -10,10 +10,13 @@ static const struct emergency_stop_ops stop_ops = {is_pressed};
 static struct sea_drives init_cia402(struct task_rig *rig, const struct subject *subject)
 {
     struct cia402_axis_config axes[LEG_COUNT];
-    /* The drive's rated force is that of the spring at the preset's full stroke. */
-    const double rated_N = 0.35 * subject->leg_length_m * subject->spring_N_per_m;
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        axes[leg] = (struct cia402_axis_config){(float)subject->counts_per_m, 0, 1, (float)rated_N};
+        axes[leg] = (struct cia402_axis_config){
+            .counts_per_m = (float)subject->counts_per_m,
+            .zero_counts = (int32_t)subject->zero_counts,
+            .direction = subject->direction < 0.0 ? -1 : 1,
+            .rated_force_N = (float)subject_rated_force_N(subject),
+        };
     }
     cia402_drives_init(&rig->cia402, axes);
     return cia402_drives_interface(&rig->cia402);
@@ -81,7 +84,11 @@ int task_rig_init(struct task_rig *rig, const struct subject *subject,
     for (int leg = 0; leg < LEG_COUNT; leg++) {
         const double stroke_m = subject_stroke_m(subject);
         config.setup.counts_per_m[leg] = (uint32_t)subject->counts_per_m;
-        config.setup.limit_max_counts[leg] = (int32_t)(stroke_m * subject->counts_per_m);
+        const int32_t zero = (int32_t)subject->zero_counts;
+        const int32_t travel = (int32_t)(stroke_m * subject->counts_per_m);
+        config.setup.limit_min_counts[leg] = subject->direction < 0.0 ? zero - travel : zero;
+        config.setup.limit_max_counts[leg] = subject->direction < 0.0 ? zero : zero + travel;
+        config.setup.rated_force_N[leg] = (float)subject_rated_force_N(subject);
         config.setup.following_error_counts[leg] =
             (uint32_t)(0.1 * subject->leg_length_m * subject->counts_per_m);
         config.setup.ankle_is_lever[leg] = subject->ankle == ANKLE_LEVER;

@@ -26,6 +26,27 @@ static const double NS_PER_S = 1e9;
 static const uint32_t OUTPUT_BRAKE = 1U << 0;
 static const uint32_t INPUT_LATCH_CLOSED = 1U << 16;
 
+/* The count at which the motor stands at `metres` of spring, and back. */
+static int32_t counts_at(const struct drive_node_config *config, double metres)
+{
+    const int32_t travel = node_round_i32(metres * (double)config->counts_per_m);
+    return config->zero_counts + (config->inverted ? -travel : travel);
+}
+
+static double metres_at(const struct drive_node_config *config, int32_t counts)
+{
+    const double travel = (double)counts - (double)config->zero_counts;
+    return (config->inverted ? -travel : travel) / (double)config->counts_per_m;
+}
+
+/* mNm at the motor for a force of the spring: its work a metre is that of the motor's turns. */
+static uint32_t rated_torque_mNm(const struct drive_node_config *config, uint32_t counts_per_turn)
+{
+    const double turns_per_m = (double)config->counts_per_m / (double)counts_per_turn;
+    return (uint32_t)node_round_i32(config->rated_force_N * 1000.0 /
+                                    (6.283185307179586 * turns_per_m));
+}
+
 static void default_pdos(const struct drive_node *node, struct co_comm *comm)
 {
     const uint32_t id = node->config.node_id;
@@ -91,7 +112,8 @@ static void default_objects(struct drive_node *node)
     objects->unload_rate =
         (uint32_t)node_round_i32(config->unload_rate_m_per_s * (double)config->counts_per_m);
     objects->pair_count = 2;
-    objects->limit_max = node_round_i32(config->stroke_m * (double)config->counts_per_m);
+    objects->limit_min = counts_at(config, config->inverted ? config->stroke_m : 0.0);
+    objects->limit_max = counts_at(config, config->inverted ? 0.0 : config->stroke_m);
     objects->max_speed =
         (uint32_t)node_round_i32(config->max_speed_m_per_s * (double)config->counts_per_m);
     /* One turn is at most a metre or so, for the feed in nanometres to fit its object. */
@@ -103,6 +125,7 @@ static void default_objects(struct drive_node *node)
     objects->feed =
         (uint32_t)node_round_i32(objects->encoder_increments * 1e9 / (double)config->counts_per_m);
     objects->feed_revolutions = 1;
+    objects->rated_torque_mNm = rated_torque_mNm(config, objects->encoder_increments);
     objects->interpolation_value = 1;
     objects->interpolation_exponent = -3;
     objects->output_mask = DRIVE_OUTPUT_LATCH_ARMED | OUTPUT_BRAKE;
@@ -215,7 +238,8 @@ static const struct co_device_ops device_ops = {
 
 static bool is_config_valid(const struct drive_node_config *config)
 {
-    const double span = config->stroke_m * (double)config->counts_per_m;
+    const double travel = config->stroke_m * (double)config->counts_per_m;
+    const double zero = (double)config->zero_counts, span = travel + (zero < 0.0 ? -zero : zero);
     return config->counts_per_m > 0 && config->stroke_m > 0.0 && span < 2147483647.0 &&
            config->max_speed_m_per_s >= 0.0 && config->following_error_m > 0.0 &&
            config->rated_force_N > 0.0 && config->unload_rate_m_per_s > 0.0 &&
@@ -250,10 +274,11 @@ void drive_node_measure(struct drive_node *node, const struct drive_axis_feedbac
     struct drive_objects *objects = &node->objects;
     const double counts_per_m = (double)node->config.counts_per_m;
     node->feedback = *feedback;
-    objects->position_actual = node_round_i32(feedback->position_m * counts_per_m);
-    objects->velocity_actual = node_round_i32(feedback->velocity_m_per_s * counts_per_m);
+    const double sign = node->config.inverted ? -1.0 : 1.0;
+    objects->position_actual = counts_at(&node->config, feedback->position_m);
+    objects->velocity_actual = node_round_i32(sign * feedback->velocity_m_per_s * counts_per_m);
     objects->torque_actual =
-        node_round_i16(feedback->force_N / node->config.rated_force_N * 1000.0);
+        node_round_i16(sign * feedback->force_N / node->config.rated_force_N * 1000.0);
     objects->temperature_0_1_degC = node_round_i16(feedback->temperature_degC * 10.0);
     const double dc_link_mV = feedback->dc_link_V * 1000.0;
     objects->dc_link_mV = dc_link_mV > 0.0 ? (uint32_t)node_round_i32(dc_link_mV) : 0;
@@ -315,7 +340,7 @@ void drive_node_command(struct drive_node *node, uint32_t period_ns,
     *command = (struct drive_axis_command){.brake = (outputs & OUTPUT_BRAKE) != 0};
     if (node->unloading) {
         command->powered = true;
-        move_demand(node, 0.0, objects->unload_rate, period_ns);
+        move_demand(node, (double)node->config.zero_counts, objects->unload_rate, period_ns);
     } else if (node->state == DRIVE_OPERATION_ENABLED) {
         command->powered = true;
         command->latch_armed = (outputs & DRIVE_OUTPUT_LATCH_ARMED) != 0;
@@ -326,7 +351,7 @@ void drive_node_command(struct drive_node *node, uint32_t period_ns,
         node->demand_counts = (double)objects->position_actual;
     }
     objects->position_demand = node_round_i32(node->demand_counts);
-    command->target_m = (double)objects->position_demand / (double)node->config.counts_per_m;
+    command->target_m = metres_at(&node->config, objects->position_demand);
     co_device_process(&node->device, node->now_ns);
 }
 

@@ -43,9 +43,11 @@ struct drive_node_config {
     enum side side;                /* which half of RPDO 0x201 */
     uint8_t node_id;               /* 1..127 */
     uint32_t counts_per_m;         /* motor counts per metre of spring, > 0 */
+    int32_t zero_counts;           /* count at the unloaded spring */
+    bool inverted;                 /* counts and torque fall when the spring is compressed */
     double stroke_m;               /* position limits 0x607D: 0..stroke, > 0 */
     double max_speed_m_per_s;      /* 0x6080: fastest demand; 0: the demand may jump */
-    double rated_force_N;          /* 1000 per mille of 0x6077, > 0 */
+    double rated_force_N;          /* 1000 per mille of 0x6077; by the gear: 0x6076; > 0 */
     double following_error_m;      /* 0x6065, > 0; for longer than 100 ms it is a fault */
     double unload_rate_m_per_s;    /* bounded rate of the safe reactions, > 0 */
     double temperature_limit_degC; /* above: fault 0x4310; 0: none */

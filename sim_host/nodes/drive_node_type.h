@@ -39,6 +39,7 @@ struct drive_objects {
     uint32_t following_window;
     uint16_t following_timeout_ms;
     int32_t velocity_actual;
+    uint32_t rated_torque_mNm; /* of the motor */
     int16_t torque_actual;
     uint32_t dc_link_mV;
     int32_t target_position;

@@ -33,6 +33,7 @@ const struct co_entry drive_object_table[] = {
     CO_ANY(OWNER, following_window, 0x6065, 0, CO_UNSIGNED32, RW, "Following error window"),
     CO_ANY(OWNER, following_timeout_ms, 0x6066, 0, CO_UNSIGNED16, RW, "Following error time out"),
     CO_ANY(OWNER, velocity_actual, 0x606C, 0, CO_INTEGER32, RO | TX, "Velocity actual value"),
+    CO_ANY(OWNER, rated_torque_mNm, 0x6076, 0, CO_UNSIGNED32, FIXED, "Motor rated torque mNm"),
     CO_ANY(OWNER, torque_actual, 0x6077, 0, CO_INTEGER16, RO | TX, "Torque actual value"),
     CO_ANY(OWNER, dc_link_mV, 0x6079, 0, CO_UNSIGNED32, RO | TX, "DC link circuit voltage"),
     CO_ANY(OWNER, target_position, 0x607A, 0, CO_INTEGER32, RW | RX, "Target position"),

@@ -141,7 +141,9 @@ static uint32_t distance(int32_t a, int32_t b)
 
 static bool is_at_zero(const struct drive_node *node)
 {
-    return distance(node->objects.position_actual, 0) <= (uint32_t)node->objects.limit_max / 100;
+    const struct drive_objects *objects = &node->objects;
+    return distance(objects->position_actual, node->config.zero_counts) <=
+           distance(objects->limit_max, objects->limit_min) / 100;
 }
 
 /* Slow enough to lose torque: a motor in motion would coast past its zero. */

@@ -34,6 +34,8 @@ static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus
         .side = side,
         .node_id = (uint8_t)(NODE_DRIVE_LEFT + (int)side),
         .counts_per_m = (uint32_t)sea->counts_per_m,
+        .zero_counts = nodes->drives.zero_counts,
+        .inverted = nodes->drives.inverted,
         .stroke_m = sea->stroke_max_m,
         .max_speed_m_per_s = sea->speed_limit_m_s,
         .rated_force_N = sea->rated_force_N,

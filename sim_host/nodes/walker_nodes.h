@@ -35,6 +35,8 @@ struct walker_drives {
     enum drive_protocol protocol;
     double units_per_m; /* foreign: turns or radians of the motor per metre of spring */
     double zero_units;
+    int32_t zero_counts; /* CiA 402: count at the unloaded spring */
+    bool inverted;       /* and counts fall with compression */
     struct foreign_ranges ranges;
 };
 

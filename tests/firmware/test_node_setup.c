@@ -23,6 +23,7 @@ static const struct node_setup_config as_the_drive_is = {
     .counts_per_m = {13107200, 13107200},
     .limit_max_counts = {4587520, 4587520},
     .following_error_counts = {1310720, 1310720},
+    .rated_force_N = {50.0f, 50.0f},
 };
 
 static void start(void)
@@ -91,6 +92,26 @@ START_TEST(another_scaling_is_refused_with_both_values)
 }
 END_TEST
 
+/* 50 N through a screw of 5 mm a turn: 50 * 0.005 / 2 pi = 39.8 mNm, told as 40. */
+START_TEST(another_rated_torque_is_refused_with_both_values)
+{
+    start();
+    ck_assert_uint_eq(b.drive.objects.rated_torque_mNm, 40);
+    b.drive.objects.rated_torque_mNm = 42;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6076);
+    ck_assert_uint_eq(b.setup.failure.expected, 40);
+    ck_assert_uint_eq(b.setup.failure.found, 42);
+    start();
+    b.drive.objects.rated_torque_mNm = 0; /* a drive that does not know */
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    start();
+    b.drive.objects.rated_torque_mNm = 42;
+    b.config.rated_force_N[LEG_LEFT] = 0.0f; /* no force is made of it: not compared */
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+}
+END_TEST
+
 START_TEST(another_kind_of_device_is_refused)
 {
     start();
@@ -153,6 +174,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_add_test(tests, a_drive_as_expected_is_configured);
     tcase_add_test(tests, another_scaling_is_refused_with_both_values);
+    tcase_add_test(tests, another_rated_torque_is_refused_with_both_values);
     tcase_add_test(tests, another_kind_of_device_is_refused);
     tcase_add_test(tests, a_silent_node_is_named);
     tcase_add_test(tests, lost_frames_delay_but_do_not_refuse);

@@ -34,6 +34,10 @@ START_TEST(each_field_is_checked)
     settings = good;
     settings.axis[LEG_RIGHT].counts_per_m = 0.0f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
+    settings = good;
+    settings.setup.rated_force_N[LEG_LEFT] = 35.0f; /* the axis's is another */
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings = good;
     settings.axis[LEG_RIGHT].counts_per_m = INFINITY;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
     settings = good;

@@ -19,6 +19,36 @@ def test_the_walk_works_on_each_drive_protocol(subject):
     assert max(last) - min(last) < 0.005 * 0.6
 
 
+def subject_with(path, base, lines):
+    """A subject file: `base` with further lines of its [drive]; a key given there is replaced."""
+    keys = [line.split("=")[0].strip() for line in lines]
+    kept = [line for line in (SUBJECTS / base).read_text().splitlines() if line.split("=")[0].strip() not in keys]
+    path.write_text("\n".join([*kept, "[drive]", *lines]) + "\n")
+    return path
+
+
+def test_a_drive_that_counts_backwards_from_elsewhere_walks_the_same_walk(tmp_path):
+    options = ("--speed", "0.6", "--steps", "12", "--quiet", "--csv")
+    mirrored = subject_with(tmp_path / "mirrored.ini", "paper.ini",
+                            ["zero_counts = -123456", "direction = -1", "rated_force_N = 35"])
+    assert run(*options, tmp_path / "a.csv").returncode == 0
+    assert run("--subject", mirrored, *options, tmp_path / "b.csv").returncode == 0
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+@pytest.mark.parametrize("base, lines, message", [
+    ("paper-mit.ini", ["zero_rad = 5"], "22.5 rad at the full stroke"),
+    ("paper-mit.ini", ["zero_rad = -12.6"], "outside \"position_range_rad\", 12.5 rad"),
+    ("paper-mit.ini", ["direction = -1"], "does nothing with this subject's protocol, MIT"),
+    ("paper.ini", ["rad_per_m = 60"], "does nothing with this subject's protocol, CiA 402"),
+    ("paper.ini", ["direction = 0"], "1 or -1"),
+    ("paper.ini", ["zero_counts = 0.5"], "a whole number"),
+])
+def test_a_drive_that_cannot_fit_is_refused(tmp_path, base, lines, message):
+    done = run("--subject", subject_with(tmp_path / "no.ini", base, lines), "--steps", "2")
+    assert done.returncode == 2 and message in done.stderr and "no.ini" in done.stderr, done.stderr
+
+
 @pytest.fixture(scope="module")
 def log(tmp_path_factory):
     path = tmp_path_factory.mktemp("replay") / "walk.log"
