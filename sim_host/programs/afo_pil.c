@@ -243,8 +243,8 @@ static int start_image(struct session *session)
         nv[100] ^= 0x10; /* one bit: its CRC must tell */
         session->bridge.comparing = false;
     }
-    if (emulator_start(&session->emulator, session->options.image, nv, sizeof nv, message,
-                       sizeof message) != 0) {
+    if (emulator_start(&session->emulator, EMULATOR_PIPES, session->options.image, nv, sizeof nv,
+                       message, sizeof message) != 0) {
         return complain(message);
     }
     return pil_bridge_greet(&session->bridge) == 0
@@ -556,7 +556,7 @@ int main(int argc, char **argv)
                                        .sensors = SENSORS_17BIT,
                                        .seed = 1,
                                        .fault_step = 5};
-    session.emulator = (struct emulator){.to_image = -1, .from_image = -1};
+    session.emulator = (struct emulator){.to_image = -1, .from_image = -1, .uart = -1};
     option_identity("afo-pil");
     walk_options_init(&session.options.walk);
     sensor_options_init(&session.options.sensor);

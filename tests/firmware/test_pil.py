@@ -113,6 +113,30 @@ def test_the_black_box_replays_from_the_middle(tmp_path, options, fault_bits):
     assert result.returncode == 1 and f"line {place + 1}" in result.stdout
 
 
+def slcan(*options, status=0):
+    result = subprocess.run([str(ROOT / "build" / "afo-slcan"), "--json", "--speed", "0.8", *options], cwd=ROOT,
+                            capture_output=True, text=True, timeout=900)
+    assert result.returncode == status, result.stdout + result.stderr
+    return json.loads(result.stdout)
+
+
+@pytest.mark.parametrize("steps", [1, pytest.param(5, marks=pytest.mark.long)])
+def test_a_short_walk_over_slcan(steps):
+    """The same image on a board without a CAN controller: every frame through the UART."""
+    walk = slcan("--steps", str(steps))
+    assert walk["walked"] and walk["steps"] >= steps
+    assert walk["differences"] == 0
+    assert walk["compared_frames"] > 1000
+    assert walk["syncs"] == walk["ticks"]
+    # A SYNC is t0800 and CR, its acknowledgement z and CR: the frames did pass through the line.
+    assert walk["bytes_in"] > 6 * walk["ticks"] and walk["bytes_out"] > 60 * (walk["ticks"] - 700)
+
+
+@pytest.mark.long
+def test_one_changed_bit_on_the_line_is_noticed():
+    assert slcan("--steps", "1", "--corrupt", "900", status=1)["differences"] >= 1
+
+
 def test_the_image_names_its_build():
     walk = pil("--steps", "1", "--speed", "0.45")
     version = subprocess.run([str(PIL), "--version"], capture_output=True, text=True, check=True).stdout

@@ -151,17 +151,19 @@ static _Noreturn void run_over_pipes(void)
 static _Noreturn void run_over_uart(void)
 {
     uint32_t cycle_began_ms = timer.milliseconds;
+    bool sync_under_way = true;
 
     orthosis_start_cycle(&orthosis);
     for (;;) {
         const unsigned progress = orthosis_poll(&orthosis);
         const uint32_t now_ms = timer.milliseconds;
         if ((progress & CONTROL_TASK_TICKED) != 0u) {
+            sync_under_way = false;
             cycle_began_ms = now_ms;
         }
-        if (orthosis.task.tick == 0u ? now_ms - cycle_began_ms >= SLCAN_CYCLE_MS
-                                     : control_task_cycle_complete(&orthosis.task) ||
-                                           now_ms - cycle_began_ms >= SLCAN_CYCLE_MS) {
+        if ((!sync_under_way && control_task_cycle_complete(&orthosis.task)) ||
+            now_ms - cycle_began_ms >= SLCAN_CYCLE_MS) {
+            sync_under_way = true;
             cycle_began_ms = now_ms;
             orthosis_start_cycle(&orthosis);
         }
