@@ -17,6 +17,7 @@ enum {
     INDEX_RESTORE = 0x1011,
     INDEX_COMMANDS = 0x2000,
     INDEX_PARAMS = 0x2010,
+    INDEX_CRASH = 0x2032,
     INDEX_BLACK_BOX = 0x2040
 };
 
@@ -137,6 +138,9 @@ static uint32_t writing(void *context, const struct co_entry *entry, const uint8
     if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
         return keep(node, entry, bytes);
     }
+    if (entry->index == INDEX_CRASH) {
+        return node->crash == NULL ? CO_ABORT_DEVICE_STATE : CO_ABORT_NONE;
+    }
     if (entry->index == INDEX_BLACK_BOX) {
         return node->black_box == NULL || bytes[0] == BLACK_BOX_CLOSING ? CO_ABORT_DEVICE_STATE
                                                                         : CO_ABORT_NONE;
@@ -170,12 +174,26 @@ static void show_keeper(struct controller_node *node)
     node->comm.store = node->comm.restore = node->keeper != NULL ? ON_COMMAND : 0;
 }
 
+/* The record is shown as long as nobody has said that it was seen. */
+static void show_crash(struct controller_node *node)
+{
+    struct controller_objects *objects = &node->objects;
+    const struct crash_record *record = node->crash;
+    const bool left = record != NULL && crash_record_is_valid(record);
+    objects->crash_cause = left ? (uint8_t)record->cause : (uint8_t)CRASH_NONE;
+    objects->crash_record.bytes = (const uint8_t *)record;
+    objects->crash_record.length = left ? sizeof *record : 0;
+}
+
 static void written(void *context, const struct co_entry *entry)
 {
     struct controller_node *node = (struct controller_node *)context;
     struct controller_objects *objects = &node->objects;
     if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
         show_keeper(node);
+    } else if (entry->index == INDEX_CRASH) {
+        crash_record_acknowledge(node->crash);
+        show_crash(node);
     } else if (entry->index == INDEX_BLACK_BOX && objects->black_box_state == BLACK_BOX_FROZEN) {
         black_box_freeze(node->black_box, 0);
     } else if (entry->index == INDEX_BLACK_BOX) {
@@ -276,6 +294,7 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->counter_count = 6;
     objects->identity_count = 3;
     objects->setup_count = 6;
+    objects->crash_count = 2;
     objects->black_box_count = 3;
     objects->params = *params;
     objects->build_id = version_build_id();
@@ -319,12 +338,14 @@ int controller_node_init(struct controller_node *node, const struct control_para
 
 void controller_node_attach(struct controller_node *node,
                             const struct controller_keeper_ops *keeper, void *keeper_context,
-                            struct black_box *black_box)
+                            struct black_box *black_box, struct crash_record *crash)
 {
     node->keeper = keeper;
     node->keeper_context = keeper_context;
     node->black_box = black_box;
+    node->crash = crash;
     show_keeper(node);
+    show_crash(node);
 }
 
 /* ---- running --------------------------------------------------------------- */

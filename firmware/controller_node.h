@@ -18,6 +18,7 @@
 #include "hal/black_box.h"
 #include "hal/can_bus.h"
 #include "hal/canopen/co_device.h"
+#include "hal/crash_record.h"
 #include "hal/node_setup.h"
 
 /* Values of the dictionary's entries 0x2000 and above. */
@@ -51,6 +52,9 @@ struct controller_objects {
     char version[32];
     uint32_t build_id;
     uint32_t params_crc;
+    /* 0x2032: what the last crash left */
+    uint8_t crash_count, crash_cause; /* enum crash_cause; 0 = none, or seen */
+    struct co_domain crash_record;
     /* 0x2040: the black box */
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
     uint32_t black_box_reason;
@@ -89,6 +93,7 @@ struct controller_node {
     const struct controller_keeper_ops *keeper; /* NULL: nobody keeps settings */
     void *keeper_context;
     struct black_box *black_box; /* NULL: there is none */
+    struct crash_record *crash;  /* NULL: nobody leaves one */
     uint8_t sent_state, sent_fault;
     /* The running check of the parameters' CRC. */
     uint32_t crc_so_far, crc_expected;
@@ -114,11 +119,11 @@ enum controller_emcy {
 int controller_node_init(struct controller_node *node, const struct control_params *params,
                          float desired_speed_rad_s, bool walk_requested, struct can_bus bus);
 
-/* Lets *keeper be asked to keep the settings, and the black box be read, over SDO; either may
- * be NULL. All stay the caller's. Start-up only. */
+/* Lets *keeper be asked to keep the settings, and the black box and the crash record be read
+ * over SDO; each may be NULL. All stay the caller's. Start-up only. */
 void controller_node_attach(struct controller_node *node,
                             const struct controller_keeper_ops *keeper, void *keeper_context,
-                            struct black_box *black_box);
+                            struct black_box *black_box, struct crash_record *crash);
 
 /* CRC-32 over the parameters' values and tables, not over where they lie: the same on every
  * machine. */

@@ -62,16 +62,25 @@ firmware: $(NUCLEO).elf $(NUCLEO).bin $(NUCLEO).hex $(MPS2).elf ## images for th
 
 OPENOCD ?= openocd
 OPENOCD_BOARD := -f interface/stlink.cfg -f target/stm32g4x.cfg
-flash: $(NUCLEO).elf $(NUCLEO).bin ## write the image to a NUCLEO-G474RE (openocd, else st-flash)
+# With SUBJECT (an .ini file) its settings go along, into the parameter memory: a device
+# without any does not walk. SPEED is the apex speed to begin with.
+SETTINGS_AT := 0x0807E000
+SETTINGS_BIN := $(ARM_BUILD)/settings.bin
+flash: $(NUCLEO).elf $(NUCLEO).bin $(if $(SUBJECT),programs) ## write the image (SUBJECT=FILE: and settings) to a NUCLEO-G474RE (openocd, else st-flash)
+	$(Q)$(if $(SUBJECT),$(BUILD)/afo-settings --subject '$(SUBJECT)' $(if $(SPEED),--speed $(SPEED)) $(SETTINGS_BIN))
 	$(Q)if command -v $(OPENOCD) >/dev/null; then \
-	        $(OPENOCD) $(OPENOCD_BOARD) -c 'program $< verify reset exit'; \
-	elif command -v st-flash >/dev/null; then st-flash --reset write $(NUCLEO).bin 0x08000000; \
+	        $(OPENOCD) $(OPENOCD_BOARD) \
+	                $(if $(SUBJECT),-c 'program $(SETTINGS_BIN) $(SETTINGS_AT) verify') \
+	                -c 'program $< verify reset exit' || \
+	        { echo 'flash: not written; is the board plugged in at its ST-Link?' >&2; exit 1; }; \
+	elif command -v st-flash >/dev/null; then \
+	        $(if $(SUBJECT),st-flash write $(SETTINGS_BIN) $(SETTINGS_AT) &&) \
+	        st-flash --reset write $(NUCLEO).bin 0x08000000; \
 	else echo 'flash: neither openocd nor st-flash is here (scripts/setup flash)' >&2; exit 1; fi
 
-# DBGMCU_APB1FZR1, bits DBG_IWDG_STOP and DBG_TIM2_STOP (CMSIS stm32g474xx.h): neither the
-# watchdog nor the clock, whose compare a halt would leave behind, goes on while it is halted.
-DEBUG_FREEZE := set {unsigned}0xE0042008 = 0x1001
 debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still while it is halted
+	$(Q)for tool in gdb-multiarch $(OPENOCD); do command -v $$tool >/dev/null || \
+	        { echo "debug: $$tool is not here (scripts/setup flash)" >&2; exit 1; }; done
 	$(Q)gdb-multiarch $< -ex 'target extended-remote | $(OPENOCD) $(OPENOCD_BOARD) \
 	        -c "gdb_port pipe; log_output /dev/null"' -ex 'monitor reset halt' \
 	        -ex '$(DEBUG_FREEZE)'
@@ -81,3 +90,7 @@ TEST_NEEDS += firmware
 .PHONY: pil
 pil: firmware programs ## 200 steps with the flashed object code on an emulated Cortex-M4F, frame by frame like the host's
 	$(Q)$(BUILD)/afo-pil --steps 200 --speed 0.8 --image $(MPS2).elf
+
+.PHONY: budgets
+budgets: firmware programs ## what the image takes of flash, RAM, stack and instructions
+	$(Q)scripts/budgets $(BUILD)

@@ -94,7 +94,8 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
     task.drives = cia402_drives_interface(&orthosis->drives);
     memcpy(task.leg_sensor, settings->sensor, sizeof task.leg_sensor);
     (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
-    controller_node_attach(&orthosis->task.node, &keeper_ops, orthosis, config->black_box);
+    controller_node_attach(&orthosis->task.node, &keeper_ops, orthosis, config->black_box,
+                           config->crash);
 }
 
 /* What a crash cut short is kept until somebody has fetched it. */
@@ -155,8 +156,8 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     progress = control_task_poll(task);
     /* Until the first own SYNC came back no command was ever sent, nothing can
      * move, and a bus that is not there yet is no reason to restart. */
-    const bool fed = watchdog_gate_report(&orthosis->gate,
-                                          task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
+    const bool fed =
+        watchdog_gate_report(&orthosis->gate, task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
     if (fed && orthosis->permit != NULL && !control_task_power_must_go(task)) {
         power_permit_toggle(orthosis->permit);
     }

@@ -29,6 +29,7 @@ struct orthosis_config {
     const struct power_permit *permit; /* of the drives' power; NULL: the board has none */
     const struct nv_store *nv;
     struct black_box *black_box; /* in memory that a reset does not clear */
+    struct crash_record *crash;  /* as the last run left it, in such memory too; may be NULL */
     bool restarted;              /* after a crash or by the watchdog: stay in the safe state */
 };
 

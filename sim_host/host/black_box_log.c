@@ -8,7 +8,13 @@
 #include "sim_host/bus/candump_log.h"
 #include "sim_host/host/sdo_upload.h"
 
-enum { OBJECT_IDENTITY = 0x2030, OBJECT_BLACK_BOX = 0x2040, SUB_STATE = 1, SUB_IMAGE = 3 };
+enum {
+    OBJECT_IDENTITY = 0x2030,
+    OBJECT_CRASH = 0x2032,
+    OBJECT_BLACK_BOX = 0x2040,
+    SUB_STATE = 1,
+    SUB_IMAGE = 3
+};
 
 /* ---- image to log ------------------------------------------------------------- */
 
@@ -164,12 +170,45 @@ int black_box_fetch(const struct can_bus *bus, bool (*wait)(void *context, unsig
     return 0;
 }
 
+int black_box_fetch_crash(const struct can_bus *bus, bool (*wait)(void *context, unsigned waits),
+                          void *context, struct crash_record *record, char *message, size_t size)
+{
+    struct sdo_upload upload = {
+        .bus = bus, .node = NODE_CONTROLLER, .wait = wait, .context = context};
+    uint8_t cause;
+    size_t length;
+
+    memset(record, 0, sizeof *record);
+    if (explain(&upload, sdo_upload(&upload, OBJECT_CRASH, 1, &cause, sizeof cause, &length),
+                "saying how it crashed", message, size) != 0) {
+        return -1;
+    }
+    if (cause == CRASH_NONE) {
+        return 0;
+    }
+    if (explain(&upload,
+                sdo_upload(&upload, OBJECT_CRASH, 2, (uint8_t *)record, sizeof *record, &length),
+                "reading its crash record", message, size) != 0) {
+        return -1;
+    }
+    if (!crash_record_is_valid(record)) {
+        snprintf(message, size, "the crash record is damaged");
+        return -1;
+    }
+    return 0;
+}
+
 int black_box_release(const struct can_bus *bus, bool (*wait)(void *context, unsigned waits),
                       void *context, char *message, size_t size)
 {
     struct sdo_upload upload = {
         .bus = bus, .node = NODE_CONTROLLER, .wait = wait, .context = context};
 
-    return explain(&upload, sdo_write(&upload, OBJECT_BLACK_BOX, SUB_STATE, BLACK_BOX_RECORDING, 1),
-                   "recording anew", message, size);
+    if (explain(&upload, sdo_write(&upload, OBJECT_BLACK_BOX, SUB_STATE, BLACK_BOX_RECORDING, 1),
+                "recording anew", message, size) != 0) {
+        return -1;
+    }
+    const enum sdo_upload_result seen = sdo_write(&upload, OBJECT_CRASH, 1, CRASH_NONE, 1);
+    /* A controller on Linux leaves no crash records, and says so. */
+    return seen == SDO_UPLOAD_ABORTED ? 0 : explain(&upload, seen, "the crash seen", message, size);
 }

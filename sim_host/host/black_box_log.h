@@ -16,6 +16,7 @@
 
 #include "hal/black_box.h"
 #include "hal/can_bus.h"
+#include "hal/crash_record.h"
 
 enum {
     BLACK_BOX_ID_IDENTITY = 0x1AB00000, /* build id u32, parameter CRC-32 u32 */
@@ -43,7 +44,13 @@ int black_box_fetch(const struct can_bus *bus, bool (*wait)(void *context, unsig
                     void *context, bool freeze, struct black_box *box,
                     char version[BLACK_BOX_VERSION_MAX + 1], char *message, size_t size);
 
-/* Lets the box of the controller record anew. Results as above. */
+/* Reads what the controller's last crash left (0x2032) into *record: magic 0 when nothing, or
+ * it was seen. Results as above. */
+int black_box_fetch_crash(const struct can_bus *bus, bool (*wait)(void *context, unsigned waits),
+                          void *context, struct crash_record *record, char *message, size_t size);
+
+/* Lets the box of the controller record anew, and calls its crash record seen. Results as
+ * above. */
 int black_box_release(const struct can_bus *bus, bool (*wait)(void *context, unsigned waits),
                       void *context, char *message, size_t size);
 

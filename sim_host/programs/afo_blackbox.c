@@ -20,7 +20,8 @@ struct options {
 static const struct argp_option option_list[] = {
     {"out", 'o', "FILE", 0, "the log (standard output)", 0},
     {"freeze", 'f', 0, 0, "freeze a box that still records; without, only a frozen one is read", 0},
-    {"release", 'r', 0, 0, "let it record anew once the log is written", 0},
+    {"release", 'r', 0, 0,
+     "let it record anew once the log is written, and call its crash record seen", 0},
     {"quiet", 'q', 0, 0, "no summary on standard error", 0},
     {0}};
 
@@ -83,8 +84,20 @@ static int run(const struct options *options, struct socketcan_bus *socket, stru
     static struct black_box box;
     const struct can_bus bus = socketcan_bus_interface(socket);
     struct black_box_summary summary;
+    struct crash_record crash;
     char version[BLACK_BOX_VERSION_MAX + 1], message[OUTPUT_PATH_MAX + 256] = "";
 
+    if (black_box_fetch_crash(&bus, wait, socket, &crash, message, sizeof message) != 0) {
+        fprintf(stderr, "afo-blackbox: %s\n", message);
+        return EXIT_FAILED;
+    }
+    if (crash.magic != 0 && !options->quiet) {
+        fprintf(
+            stderr,
+            "crash %u since power-up: cause %u, pc %08x, lr %08x, detail %u, address %08x, cfsr %08x\n",
+            (unsigned)crash.count, (unsigned)crash.cause, (unsigned)crash.pc, (unsigned)crash.lr,
+            (unsigned)crash.detail, (unsigned)crash.fault_address, (unsigned)crash.cfsr);
+    }
     if (black_box_fetch(&bus, wait, socket, options->freeze, &box, version, message,
                         sizeof message) != 0) {
         fprintf(stderr, "afo-blackbox: %s\n", message);

@@ -360,6 +360,9 @@ int main(int argc, char **argv)
         socketcan_bus_close(&host.socket);
         return EXIT_USAGE;
     }
+    if (host.recorder.box != NULL) {
+        controller_node_attach(&host.rig.task.node, NULL, NULL, host.recorder.box, NULL);
+    }
     run(&host);
     if (host.options.json) {
         report_json(&host);

@@ -420,7 +420,20 @@ static void fetch_black_box(struct session *session)
 {
     char version[BLACK_BOX_VERSION_MAX + 1];
 
+    struct crash_record crash;
+
     session->bridge.comparing = false; /* the host's task has no black box to read from */
+    if (black_box_fetch_crash(&session->tool, let_it_run, session, &crash, session->trouble,
+                              sizeof session->trouble) != 0) {
+        session->reached = false;
+        return;
+    }
+    if (memcmp(&crash, &session->bridge.hello.crash, sizeof crash) != 0) {
+        session->reached = false;
+        snprintf(session->trouble, sizeof session->trouble,
+                 "the crash record over SDO is not the one left");
+        return;
+    }
     if (black_box_fetch(&session->tool, let_it_run, session, true, &session->black_box, version,
                         session->trouble, sizeof session->trouble) != 0) {
         session->reached = false;

@@ -117,3 +117,14 @@ def test_the_stack_check_notices(tmp_path, change, says):
     result = subprocess.run(["scripts/stack-depth", str(tmp_path)], cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 1
     assert says in result.stderr
+
+
+def test_the_readme_names_these_limits():
+    readme = (ROOT / "README.md").read_text()
+    readme = readme[readme.index("## Flashing"):readme.index("## Tuning")]
+    rows = dict(re.findall(r"^\| ([a-zA-Z ,.()16]+) \| ([\d,]+)[ a-z]* \| [\d,]+", readme, re.MULTILINE))
+    named = {name: int(limit.replace(",", "")) for name, limit in rows.items()}
+    assert named == {"flash": FLASH_BYTES, "static RAM besides the black box": RAM_BYTES, "stack": STACK_BYTES,
+                     "instructions of the worst tick, eq. (16)": 8000}
+    command = (ROOT / "scripts/budgets").read_text()
+    assert [int(n) for n in re.findall(r'": (\d+)[,}]', command)] == list(named.values())

@@ -7,7 +7,7 @@
 
 #include "hal/nv_store.h"
 
-enum { NV_MEMORY_WORDS = 64 };
+enum { NV_MEMORY_WORDS = 512 };
 
 /* What a word reads as whose writing the power failure cut short. */
 enum nv_memory_torn {

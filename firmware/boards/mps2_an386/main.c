@@ -176,6 +176,7 @@ int main(void)
         .watchdog = &mps2_watchdog,
         .nv = &mps2_nv_store,
         .black_box = &black_box,
+        .crash = &crash_record,
         .restarted = restarted(),
     };
     const bool pipes = open_pipes();

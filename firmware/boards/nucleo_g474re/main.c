@@ -129,6 +129,7 @@ int main(void)
         .permit = &pc1_power_permit,
         .nv = &nv,
         .black_box = &black_box,
+        .crash = &crash_record,
         .restarted = restarted(reset_flags),
     };
 
