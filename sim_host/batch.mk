@@ -17,3 +17,13 @@ atlas: ## where a walker walks: the basin as a volume, the plane of push-off and
 	$(Q)scripts/setup bench
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/bench-atlas $(BUILD)
+
+.PHONY: soak-strides neon-check
+soak-strides: ## 1e8 strides with different vectors and threads: no differing bit, no growth (some minutes)
+	$(Q)scripts/setup bench
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)scripts/soak-strides $(BUILD)
+neon-check: ## the batch engine for 64-bit ARM under an emulator: the same bits as here
+	$(Q)scripts/setup neon
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)scripts/neon-check $(BUILD)

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "firmware/version.h"
 #include "sim_host/batch/atlas.h"
 #include "sim_host/batch/batch.h"
 
@@ -19,6 +20,8 @@ static const char help[] =
     "       paper's; 0.0385 a 70 kg adult's); a byte each: 0 falls, 1..64 period, 255 none\n"
     "--lanes 2, 4 or 8: vectors of that width (0: the widest; the results are the same).\n"
     "FILE is resumed when it is there; interrupt at will. mpirun -n R afo-atlas ... shares the work among ranks.\n";
+
+enum { EXIT_USAGE = 2 };
 
 struct options {
     int points, strides, threads, lanes;
@@ -46,7 +49,8 @@ static int take(struct options *options, const char *name, const char *text)
             continue;
         }
         if (text == NULL || !number_of(text, known[i].low, known[i].high, &number)) {
-            fprintf(stderr, "afo-atlas: %s must be %g to %g\n", name, known[i].low, known[i].high);
+            fprintf(stderr, "afo-atlas: %s must be a number from %g to %g\n", name, known[i].low,
+                    known[i].high);
             return 0;
         }
         switch (i) {
@@ -92,21 +96,25 @@ int main(int argc, char **argv)
     const int is_basin = argc > 2 && strcmp(argv[1], "basin") == 0;
     const int is_plane = argc > 2 && strcmp(argv[1], "plane") == 0;
     struct options options = {is_basin ? 128 : 200, 60, 0, 0, 0.05, 0.01};
+    if (argc > 1 && strcmp(argv[1], "--version") == 0) {
+        printf("afo-atlas %s\n", version_text());
+        return EXIT_SUCCESS;
+    }
     if (!is_basin && !is_plane) {
         const int is_asked = argc > 1 && strcmp(argv[1], "--help") == 0;
         fputs(help, is_asked ? stdout : stderr);
-        return is_asked ? EXIT_SUCCESS : EXIT_FAILURE;
+        return is_asked ? EXIT_SUCCESS : EXIT_USAGE;
     }
     for (int i = 3; i < argc; i += 2) {
         if (!take(&options, argv[i], i + 1 < argc ? argv[i + 1] : NULL)) {
-            return EXIT_FAILURE;
+            return EXIT_USAGE;
         }
     }
     if (batch_use_lanes(options.lanes) != BATCH_OK) {
         fputs(
             "afo-atlas: --lanes must be 2, 4 or 8, and this processor must have them; 0: the widest\n",
             stderr);
-        return EXIT_FAILURE;
+        return EXIT_USAGE;
     }
     if (is_basin) {
         struct atlas_basin basin = {1.0,
