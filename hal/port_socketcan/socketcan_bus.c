@@ -123,7 +123,10 @@ int socketcan_bus_open(struct socketcan_bus *bus, const char *interface_name,
     const size_t length = strlen(interface_name);
     memset(bus, 0, sizeof *bus);
     bus->fd = -1;
-    if (length == 0 || length >= SOCKETCAN_NAME_MAX || filter_count > SOCKETCAN_FILTERS_MAX) {
+    if (length >= SOCKETCAN_NAME_MAX) {
+        return -ENAMETOOLONG;
+    }
+    if (length == 0 || filter_count > SOCKETCAN_FILTERS_MAX) {
         return -EINVAL;
     }
     memcpy(bus->name, interface_name, length);

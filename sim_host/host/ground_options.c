@@ -7,6 +7,8 @@
 
 enum { KEY_SLOPE = 0x600, KEY_TERRAIN, KEY_PUSH };
 
+#define PUSH_MAX_NS 1e4
+#define PUSH_MAX_S 1e6
 #define RAD_PER_DEG 0.017453292519943295
 
 static const struct argp_option option_list[] = {
@@ -24,10 +26,16 @@ static void take_push(struct ground_options *options, const char *text, struct a
     char *at, *end;
     options->push_Ns = strtod(text, &at);
     options->push_s = strtod(*at == '@' ? at + 1 : at, &end);
-    if (at == text || *at != '@' || end == at + 1 || *end != '\0' ||
-        !(options->push_Ns >= -1e4 && options->push_Ns <= 1e4) ||
-        !(options->push_s >= 0.0 && options->push_s <= 1e6)) {
+    if (at == text || *at != '@' || end == at + 1 || *end != '\0') {
         argp_error(state, "--push: \"%s\" is not NEWTONSECONDS@SECONDS, as in 0.05@12.5", text);
+    }
+    if (!(fabs(options->push_Ns) <= PUSH_MAX_NS) || options->push_Ns == 0.0) {
+        argp_error(state, "--push: %s: the impulse is out of range, allowed is -%g to %g N s but 0",
+                   text, PUSH_MAX_NS, PUSH_MAX_NS);
+    }
+    if (!(options->push_s >= 0.0 && options->push_s <= PUSH_MAX_S)) {
+        argp_error(state, "--push: %s: the time is out of range, allowed is 0 to %g s", text,
+                   PUSH_MAX_S);
     }
 }
 
@@ -50,6 +58,11 @@ static error_t take(int key, char *text, struct argp_state *state)
 }
 
 const struct argp ground_options_parser = {option_list, take, 0, 0, 0, 0, 0};
+
+bool ground_options_given(const struct ground_options *options)
+{
+    return options->slope_deg != 0.0 || options->terrain_mm != 0.0 || options->push_Ns != 0.0;
+}
 
 void ground_options_apply(const struct ground_options *options, struct loop_config *config)
 {

@@ -19,6 +19,9 @@ extern const struct argp ground_options_parser;
 
 #define GROUND_SLOPE_PER_STEP_DEG 0.05
 
+/* Whether any of them does something. */
+bool ground_options_given(const struct ground_options *options);
+
 /* Terrain into the plant's configuration. */
 void ground_options_apply(const struct ground_options *options, struct loop_config *config);
 

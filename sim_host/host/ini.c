@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,10 +18,35 @@ static char *trim(char *text)
     return text;
 }
 
+static bool is_blank_or_end(char sign)
+{
+    return sign == '\0' || isspace((unsigned char)sign);
+}
+
+/* Ends the text where a comment begins: ; or # as the line's first sign, or between blanks;
+ * else it belongs to the value ("A;B #1"). */
+static void cut_comment(char *text)
+{
+    bool first = true;
+    for (size_t i = 0; text[i] != '\0'; i++) {
+        const bool between = i > 0 && (is_blank_or_end(text[i - 1]) || text[i - 1] == ']') &&
+                             is_blank_or_end(text[i + 1]);
+        if ((text[i] == ';' || text[i] == '#') && (first || between)) {
+            text[i] = '\0';
+            return;
+        }
+        first = first && isspace((unsigned char)text[i]);
+    }
+}
+
 static int read_line(const char *path, int line, char *text, char *section, ini_handler handler,
                      void *context, char *message, size_t message_size)
 {
-    text[strcspn(text, ";#")] = '\0';
+    static const char byte_order_mark[] = "\xEF\xBB\xBF"; /* UTF-8's, as editors write it */
+    if (line == 1 && strncmp(text, byte_order_mark, sizeof byte_order_mark - 1) == 0) {
+        text += sizeof byte_order_mark - 1;
+    }
+    cut_comment(text);
     char *content = trim(text);
     if (*content == '\0') {
         return 0;

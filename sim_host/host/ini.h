@@ -1,4 +1,5 @@
-/* INI files: [section], key = value, comments from ; or # to the end of the line.
+/* INI files: [section], key = value. A comment goes from ; or # to the end of the line; the
+ * sign is the line's first or stands between blanks. A UTF-8 byte order mark is read over.
  *
  * Written here and not taken from a library because the walk must build on a
  * machine that has a C compiler and make and nothing else.

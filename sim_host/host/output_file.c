@@ -13,6 +13,10 @@ int output_file_open(struct output_file *file, const char *path, char *message, 
         snprintf(message, size, "output path is too long");
         return -1;
     }
+    if (strcmp(path, "-") == 0) {
+        snprintf(message, size, "\"-\" names no file: standard output is /dev/stdout");
+        return -1;
+    }
     if (path[0] == '\0' || path[strlen(path) - 1] == '/') {
         snprintf(message, size, "cannot write \"%s\": that is no file name", path);
         return -1;
@@ -70,4 +74,15 @@ void output_file_discard(struct output_file *file)
     if (!file->direct) {
         unlink(file->temporary);
     }
+}
+
+int output_standard_done(const char *program)
+{
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout)) {
+        return 0;
+    }
+    fprintf(stderr, "%s: cannot write to standard output%s%s\n", program, errno != 0 ? ": " : "",
+            errno != 0 ? strerror(errno) : "");
+    return -1;
 }

@@ -27,6 +27,10 @@ int output_file_open(struct output_file *file, const char *path, char *message, 
  * or -1 with the reason in message; then the temporary file is gone. */
 int output_file_commit(struct output_file *file, char *message, size_t size);
 
+/* Completes standard output, and complains in the program's name when some of what was
+ * printed is lost. Returns 0 or -1. At the end of a program. */
+int output_standard_done(const char *program);
+
 /* Throws away what was written; nothing happens on a file that is not open. */
 void output_file_discard(struct output_file *file);
 

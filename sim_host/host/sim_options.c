@@ -69,6 +69,15 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
     if (options->wearer_path == NULL && options->format_given) {
         argp_error(state, "--column, --rate and --angles describe the recording of --wearer");
     }
+    if (options->wearer_path != NULL && ground_options_given(&options->ground)) {
+        argp_error(state,
+                   "--slope-deg, --terrain-mm and --push act on the simulated walker, not on "
+                   "the recorded one of --wearer");
+    }
+    if (options->wearer_path != NULL && options->walk.law_given &&
+        options->walk.law != LAW_WEARER) {
+        argp_error(state, "--law and --wearer exclude each other: a person's law is \"wearer\"");
+    }
     if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
         argp_error(state, "--fault-step needs --fault NAME");
     }

@@ -114,6 +114,19 @@ static int parse_number(const char *key, const char *value, double minimum, doub
     return 0;
 }
 
+/* Parameters that are numbers of something, or of a kind, and so have no halves. */
+static int check_whole(const char *key, double value, char *message, size_t size)
+{
+    static const char *const keys[] = {"body", "law", "engage_steps", "engage_ramp_steps"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        if (strcmp(key, keys[i]) == 0 && value != floor(value)) {
+            snprintf(message, size, "key \"%s\": %g is not a whole number", key, value);
+            return -1;
+        }
+    }
+    return 0;
+}
+
 static int take_control_key(struct subject *subject, const char *key, const char *value,
                             char *message, size_t size)
 {
@@ -130,8 +143,11 @@ static int take_control_key(struct subject *subject, const char *key, const char
                 subject->control_override[i] = (double)law;
                 return 0;
             }
-            return parse_number(key, value, (double)d->minimum, (double)d->maximum, d->meaning,
-                                &subject->control_override[i], message, size);
+            if (parse_number(key, value, (double)d->minimum, (double)d->maximum, d->meaning,
+                             &subject->control_override[i], message, size) != 0) {
+                return -1;
+            }
+            return check_whole(key, subject->control_override[i], message, size);
         }
     }
     snprintf(message, size, "unknown key \"%s\" in section [controller]", key);
@@ -215,6 +231,10 @@ static int take_key(void *context, const char *section, const char *key, const c
             return parse_number(key, value, k->minimum, k->maximum, k->meaning,
                                 (double *)((char *)subject + k->offset), message, size);
         }
+    }
+    if (section[0] == '\0') {
+        snprintf(message, size, "key \"%.40s\" stands before the first [section]", key);
+        return -1;
     }
     snprintf(message, size, "unknown key \"%.40s\" in section [%.40s]", key, section);
     return -1;

@@ -17,7 +17,7 @@ static const struct argp_option option_list[] = {
      "forward apex speed to walk at (default: that of the start gait)", 0},
     {"kp", KEY_KP, "GAIN", 0,
      "gain of the law in m per rad/s (default: 0.042 scaled to the subject)", 0},
-    {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat or predictive", 0},
+    {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat, predictive or wearer", 0},
     {"open-loop", KEY_OPEN_LOOP, 0, 0,
      "no law: constant precompression --r0, reached by a slow ramp", 0},
     {"r0", KEY_R0, "M", 0, "precompression of --open-loop, metres", 0},
@@ -185,6 +185,13 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
     }
     if (subject_control_params(subject, params, message) != 0) {
         name_file(options->subject_path, message);
+        return -1;
+    }
+    if (options->kp >= 0.0 &&
+        (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT)) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "--kp does nothing with the law %s: its gains are the branch's",
+                 law_name_of((enum law_mode)params->law));
         return -1;
     }
     *desired_speed_rad_s = (double)speed_table_speed(&params->table, params->start_r0_m);

@@ -12,6 +12,7 @@
 #include "firmware/version.h"
 #include "hal/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
+#include "sim_host/host/output_file.h"
 #include "sim_host/host/pacer.h"
 #include "sim_host/host/task_rig.h"
 #include "sim_host/host/walk_options.h"
@@ -371,5 +372,8 @@ int main(int argc, char **argv)
     }
     const bool faulty = host.rig.task.output.fault != SUPERVISOR_FAULT_NONE || host.refusal_told;
     socketcan_bus_close(&host.socket);
+    if (output_standard_done("afo-host") != 0) {
+        return EXIT_USAGE;
+    }
     return faulty ? EXIT_FAULT : EXIT_DONE;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_host/host/output_file.h"
 #include "sim_host/host/replay.h"
 #include "sim_host/host/walk_options.h"
 
@@ -54,9 +55,10 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
                    path, (unsigned long long)replay->frames, (unsigned long long)replay->ticks,
                    (unsigned long long)replay->compared);
             if (replay->snapshots > 0) {
-                printf("from the middle of a walk, by %u snapshot%s of build %08x, parameter CRC %08x\n",
-                       replay->snapshots, replay->snapshots > 1 ? "s" : "", replay->build_id,
-                       replay->parameter_crc);
+                printf(
+                    "from the middle of a walk, by %u snapshot%s of build %08x, parameter CRC %08x\n",
+                    replay->snapshots, replay->snapshots > 1 ? "s" : "", replay->build_id,
+                    replay->parameter_crc);
             }
         }
         return EXIT_EQUAL;
@@ -110,5 +112,6 @@ int main(int argc, char **argv)
     }
     const enum replay_verdict verdict = replay_run(&replay, log);
     fclose(log);
-    return report(&replay, verdict, options.log_path, options.quiet);
+    const int status = report(&replay, verdict, options.log_path, options.quiet);
+    return output_standard_done("afo-replay") == 0 ? status : EXIT_USAGE;
 }

@@ -50,6 +50,7 @@ struct session {
     struct output_file csv, log;
     struct sim_outcome outcome;
     struct pacer pacer;
+    bool pushed;
 };
 
 static void complain(const char *message)
@@ -209,7 +210,6 @@ static void walk(struct session *session)
         !session->options.quiet && !session->options.json && isatty(STDERR_FILENO);
     uint64_t last_progress_tick = 0;
     uint32_t seen = 0;
-    bool pushed = false;
     const double start_s = now_s();
 
     if (session->options.real_time) {
@@ -219,7 +219,7 @@ static void walk(struct session *session)
         if (session->options.real_time) {
             (void)pacer_wait(&session->pacer);
         }
-        ground_options_tick(&session->options.ground, loop, &pushed);
+        ground_options_tick(&session->options.ground, loop, &session->pushed);
         loop_tick(loop);
         const int event = walk_record_take(&session->record, loop);
         if (session->options.ticks) {
@@ -275,6 +275,24 @@ static void discard_unfinished(struct output_file *file)
     output_file_discard(file);
 }
 
+/* A disturbance that was asked for and never came must not pass for one that was survived. */
+static int complain_of_what_never_came(const struct session *session, int status)
+{
+    const struct sim_options *options = &session->options;
+    if (status != EXIT_WALKED) {
+        return status;
+    }
+    if (options->ground.push_Ns != 0.0 && !session->pushed) {
+        complain("--push did not happen: the walk ended before its time");
+        status = EXIT_USAGE;
+    }
+    if (options->fault != LOOP_FAULT_NONE && !session->loop->fault_active) {
+        complain("--fault did not happen: the walk ended before --fault-step");
+        status = EXIT_USAGE;
+    }
+    return status;
+}
+
 static int finish(struct session *session)
 {
     const struct sim_options *options = &session->options;
@@ -313,7 +331,7 @@ static int finish(struct session *session)
         complain("cannot write to standard output");
         status = EXIT_USAGE;
     }
-    return status;
+    return complain_of_what_never_came(session, status);
 }
 
 static int run(struct session *session)

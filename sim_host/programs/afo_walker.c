@@ -13,6 +13,7 @@
 #include "hal/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
 #include "sim_host/host/loop.h"
+#include "sim_host/host/output_file.h"
 #include "sim_host/host/walk_options.h"
 #include "sim_host/nodes/walker_nodes.h"
 
@@ -345,6 +346,9 @@ int main(int argc, char **argv)
         report_json(&session);
     } else if (!session.options.quiet) {
         report_text(&session);
+    }
+    if (output_standard_done("afo-walker") != 0) {
+        return EXIT_USAGE;
     }
     return session.falls > 0 ? EXIT_FELL : EXIT_WALKED;
 }

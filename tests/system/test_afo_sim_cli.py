@@ -149,6 +149,16 @@ def test_same_seed_same_log_other_seed_other_log(tmp_path):
     (["--csv", "same", "--log", "same"], ["--csv", "--log", "same file"]),
     (["--fault-step", "3"], ["--fault-step", "--fault"]),
     (["--rate", "100"], ["--rate", "--wearer"]),
+    (["--wearer", "w.csv", "--slope-deg", "3"], ["--slope-deg", "--wearer"]),
+    (["--wearer", "w.csv", "--terrain-mm", "50"], ["--terrain-mm", "--wearer"]),
+    (["--wearer", "w.csv", "--push", "100@1"], ["--push", "--wearer"]),
+    (["--wearer", "w.csv", "--law", "predictive"], ["--law", "--wearer"]),
+    (["--law", "dlqr", "--kp", "0.5"], ["--kp", "dlqr"]),
+    (["--law", "deadbeat", "--kp", "0.5"], ["--kp", "deadbeat"]),
+    (["--push", "20000@1"], ["--push", "-10000 to 10000 N s"]),
+    (["--push", "0@1"], ["--push", "but 0"]),
+    (["--push", "1@-1"], ["--push", "0 to 1e+06 s"]),
+    (["--csv", "-"], ["\"-\"", "/dev/stdout"]),
     (["--column", "time="], ["--column", "--wearer"]),
     (["--open-loop", "--r0", "0.35"], ["0.35", "allows"]),
     (["--start-r0", "0.5"], ["0.5", "allow"]),
@@ -292,8 +302,48 @@ def test_a_reader_that_goes_away_ends_the_walk(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_push_that_never_came_is_told():
+    done = run("--speed", "0.42", "--steps", "1", "--quiet", "--push", "0.01@1000")
+    assert done.returncode == 2 and "--push did not happen" in done.stderr
+
+
+def test_help_names_every_law_that_is_taken():
+    allowed = run("--law", "magic").stderr.split("allowed is ")[1].split("\n")[0].replace(" or ", ", ").split(", ")
+    text = " ".join(run("--help").stdout.split())
+    listed = text.split("--law=NAME ")[1].split(" --")[0]
+    assert len(allowed) == 5
+    for law in allowed:
+        assert law in listed, law
+
+
+def subject(path, text, start=b""):
+    body = (ROOT / "sim_host" / "subjects" / "paper.ini").read_bytes()
+    path.write_bytes(start + body.replace(b"name = paper's walker", b"name = A;B #1   ; a comment") + text)
+    return path
+
+
+def test_a_name_keeps_its_signs_and_a_byte_order_mark_is_read_over(tmp_path):
+    done = run("--subject", subject(tmp_path / "a.ini", b"\n[controller]; as it is\nengage_steps = 0 # none\n",
+                                    start=b"\xef\xbb\xbf"), "--steps", "1", "--speed", "0.42")
+    assert done.returncode == 0, done.stderr
+    assert "A;B #1" in done.stdout and "comment" not in done.stdout
+
+
+@pytest.mark.parametrize("text, start, words", [
+    (b"\n[controller]\nbody = 0.5\n", b"", ["body", "whole number"]),
+    (b"\n[controller]\nengage_steps = 2.5\n", b"", ["engage_steps", "whole number"]),
+    (b"", b"M = 1\n", ['"M"', "before the first [section]"]),
+])
+def test_subjects_that_are_refused(tmp_path, text, start, words):
+    done = run("--subject", subject(tmp_path / "a.ini", text, start), "--steps", "1")
+    assert done.returncode == 2
+    for word in words:
+        assert word in done.stderr
+
+
 def test_the_report_names_law_and_fault():
     done = run("--speed", "0.42", "--steps", "1", "--law", "dlqr", "--fault", "swapped", "--fault-step", "50")
+    assert done.returncode == 2 and "--fault did not happen" in done.stderr
     assert "dlqr" in done.stdout and "eq. (16)" not in done.stdout
     assert re.search(r"swapped after step 50: not reached", done.stdout)
     assert "walked 1 step\n" in done.stdout

@@ -1,5 +1,6 @@
 """Three drive protocols under the same walk, and logs that replay to the last bit."""
 import random
+import subprocess
 
 import pytest
 
@@ -67,6 +68,12 @@ def test_a_log_replays_to_every_frame_of_the_controller(log):
     assert "reproduced" in done.stdout
     commands = sum(" 201#" in line for line in log.read_text().splitlines())
     assert commands > 10000
+
+
+def test_a_report_that_cannot_be_written_is_no_success(log):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([REPLAY, "--speed", "0.5", log], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 2 and "cannot write to standard output" in done.stderr
 
 
 def flip(line, bit):
