@@ -17,6 +17,7 @@ enum {
     KEY_TICKS = 0x600,
     KEY_SEED,
     KEY_SPOIL,
+    TICKS_LEAST = 60000, /* 3 s a part, and beyond the ends of clocks and counters */
     REPORT_PARTS = 20,
     COMMAND_MS = 120000, /* a new speed command, on average */
     PUSH_MS = 90000,
@@ -58,7 +59,7 @@ static error_t take(int key, char *text, struct argp_state *state)
     struct options *options = (struct options *)state->input;
     switch (key) {
     case KEY_TICKS:
-        options->ticks = option_whole(state, "--ticks", text, 1000, UINT64_C(100000000000));
+        options->ticks = option_whole(state, "--ticks", text, TICKS_LEAST, UINT64_C(100000000000));
         break;
     case KEY_SEED:
         options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);

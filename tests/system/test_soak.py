@@ -36,5 +36,10 @@ def test_what_is_made_ill_is_noticed(what, noticed):
     assert len(ill) == len(noticed) and all(a.startswith(b) for a, b in zip(ill, noticed)), said
 
 
+def test_what_is_too_short_to_judge_is_refused():
+    done = subprocess.run([BUILD / "afo-soak", "--ticks", "1000"], capture_output=True, text=True)
+    assert done.returncode == 2 and "60000" in done.stderr and "ILL" not in done.stdout
+
+
 def test_usage():
     assert soak("--spoil", "nothing at all")[0] == 2
