@@ -68,8 +68,8 @@ struct socketcan_bus {
 /* Opens `interface_name`. filters: what to receive, copied (count 0: everything,
  * at most SOCKETCAN_FILTERS_MAX). hear_own_sync: the boundary of the tick is wanted (the
  * controller); the SYNC need not be among the filters. Returns 0, or a negative errno
- * value: -ENODEV no such interface, -EAFNOSUPPORT no CAN in this kernel, -EINVAL name or
- * filters too long. An interface that is down is not an error: the bus starts CAN_DOWN.
+ * value: -ENODEV no such interface, -EAFNOSUPPORT no CAN in this kernel, -ENAMETOOLONG, -EINVAL no
+ * name or too many filters. An interface that is down is not an error: the bus starts CAN_DOWN.
  * Not for a real-time loop; all else is. */
 int socketcan_bus_open(struct socketcan_bus *bus, const char *interface_name,
                        const struct socketcan_filter *filters, unsigned filter_count,

@@ -308,7 +308,8 @@ START_TEST(wrong_arguments_are_refused)
     ck_assert_int_lt(socketcan_bus_open(&none, "nosuchcan0", NULL, 0, false), 0);
     ck_assert_int_eq(none.fd, -1);
     ck_assert_int_eq(socketcan_bus_open(&none, "", NULL, 0, false), -EINVAL);
-    ck_assert_int_eq(socketcan_bus_open(&none, "a_name_that_is_too_long", NULL, 0, false), -EINVAL);
+    ck_assert_int_eq(socketcan_bus_open(&none, "a_name_that_is_too_long", NULL, 0, false),
+                     -ENAMETOOLONG);
 }
 END_TEST
 
