@@ -20,6 +20,7 @@
 #include "sim_host/host/settings_image.h"
 #include "sim_host/host/walk_options.h"
 #include "sim_host/host/walk_record.h"
+#include "sim_host/host/wearer_options.h"
 
 enum {
     EXIT_GOOD = 0,
@@ -85,7 +86,7 @@ struct options {
     enum fault fault;
     uint32_t fault_step;
     uint64_t corrupt_frame;
-    const char *log_path, *costs_path, *black_box_path;
+    const char *log_path, *costs_path, *black_box_path, *wearer_path;
     bool json;
     bool quiet;
 };
@@ -112,6 +113,7 @@ enum {
     KEY_IMAGE = 0x200,
     KEY_STEPS,
     KEY_SENSORS,
+    KEY_WEARER,
     KEY_SEED,
     KEY_FAULT,
     KEY_FAULT_STEP,
@@ -126,6 +128,7 @@ static const struct argp_option option_list[] = {
     {"image", KEY_IMAGE, "ELF", 0, "what the emulator runs (build/arm/afo-mps2-an386.elf)", 0},
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (200)", 0},
     {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
+    {"wearer", KEY_WEARER, "FILE.csv", 0, "recorded walking in the walker's place, to its end", 0},
     {"seed", KEY_SEED, "N", 0, "seed of all noise (1)", 0},
     {"fault", KEY_FAULT, "NAME", 0,
      "emergency-stop, lost-sensor, lost-drive, hang, stalled-supervisor, hard-fault, "
@@ -161,6 +164,9 @@ static error_t take(int key, char *text, struct argp_state *state)
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->walk;
         state->child_inputs[1] = &options->sensor;
+        return 0;
+    case KEY_WEARER:
+        options->wearer_path = text;
         return 0;
     case KEY_IMAGE:
         options->image = text;
@@ -266,6 +272,14 @@ static int prepare(struct session *session)
         return complain(message);
     }
     sensor_options_apply(&options->sensor, &session->config);
+    if (options->wearer_path != NULL) {
+        struct wearer_format format;
+        wearer_format_default(&format);
+        if (wearer_options_apply(options->wearer_path, &format, options->walk.open_loop,
+                                 &session->config, message) != 0) {
+            return complain(message);
+        }
+    }
     if ((options->log_path != NULL &&
          output_file_open(&session->log, options->log_path, message, sizeof message) != 0) ||
         (options->costs_path != NULL &&
@@ -321,6 +335,16 @@ static void tick(struct session *session)
     }
 }
 
+static bool recording_is_over(const struct session *session)
+{
+    struct plant_truth truth;
+    if (session->options.wearer_path == NULL) {
+        return false;
+    }
+    plant_truth(&session->loop->nodes.plant, &truth);
+    return truth.finished;
+}
+
 static void walk(struct session *session)
 {
     const struct options *options = &session->options;
@@ -337,6 +361,10 @@ static void walk(struct session *session)
         if (record->count != seen) {
             seen = record->count;
             last_progress = session->loop->tick;
+        }
+        if (recording_is_over(session)) {
+            session->reached = seen > 0;
+            return;
         }
         if (options->fault != FAULT_NONE &&
             (seen >= options->fault_step || options->fault == FAULT_PARAMETERS)) {

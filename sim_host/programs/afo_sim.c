@@ -12,6 +12,7 @@
 #include "sim_host/host/sim_options.h"
 #include "sim_host/host/sim_report.h"
 #include "sim_host/host/walk_record.h"
+#include "sim_host/host/wearer_options.h"
 
 enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
 
@@ -22,14 +23,6 @@ enum {
     STEP_TICKS = 10000,
     LAST_FRAMES_TICKS = 3
 };
-
-/* A person's other foot lands as early as 0.17 s after the apex, so the fit around
- * it ends sooner than on the paper's walker. */
-#define WEARER_APEX_WINDOW_S REAL(0.03)
-
-/* A person walks without the device, too: it joins in after so many steady steps (unless
- * --engage says otherwise), and again after they have stopped. */
-#define WEARER_ENGAGE_STEPS REAL(4.0)
 
 /* A walker's legs swing by 40 degrees and more; radians read as degrees make that 0.7. */
 #define LEAST_SPAN_RAD 0.05
@@ -67,19 +60,6 @@ static double now_s(void)
 
 /* ---- preparing ------------------------------------------------------------- */
 
-/* A person walks as they like: rules, law and timing of the controller for them. */
-static void prepare_for_wearer(struct control_params *params, bool open_loop)
-{
-    if (params->engage_steps == REAL(0.0)) {
-        params->engage_steps = WEARER_ENGAGE_STEPS;
-    }
-    params->body = (real)BODY_PERSON;
-    params->apex_window_s = WEARER_APEX_WINDOW_S;
-    if (!open_loop) {
-        params->law = (real)LAW_WEARER;
-    }
-}
-
 static int prepare(struct session *session)
 {
     const struct sim_options *options = &session->options;
@@ -101,15 +81,11 @@ static int prepare(struct session *session)
     ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
-    if (options->wearer_path != NULL) {
-        if (strlen(options->wearer_path) >= PLANT_PATH_MAX) {
-            complain("the path of the recording is too long");
-            return -1;
-        }
-        session->config.plant.kind = PLANT_WEARER;
-        snprintf(session->config.plant.wearer_path, PLANT_PATH_MAX, "%s", options->wearer_path);
-        session->config.plant.wearer_format = options->wearer_format;
-        prepare_for_wearer(&session->config.params, options->walk.open_loop);
+    if (options->wearer_path != NULL &&
+        wearer_options_apply(options->wearer_path, &options->wearer_format, options->walk.open_loop,
+                             &session->config, message) != 0) {
+        complain(message);
+        return -1;
     }
     return 0;
 }

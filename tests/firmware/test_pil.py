@@ -1,6 +1,7 @@
 """The same object code on an emulated Cortex-M4F: it walks, its frames are the host's
 bit for bit, and every fault of the device ends in the safe state with the right record."""
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -51,6 +52,18 @@ def test_late_and_noisy_sensors(sensors):
     """One count of noise, 2 ms late: tests/system/test_observed.py says what is known then."""
     walk = pil("--steps", "40", "--speed", "0.8", "--sensors", sensors, "--sensor-noise", "1", "--sensor-latency", "2")
     assert walk["steps"] >= 40 and not walk["fell"] and walk["differences"] == 0
+    assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
+
+
+def test_a_recorded_person(tmp_path):
+    """The rules, law and timing for a wearer, on the first 20 s of a recording (see tests/system/test_wearer.py)."""
+    recording = pathlib.Path(os.environ.get("AFO_GAIT_CSV", ROOT.parent / "shared" / "data" / "gait_young.csv"))
+    if not recording.is_file():
+        pytest.skip(f"no recording at {recording}; set AFO_GAIT_CSV to one")
+    part = tmp_path / "part.csv"
+    part.write_text("".join(recording.read_text(encoding="utf-8").splitlines(keepends=True)[:4001]), encoding="utf-8")
+    walk = pil("--wearer", str(part))
+    assert walk["steps"] >= 30 and walk["differences"] == 0
     assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
 
 
