@@ -51,12 +51,16 @@ static struct control_params person_params(void)
                                    .body = (real)BODY_PERSON};
 }
 
+static double ankle_m[SIDE_COUNT]; /* what feed() shows of the ankles */
+
 static void feed(struct gait_observer *observer, const struct control_params *params, uint32_t tick,
                  double left_rad, double right_rad, struct heard *heard)
 {
     struct controller_input input = {.tick = tick};
     input.leg[SIDE_LEFT].leg_angle_rad = (real)left_rad;
     input.leg[SIDE_RIGHT].leg_angle_rad = (real)right_rad;
+    input.leg[SIDE_LEFT].ankle_extension_m = (real)ankle_m[SIDE_LEFT];
+    input.leg[SIDE_RIGHT].ankle_extension_m = (real)ankle_m[SIDE_RIGHT];
     gait_observer_update(observer, params, &input);
     for (int kind = 0; kind < GAIT_EVENT_KINDS; kind++) {
         const struct gait_event *event = &observer->state.event[kind];
@@ -151,6 +155,51 @@ START_TEST(a_common_offset_moves_no_heel_strike)
         assert_close(shifted.time_s[GAIT_HEEL_STRIKE][0][i], plain.time_s[GAIT_HEEL_STRIKE][0][i],
                      0.003, 0.0);
     }
+}
+END_TEST
+
+/* The ankle's push: a raised cosine whose rate is down to half of its peak at 5/12 of it. */
+#define PUSH_BEGINS 0.54
+#define PUSH_LASTS 0.22
+
+static double push_m(double height_m, double u)
+{
+    const double s = (u - PUSH_BEGINS) / PUSH_LASTS;
+    return s > 0.0 && s < 1.0 ? 0.5 * height_m * (1.0 - cos(2.0 * M_PI * s)) : 0.0;
+}
+
+/* Toe-off lies a constant before the mean of the leg's turn and the end of the ankle's push;
+ * without a push (none, or a twitch), another constant before the turn. */
+START_TEST(toe_off_by_leg_and_ankle)
+{
+    static const double heights_m[] = {0.04, 0.02, 0.0, 0.003};
+    static struct gait_observer observer;
+    const struct control_params params = person_params();
+    const struct person *person = &people[0];
+    struct heard heard = {0};
+    gait_observer_init(&observer, &params);
+    for (uint32_t tick = 0; tick < 20000; tick++) {
+        double angle[SIDE_COUNT];
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            const double at = 1e-3 * tick / person->stride_s + 0.5 * side;
+            angle[side] = leg_angle(person, at - floor(at));
+            ankle_m[side] = push_m(heights_m[_i], at - floor(at));
+        }
+        feed(&observer, &params, tick, angle[SIDE_LEFT], angle[SIDE_RIGHT], &heard);
+    }
+    ankle_m[SIDE_LEFT] = ankle_m[SIDE_RIGHT] = 0.0;
+    /* The rate -1 + 2.5 (1 - cos 2 pi s), in yardsticks, is 0.3. */
+    const double turn =
+        1.0 - SWING_SHARE_OF_STRIDE + SWING_SHARE_OF_STRIDE * acos(0.48) / (2.0 * M_PI);
+    const double over = PUSH_BEGINS + PUSH_LASTS * 5.0 / 12.0;
+    const double expected = heights_m[_i] > 0.01 ? 0.5 * (turn + over) - 0.019 / person->stride_s
+                                                 : turn - 0.0145 / person->stride_s;
+    ck_assert_int_ge(heard.count[GAIT_LIFT_OFF][SIDE_LEFT], 16);
+    for (int i = 4; i < heard.count[GAIT_LIFT_OFF][SIDE_LEFT]; i++) {
+        const double share = heard.time_s[GAIT_LIFT_OFF][SIDE_LEFT][i] / person->stride_s;
+        assert_close(share - floor(share), expected, 0.004, 0.0);
+    }
+    ck_assert(heard.worst_delay_s < 0.06);
 }
 END_TEST
 
@@ -266,6 +315,7 @@ int main(void)
     tcase_add_test(tcase, starting_and_stopping);
     tcase_add_test(tcase, a_step_given_up);
     tcase_add_test(tcase, latency_is_allowed_for);
+    tcase_add_loop_test(tcase, toe_off_by_leg_and_ankle, 0, 4);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }

@@ -49,6 +49,7 @@ START_TEST(values_are_read_and_turned_into_leg_and_ankle)
                      WEARER_OK);
     ck_assert_uint_eq(wearer.count, 2);
     ck_assert(wearer.has_contact);
+    assert_close(wearer.start_s, 10.0, 0.0, 0.0);
     const struct wearer_sample *s = wearer.samples;
     const double deg = 3.14159265358979323846 / 180.0;
     assert_close(s[0].time_s, 0.0, 0.0, 0.0);
@@ -97,7 +98,31 @@ START_TEST(other_names_rates_and_order)
     assert_close(wearer.samples[1].leg_angle_rad[SIDE_RIGHT], 5.5 * deg, 1e-14, 0.0);
     assert_close(wearer.samples[1].leg_angle_rad[SIDE_LEFT], 7.5 * deg, 1e-14, 0.0);
     assert_close(wearer.samples[1].ankle_m[SIDE_LEFT], 0.0, 0.0, 0.0);
+    assert_close(wearer_span_rad(&wearer), 8.0 * deg, 1e-14, 0.0);
     wearer_free(&wearer);
+}
+END_TEST
+
+START_TEST(angles_in_radians)
+{
+    struct wearer wearer;
+    struct wearer_format format;
+    char message[WEARER_ERROR_MAX];
+    static const char TEXT[] = HEADER "0,0.3,-0.1,1,0,0,1,-0.5,0\n0.005,0.4,-0.2,1,0,0,1,-0.5,0\n";
+    wearer_format_default(&format);
+    format.angle_unit_rad = 1.0;
+    write_file(TEXT, sizeof TEXT - 1);
+    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_OK);
+    assert_close(wearer.samples[0].leg_angle_rad[SIDE_LEFT], 0.1, 1e-15, 0.0);
+    assert_close(wearer.samples[0].ankle_m[SIDE_LEFT], 0.12 * sin(0.5), 1e-15, 0.0);
+    wearer_free(&wearer);
+    static const char TOO_FAR[] = HEADER "0,3.2,0,1,0,0,1,0,0\n0.005,0,0,1,0,0,1,0,0\n";
+    write_file(TOO_FAR, sizeof TOO_FAR - 1);
+    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_BAD_VALUE);
+    ck_assert_ptr_nonnull(strstr(message, "line 2, column 2: '3.2' is not an angle"));
+    format.angle_unit_rad = 0.0;
+    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_BAD_FORMAT);
+    forget_file();
 }
 END_TEST
 
@@ -361,6 +386,7 @@ int main(void)
     TCase *reading = tcase_create("reading"), *playing = tcase_create("playing");
     tcase_add_test(reading, values_are_read_and_turned_into_leg_and_ankle);
     tcase_add_test(reading, other_names_rates_and_order);
+    tcase_add_test(reading, angles_in_radians);
     tcase_add_loop_test(reading, malformed_files_are_refused_with_their_place, 0,
                         sizeof MALFORMED / sizeof MALFORMED[0]);
     tcase_add_test(reading, files_that_cannot_be_read);
