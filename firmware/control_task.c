@@ -127,10 +127,11 @@ static void force_stop(struct control_task *task)
         if (stops) {
             sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
         }
-        off = off && drive.age_ticks <= FORCE_STOP_TICKS &&
-              (drive.state == SEA_DRIVE_DISABLED || drive.state == SEA_DRIVE_FAULT);
+        const bool heard = drive.age_ticks <= FORCE_STOP_TICKS;
+        off = off && heard && (drive.state == SEA_DRIVE_DISABLED || drive.state == SEA_DRIVE_FAULT);
+        /* What a silent one said last may be of before it was switched off and on. */
         const bool disobeys =
-            task->output.state == SUPERVISOR_FAULT && drive.state == SEA_DRIVE_ENABLED;
+            heard && task->output.state == SUPERVISOR_FAULT && drive.state == SEA_DRIVE_ENABLED;
         /* One telegram that says otherwise does not outweigh the others. */
         if (disobeys) {
             task->disobeys[leg]++;

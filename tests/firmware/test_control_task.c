@@ -342,6 +342,18 @@ START_TEST(a_drive_that_stays_enabled_is_stopped)
     ck_assert_uint_eq(stop->data[0], 2);
     ck_assert_uint_ge(stop->data[1], 1);
     ck_assert_uint_le(stop->data[1], 2);
+    for (int i = 0; i < 200; i++) { /* gone silent: what it said last is of the past */
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+        fake_bus_clear(&b.fake);
+    }
+    const uint32_t stops = b.task.counters.forced_stops;
+    for (int i = 0; i < 500; i++) {
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+        fake_bus_clear(&b.fake);
+    }
+    ck_assert_uint_eq(b.task.counters.forced_stops, stops);
 }
 END_TEST
 
