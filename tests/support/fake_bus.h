@@ -13,6 +13,8 @@ struct fake_bus {
     unsigned waiting_count;
     unsigned taken;
     enum can_result verdict; /* what send answers; frames are kept on CAN_OK only */
+    struct can_bus_status status; /* what get_status answers */
+    unsigned recoveries;          /* asked for */
 };
 
 void fake_bus_init(struct fake_bus *bus);
