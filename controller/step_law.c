@@ -40,7 +40,7 @@ static real open_loop(struct step_law *law, const struct control_params *params)
  * step is compared with the mean before it. */
 static real wearer(struct step_law *law, const struct control_params *params, real measured_rad_s)
 {
-    if (law->steps <= 1) {
+    if (law->mean_rad_s == REAL(0.0)) { /* the first apex that was a number */
         law->mean_rad_s = measured_rad_s;
     }
     law->command_rad_s = law->mean_rad_s;

@@ -1,0 +1,296 @@
+/* The controller alone, tick by tick with made-up input: how long it waits at start, what it finds
+ * while standing, and the edges of what a sample may be (numbers from the headers' prose). */
+#include <math.h>
+#include <string.h>
+
+#include "controller/controller.h"
+#include "sim_host/host/subject.h"
+#include "tests/support/assert_close.h"
+
+static struct control_params params;
+static struct controller controller;
+static struct controller_input input;
+static struct controller_output output;
+
+static void setup(void)
+{
+    struct subject subject;
+    char message[SUBJECT_MESSAGE_MAX];
+    subject_default(&subject);
+    ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
+    ck_assert_int_eq(controller_init(&controller, &params), CONTROL_PARAMS_OK);
+    memset(&input, 0, sizeof input);
+    input.desired_speed_rad_s = 0.45f;
+    input.nodes_operational = true;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        input.sea[side] = (struct sea_measurement){
+            .state = DRIVE_DISABLED, .latch = LATCH_CLOSED, .force_age_ticks = AGE_NEVER};
+        input.leg[side].leg_angle_rad = side == SIDE_LEFT ? 0.1f : -0.1f;
+    }
+}
+
+static void run(int ticks)
+{
+    for (int i = 0; i < ticks; i++) {
+        input.tick++;
+        controller_update(&controller, &input, &output);
+    }
+}
+
+/* A drive that has just come back may still be unloading by itself: the self test waits five
+ * times as long as an unload may take, and then says that the springs are not slack. */
+START_TEST(the_self_test_has_patience_and_an_end)
+{
+    const int patience = (int)(5.0f * params.unload_timeout_s * 1000.0f + 0.5f);
+    input.sea[SIDE_LEFT].precompression_m = 0.05f;
+    run(2);
+    ck_assert_int_eq(output.state, SUPERVISOR_SELF_TEST);
+    run(patience - 5);
+    ck_assert_int_eq(output.state, SUPERVISOR_SELF_TEST);
+    run(10);
+    ck_assert_int_eq(output.state, SUPERVISOR_FAULT);
+    ck_assert_int_eq(output.fault, SUPERVISOR_FAULT_SELF_TEST);
+}
+END_TEST
+
+START_TEST(slack_springs_pass_the_self_test)
+{
+    const int patience = (int)(5.0f * params.unload_timeout_s * 1000.0f);
+    input.sea[SIDE_LEFT].precompression_m = 0.05f;
+    run(patience - 200);
+    input.sea[SIDE_LEFT].precompression_m = 0.0f; /* slack late, but in time */
+    run(190);
+    ck_assert_int_eq(output.state, SUPERVISOR_STANDBY);
+}
+END_TEST
+
+/* What both sensors read upright becomes their zero: the mean over the time it takes. */
+START_TEST(standing_still_its_zero_is_found)
+{
+    run(100);
+    ck_assert_int_eq(output.state, SUPERVISOR_STANDBY);
+    input.zero_requested = true;
+    input.leg[SIDE_LEFT] = (struct leg_measurement){0.021f, 0.004f, 0};
+    input.leg[SIDE_RIGHT] = (struct leg_measurement){-0.013f, -0.002f, 0};
+    run(1);
+    input.zero_requested = false;
+    int ticks = 0;
+    while (!output.new_zero && ticks < 20000) {
+        const float sway = 0.001f * sinf(0.05f * (float)ticks);
+        input.leg[SIDE_LEFT].leg_angle_rad = 0.021f + sway;
+        input.leg[SIDE_RIGHT].leg_angle_rad = -0.013f + sway;
+        run(1);
+        ck_assert_int_eq(output.state, SUPERVISOR_STANDBY);
+        ticks++;
+    }
+    ck_assert(output.new_zero);
+    ck_assert_int_eq(output.zeroing, ZEROING_DONE);
+    assert_close(controller.zeroing.mean.angle_rad[SIDE_LEFT], 0.021, 2e-4, 0);
+    assert_close(controller.zeroing.mean.angle_rad[SIDE_RIGHT], -0.013, 2e-4, 0);
+    assert_close(controller.zeroing.mean.ankle_m[SIDE_LEFT], 0.004, 1e-6, 0);
+    assert_close(controller.zeroing.mean.ankle_m[SIDE_RIGHT], -0.002, 1e-6, 0);
+    run(1);
+    ck_assert(!output.new_zero); /* told once */
+}
+END_TEST
+
+/* A sensor mounted so far off is not corrected but reported: 0.2 rad, 30 mm, either way. */
+START_TEST(a_zero_too_far_away_is_refused)
+{
+    static const struct {
+        float angle_rad, ankle_m;
+        enum zeroing_state state;
+    } cases[] = {{0.19f, 0.029f, ZEROING_DONE},   {-0.19f, -0.029f, ZEROING_DONE},
+                 {0.21f, 0.0f, ZEROING_TOO_FAR},  {-0.21f, 0.0f, ZEROING_TOO_FAR},
+                 {0.0f, 0.031f, ZEROING_TOO_FAR}, {0.0f, -0.031f, ZEROING_TOO_FAR}};
+    struct leg_measurement leg[SIDE_COUNT] = {{0}};
+    struct zeroing zeroing;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        leg[side] = (struct leg_measurement){cases[_i].angle_rad, cases[_i].ankle_m, 0};
+        leg[1 - side] = (struct leg_measurement){0.0f, 0.0f, 0};
+        zeroing_start(&zeroing);
+        for (int i = 0; i < 20000 && zeroing.state == ZEROING_RUNNING; i++) {
+            zeroing_update(&zeroing, leg);
+        }
+        ck_assert_int_eq(zeroing.state, cases[_i].state);
+    }
+}
+END_TEST
+
+/* No number, or none at all, is no sample; a few of them are borne. */
+START_TEST(a_zero_without_samples_is_refused)
+{
+    static const struct leg_measurement bad[] = {
+        {NAN, 0.0f, 0}, {0.0f, INFINITY, 0}, {0.0f, 0.0f, 1}};
+    struct leg_measurement leg[SIDE_COUNT] = {{0}};
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct zeroing zeroing;
+        zeroing_start(&zeroing);
+        leg[side] = bad[_i];
+        for (int i = 0; i < 20; i++) {
+            zeroing_update(&zeroing, leg);
+        }
+        ck_assert_int_eq(zeroing.state, ZEROING_RUNNING);
+        zeroing_update(&zeroing, leg);
+        ck_assert_int_eq(zeroing.state, ZEROING_NO_SAMPLE);
+        leg[side] = (struct leg_measurement){0.0f, 0.0f, 0};
+    }
+}
+END_TEST
+
+/* With power on there is no standing still: the search is given up. */
+START_TEST(no_zero_is_looked_for_under_power)
+{
+    run(100);
+    input.zero_requested = true;
+    run(1);
+    input.zero_requested = false;
+    ck_assert_int_eq(output.zeroing, ZEROING_RUNNING);
+    input.walk_requested = true;
+    run(2);
+    ck_assert_int_eq(output.state, SUPERVISOR_ENGAGING);
+    ck_assert_int_eq(output.zeroing, ZEROING_MOVED);
+    input.zero_requested = true;
+    run(1);
+    ck_assert_int_eq(output.zeroing, ZEROING_MOVED);
+}
+END_TEST
+
+/* ---- What a sample may be: checks.h ------------------------------------------------------- */
+
+/* A leg swings at 6 sqrt(g/l) at most, a sample has 0.02 rad of noise; after lost samples it may
+ * have gone that much farther. Says whether a jump is taken for true. */
+static bool angle_is_believed(double jump_rad, int lost)
+{
+    struct checks checks;
+    struct controller_input sample = input;
+    checks_init(&checks);
+    for (int i = 0; i < 3; i++) {
+        struct controller_input still = input;
+        checks_screen(&checks, &params, &still);
+    }
+    for (int i = 0; i < lost; i++) {
+        struct controller_input old = input;
+        old.leg[SIDE_LEFT].age_ticks = (uint16_t)(i + 1);
+        checks_screen(&checks, &params, &old);
+    }
+    sample.leg[SIDE_LEFT].leg_angle_rad += (float)jump_rad;
+    const float given = sample.leg[SIDE_LEFT].leg_angle_rad;
+    checks_screen(&checks, &params, &sample);
+    return sample.leg[SIDE_LEFT].leg_angle_rad == given;
+}
+
+START_TEST(an_angle_may_change_so_much_and_no_more)
+{
+    const double a_tick = 6.0 * sqrt((double)(params.gravity_m_s2 / params.leg_length_m)) * 1e-3;
+    for (int lost = 0; lost < 4; lost++) {
+        const double reach = a_tick * (lost + 1) + 0.02;
+        ck_assert(angle_is_believed(0.98 * reach, lost));
+        ck_assert(angle_is_believed(-0.98 * reach, lost));
+        ck_assert(!angle_is_believed(1.02 * reach, lost));
+        ck_assert(!angle_is_believed(-1.02 * reach, lost));
+    }
+}
+END_TEST
+
+static bool lengths_are_believed(float ankle_m, float motor_m, bool *motor)
+{
+    struct checks checks;
+    struct controller_input sample = input;
+    checks_init(&checks);
+    for (int i = 0; i < 3; i++) {
+        struct controller_input still = input;
+        checks_screen(&checks, &params, &still);
+    }
+    sample.leg[SIDE_RIGHT].ankle_extension_m = ankle_m;
+    sample.sea[SIDE_RIGHT].precompression_m = motor_m;
+    checks_screen(&checks, &params, &sample);
+    *motor = sample.sea[SIDE_RIGHT].precompression_m == motor_m;
+    return sample.leg[SIDE_RIGHT].ankle_extension_m == ankle_m;
+}
+
+/* The ankle at 6 sqrt(g l), the motor at twice its reference's limit; noise 0.5 % of the leg. */
+START_TEST(an_ankle_and_a_motor_may_move_so_much_and_no_more)
+{
+    const double l = (double)params.leg_length_m, g = (double)params.gravity_m_s2;
+    const float ankle = (float)(6.0 * sqrt(g * l) * 1e-3 + 0.005 * l);
+    const float motor = (float)(2.0 * (double)params.sea_speed_max_m_s * 1e-3 + 0.005 * l);
+    bool motor_believed;
+    ck_assert(lengths_are_believed(0.98f * ankle, 0.98f * motor, &motor_believed));
+    ck_assert(motor_believed);
+    ck_assert(!lengths_are_believed(1.02f * ankle, 1.02f * motor, &motor_believed));
+    ck_assert(!motor_believed);
+}
+END_TEST
+
+/* ---- A stop: sea_reference.h -------------------------------------------------------------- */
+
+/* Ticks until a reference at full rest at `from_m` is back at zero, its motor following. */
+static int ticks_to_unload(struct sea_reference *sea)
+{
+    int ticks = 0;
+    while (sea->phase != SEA_UNLOADED && ticks < 5000) {
+        (void)sea_reference_update(sea, &params, sea->position_m);
+        ticks++;
+    }
+    return ticks;
+}
+
+/* Of a trapezoid: distance / speed + speed / acceleration. */
+START_TEST(a_stop_is_faster_than_a_step)
+{
+    struct sea_reference step, stop;
+    params.sea_speed_max_m_s = 0.5f;
+    params.sea_acceleration_m_s2 = 10.0f;
+    const struct sea_stop limits = sea_reference_stop_limits(&params);
+    sea_reference_init(&step, 0.2f);
+    step.phase = SEA_LOADING;
+    stop = step;
+    sea_reference_unload(&step);
+    sea_reference_stop(&stop, &limits, 0.2f);
+    const double v = 1.2 * 0.5, a = 1.6 * 10.0;
+    assert_close(ticks_to_unload(&step), 1000.0 * (0.2 / 0.5 + 0.5 / 10.0), 4.0, 0.0);
+    assert_close(ticks_to_unload(&stop), 1000.0 * (0.2 / v + v / a), 4.0, 0.0);
+}
+END_TEST
+
+/* A motor more than a hundredth of the leg behind its reference is not made to chase it. */
+START_TEST(a_stop_begins_at_a_motor_that_was_left_behind)
+{
+    const struct sea_stop limits = sea_reference_stop_limits(&params);
+    const float behind = 0.01f * params.leg_length_m;
+    struct sea_reference sea;
+    sea_reference_init(&sea, 0.2f);
+    sea_reference_stop(&sea, &limits, 0.2f - 0.9f * behind);
+    ck_assert(sea.position_m == 0.2f);
+    sea_reference_stop(&sea, &limits, 0.2f + 2.0f * behind); /* ahead is not behind */
+    ck_assert(sea.position_m == 0.2f);
+    sea.speed_m_s = 0.3f;
+    sea_reference_stop(&sea, &limits, 0.2f - 1.1f * behind);
+    ck_assert(sea.position_m == 0.2f - 1.1f * behind && sea.speed_m_s == 0.0f);
+    sea_reference_stop(&sea, &limits, -0.05f); /* never below the unloaded spring */
+    ck_assert(sea.position_m == 0.0f);
+    sea_reference_init(&sea, 0.2f);
+    sea_reference_stop(&sea, &limits, NAN);
+    ck_assert(sea.position_m == 0.2f);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("controller edges");
+    TCase *tests = tcase_create("all");
+    tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_test(tests, the_self_test_has_patience_and_an_end);
+    tcase_add_test(tests, slack_springs_pass_the_self_test);
+    tcase_add_test(tests, standing_still_its_zero_is_found);
+    tcase_add_loop_test(tests, a_zero_too_far_away_is_refused, 0, 6);
+    tcase_add_loop_test(tests, a_zero_without_samples_is_refused, 0, 3);
+    tcase_add_test(tests, no_zero_is_looked_for_under_power);
+    tcase_add_test(tests, an_angle_may_change_so_much_and_no_more);
+    tcase_add_test(tests, an_ankle_and_a_motor_may_move_so_much_and_no_more);
+    tcase_add_test(tests, a_stop_is_faster_than_a_step);
+    tcase_add_test(tests, a_stop_begins_at_a_motor_that_was_left_behind);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

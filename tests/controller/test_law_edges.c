@@ -1,0 +1,135 @@
+/* The law for a wearer against its formula in double (step_law.h), and every law where the apex
+ * is no number, its walker is none, or nobody can walk as asked. */
+#include <math.h>
+
+#include "controller/step_law.h"
+#include "sim_host/host/subject.h"
+#include "tests/support/assert_close.h"
+
+static struct control_params params;
+static struct step_law law;
+
+static void setup(void)
+{
+    struct subject subject;
+    char message[SUBJECT_MESSAGE_MAX];
+    subject_default(&subject);
+    ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
+}
+
+static real step(double speed_rad_s, double desired_rad_s)
+{
+    const struct apex_estimate apex = {(real)-speed_rad_s, 0.3f, -0.5f, 1.0f};
+    return step_law_update(&law, &params, &apex, (real)desired_rad_s);
+}
+
+/* r0 = r0* - kp (m - v), m the mean of the steps before: of all, then over about the last 16. */
+START_TEST(a_wearer_keeps_their_own_speed)
+{
+    params.law = (real)LAW_WEARER;
+    params.start_r0_m = 0.04f;
+    params.kp_m_s_rad = 0.02f;
+    params.r0_change_max_m = 0.5f;
+    step_law_init(&law, &params);
+    double mean = 0.0, given = 0.0;
+    for (int k = 1; k <= 400; k++) {
+        const double v = 1.4 + 0.1 * sin(0.7 * k) + (k > 200 ? 0.2 : 0.0);
+        mean = k == 1 ? v : mean;
+        const double wanted = 0.04 - 0.02 * (mean - v);
+        const real r0 = step(v, 0.1); /* whatever speed is asked for */
+        assert_close(r0, wanted, 2e-7, 1e-5);
+        assert_close(law.command_rad_s, mean, 0, 1e-5);
+        ck_assert(law.is_final && !law.fell_back);
+        mean += (v - mean) / (k < 16 ? k : 16);
+        given += k > 300 ? (double)r0 : 0.0;
+    }
+    assert_close(given / 100.0, 0.04, 2e-5, 0.0); /* over time what was prescribed */
+}
+END_TEST
+
+START_TEST(a_wearers_push_off_keeps_to_the_limits)
+{
+    params.law = (real)LAW_WEARER;
+    params.start_r0_m = 0.04f;
+    params.kp_m_s_rad = 1.0f;
+    params.r0_min_m = 0.035f;
+    params.r0_max_m = 0.05f;
+    params.r0_change_max_m = 0.004f;
+    step_law_init(&law, &params);
+    real last = params.start_r0_m;
+    for (int k = 1; k <= 200; k++) {
+        const real r0 = step(1.4 + (k % 7 - 3) * 0.2, 1.0);
+        ck_assert(r0 >= 0.035f && r0 <= 0.05f && fabsf(r0 - last) <= 0.0040001f);
+        last = r0;
+    }
+}
+END_TEST
+
+/* A first apex that was no number is not the mean of anything. */
+START_TEST(a_wearers_mean_begins_with_a_number)
+{
+    params.law = (real)LAW_WEARER;
+    step_law_init(&law, &params);
+    ck_assert(step(NAN, 1.0) == params.start_r0_m);
+    assert_close(step(1.4, 1.0), params.start_r0_m, 1e-7, 0);
+    assert_close(law.command_rad_s, 1.4, 0, 1e-6);
+}
+END_TEST
+
+START_TEST(what_is_no_number_leaves_the_last_answer)
+{
+    static const enum law_mode modes[] = {LAW_PROPORTIONAL, LAW_OPEN_LOOP,  LAW_DLQR,
+                                          LAW_DEADBEAT,     LAW_PREDICTIVE, LAW_WEARER};
+    params.law = (real)modes[_i];
+    params.open_loop_r0_m = params.start_r0_m;
+    step_law_init(&law, &params);
+    const real r0 = step(0.45, 0.45);
+    step_law_finish(&law);
+    const bool whole =
+        modes[_i] == LAW_DLQR || modes[_i] == LAW_DEADBEAT || modes[_i] == LAW_PREDICTIVE;
+    const struct apex_estimate no_angle = {-0.45f, NAN, -0.5f, 1.0f};
+    const struct apex_estimate no_rate = {-0.45f, 0.3f, INFINITY, 1.0f};
+    const real last = law.r0_m;
+    ck_assert(isfinite(r0) && isfinite(last));
+    ck_assert(step(NAN, 0.45) == last);
+    ck_assert(step(INFINITY, 0.45) == last);
+    ck_assert(step(0.45, NAN) == last);
+    ck_assert(law.is_final);
+    ck_assert(!whole || step_law_update(&law, &params, &no_angle, 0.45f) == last);
+    ck_assert(!whole || step_law_update(&law, &params, &no_rate, 0.45f) == last);
+    ck_assert(law.is_final);
+    law.steps = UINT32_MAX; /* after 136 years it still walks */
+    ck_assert(isfinite(step(0.45, 0.45)));
+    ck_assert_uint_eq(law.steps, UINT32_MAX);
+}
+END_TEST
+
+/* Legs as heavy as the body: the model does not walk, the law is eq. (16). */
+START_TEST(without_a_model_the_predictive_law_is_eq_16)
+{
+    params.law = (real)LAW_PREDICTIVE;
+    params.leg_mass_kg = 10.0f * params.torso_mass_kg;
+    params.r0_change_max_m = 0.5f;
+    step_law_init(&law, &params);
+    const real got = step(0.44, 0.45);
+    ck_assert(law.is_final && law.fell_back);
+    ck_assert(!step_law_work(&law, &params));
+    const real want = speed_table_inverse(&params.table, law.command_rad_s) -
+                      params.kp_m_s_rad * (law.command_rad_s - 0.44f);
+    assert_close(got, want, 1e-7, 0);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("law edges");
+    TCase *tests = tcase_create("all");
+    tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_test(tests, a_wearer_keeps_their_own_speed);
+    tcase_add_test(tests, a_wearers_push_off_keeps_to_the_limits);
+    tcase_add_test(tests, a_wearers_mean_begins_with_a_number);
+    tcase_add_loop_test(tests, what_is_no_number_leaves_the_last_answer, 0, 6);
+    tcase_add_test(tests, without_a_model_the_predictive_law_is_eq_16);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
