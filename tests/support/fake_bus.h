@@ -12,7 +12,7 @@ struct fake_bus {
     struct can_msg waiting[FAKE_BUS_FRAMES];
     unsigned waiting_count;
     unsigned taken;
-    enum can_result verdict; /* what send answers; frames are kept on CAN_OK only */
+    enum can_result verdict;      /* what send answers; frames are kept on CAN_OK only */
     struct can_bus_status status; /* what get_status answers */
     unsigned recoveries;          /* asked for */
 };
