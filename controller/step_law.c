@@ -16,8 +16,8 @@ void step_law_init(struct step_law *law, const struct control_params *params)
     const struct walker_params walker = {params->torso_mass_kg, params->leg_mass_kg,
                                          params->leg_length_m, params->spring_stiffness_n_m,
                                          params->gravity_m_s2};
-    /* Cannot fail: the parameters' ranges lie inside the model's. A mass ratio out of range leaves the
-     * search without an answer, that is with eq. (16). */
+    /* Each parameter's range lies inside the model's, but their ratios need not: then there is no search, and eq. (16)
+     * answers. */
     law->searchable = predictive_law_init(&law->predictive, &walker) == 0;
 }
 

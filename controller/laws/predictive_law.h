@@ -93,7 +93,7 @@ void predictive_law_begin(struct predictive_law *law, const struct gait_branch *
  * 19 of single support, one landing each, and one gait_branch_distance(). */
 bool predictive_law_work(struct predictive_law *law, const struct gait_branch *branch);
 
-/* Time is up: the answer that stands becomes final; no prediction for it is left. */
+/* Time is up: the answer that stands becomes final. If it came from a candidate, its prediction stands, too. */
 void predictive_law_finish(struct predictive_law *law);
 
 /* False while predictions and measured apexes disagree too often. */

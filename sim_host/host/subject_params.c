@@ -13,6 +13,7 @@
 #define PAPER_LENGTH_M 1.0
 #define PAPER_GRAVITY_M_S2 9.80665
 #define PAPER_KP 0.042
+#define LOW_R0 0.03 /* from here on its gaits must be held by eq. (16) */
 #define PAPER_SPRING_RATIO (100.0 * 1.0 / (1.0 * 9.80665)) /* k l / (M g) */
 
 /* The push-offs 0.005 to 0.3 of the paper's walker, scaled by length_scale, must lie
@@ -58,17 +59,21 @@ static int make_speed_table(const struct subject *subject, double length_scale,
     return 0;
 }
 
-/* What the laws beyond eq. (16) need; a walker for which there is none has eq. (16) only. */
-static void make_branch(const struct subject *subject, double length_scale,
-                        struct gait_branch *branch)
+/* What the laws beyond eq. (16) need, and eq. (16)'s gain for this very walker; a walker whose branch cannot be
+ * followed has eq. (16) only, with the paper's gain scaled. */
+static void make_branch(const struct subject *subject, double length_scale, double scaled_kp,
+                        struct gait_branch *branch, double *kp)
 {
     const struct gait_walker walker = subject_gait_walker(subject);
     const struct laws_weights weights = laws_weights_default();
     struct laws_table table;
+    double largest;
     *branch = (struct gait_branch){.count = 0};
+    *kp = scaled_kp;
     if (laws_table_make(&walker, length_scale, &weights, &table) != LAWS_TABLE_OK) {
         return;
     }
+    *kp = laws_table_gain(&table, LOW_R0 * length_scale, scaled_kp, scaled_kp / PAPER_KP, &largest);
     branch->count = (uint32_t)table.count;
     branch->speed_min_rad_s = (real)table.speed_min_rad_s;
     branch->speed_step_rad_s = (real)table.speed_step_rad_s;
@@ -94,7 +99,7 @@ static void make_branch(const struct subject *subject, double length_scale,
 struct kept_branch {
     struct gait_branch branch;
     struct gait_walker walker;
-    double length_scale;
+    double length_scale, kp;
     struct kept_branch *next;
 };
 
@@ -105,7 +110,8 @@ static bool is_same_walker(const struct gait_walker *a, const struct gait_walker
            a->gravity_m_s2 == b->gravity_m_s2;
 }
 
-static const struct gait_branch *branch_of(const struct subject *subject, double length_scale)
+static const struct gait_branch *branch_of(const struct subject *subject, double length_scale,
+                                           double scaled_kp, double *kp)
 {
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
     static struct kept_branch *kept;
@@ -121,11 +127,12 @@ static const struct gait_branch *branch_of(const struct subject *subject, double
     if (entry == NULL && (entry = calloc(1, sizeof *entry)) != NULL) {
         entry->walker = walker;
         entry->length_scale = length_scale;
-        make_branch(subject, length_scale, &entry->branch);
+        make_branch(subject, length_scale, scaled_kp, &entry->branch, &entry->kp);
         entry->next = kept;
         kept = entry;
     }
     pthread_mutex_unlock(&lock);
+    *kp = entry != NULL ? entry->kp : scaled_kp;
     return entry != NULL && entry->branch.count > 0 ? &entry->branch : NULL;
 }
 
@@ -226,7 +233,9 @@ int subject_control_params(const struct subject *subject, struct control_params 
         make_speed_table(subject, length_scale, &params->table, message) != 0) {
         return -1;
     }
-    params->branch = branch_of(subject, length_scale);
+    double kp;
+    params->branch = branch_of(subject, length_scale, (double)params->kp_m_s_rad, &kp);
+    params->kp_m_s_rad = (real)kp;
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         if (subject->control_overridden[i]) {
             *(real *)((char *)params + control_param_descriptors[i].offset) =

@@ -16,7 +16,9 @@ static const struct argp_option option_list[] = {
     {"speed", KEY_SPEED, "RAD_S", 0,
      "forward apex speed to walk at (default: that of the start gait)", 0},
     {"kp", KEY_KP, "GAIN", 0,
-     "gain of the law in m per rad/s (default: 0.042 scaled to the subject)", 0},
+     "gain of eq. (16) in m per rad/s (default: 0.042 scaled to the subject, or the subject's own where that does "
+     "not hold its gaits)",
+     0},
     {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat, predictive or wearer", 0},
     {"open-loop", KEY_OPEN_LOOP, 0, 0,
      "no law: constant precompression --r0, reached by a slow ramp", 0},
@@ -129,11 +131,14 @@ static void override(struct subject *subject, const char *name, double value)
     }
 }
 
+#define R0_RESERVE REAL(0.95)
+
 static int check_speed(const struct control_params *params, double speed, char *message)
 {
     const struct speed_table *table = &params->table;
     double low = (double)speed_table_speed(table, params->r0_min_m);
-    double high = (double)speed_table_speed(table, params->r0_max_m);
+    /* eq. (16) needs push-off in reserve above the gait's own: at its limit it cannot brake an excursion. */
+    double high = (double)speed_table_speed(table, R0_RESERVE * params->r0_max_m);
     if (params->branch != NULL &&
         (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
          params->law == (real)LAW_PREDICTIVE)) { /* they serve what their branch covers */

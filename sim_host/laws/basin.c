@@ -1,27 +1,20 @@
-/* The basin: from which share of a box of apex states does the law bring the walker to the gait it was told?
- * And of the states it loses: from how many does no sequence of push-offs at all survive three strides? */
+/* The basin: from which share of a box of apex states does the law bring the walker to the gait it was told? And
+ * what is there to reach: the share of the box from which any sequence of push-offs can walk on for ever, between
+ * an inner and an outer bound (viable.h). */
 #include <math.h>
 #include <stdlib.h>
 
 #include "sim_host/laws/laws.h"
-#include "sim_host/plant/rng.h"
 #include "sim_host/study/pool.h"
 
-enum {
-    CHUNK = 250,
-    STEPS = 80,
-    DEFAULT_SAMPLES = 2000,
-    HOPELESS_EVERY = 10,
-    TREE_DEPTH = 3,
-    TREE_WIDTH = 40
-};
+enum { CHUNK = 250, STEPS = 80, DEFAULT_SAMPLES = 2000, MANY_SAMPLES = 100000 };
 
-/* Box of apex states in the paper's units: stance rate, swing angle, swing rate. */
-static const double box_low[3] = {-1.45, -0.5, 0.2}, box_high[3] = {-0.05, 0.2, 5.2};
 static const double speeds[] = {0.4, 0.6, 0.8};
 
 struct count {
-    int reached, survived, lost_tried, hopeless;
+    int reached, survived;
+    int viable_inner, viable_outer; /* of the same states */
+    int beyond; /* reached from outside the outer bound: none, or the bound is wrong */
 };
 
 struct basin {
@@ -29,6 +22,8 @@ struct basin {
     enum laws_entrant entrant;
     double speed_rad_s;
     int samples;
+    struct viable_grid grid;
+    unsigned char *inner, *outer; /* sets of viable nodes */
     struct count *chunk;
 };
 
@@ -38,35 +33,21 @@ static bool arrived(const struct laws_walk *walk, const double gait[3])
            fabs(walk->apex[1] - gait[1]) < 0.002 && fabs(walk->apex[2] - gait[2]) < 0.002 * gait[2];
 }
 
-/* Some push-off of TREE_WIDTH leads on from here for `depth` strides. */
-static bool some_way(const struct laws_bench *bench, const double apex[3], int depth)
-{
-    const double low = (double)bench->params.r0_min_m, high = (double)bench->params.r0_max_m;
-    for (int i = 0; i < TREE_WIDTH; i++) {
-        struct laws_stride stride;
-        const double share = (double)i / (TREE_WIDTH - 1);
-        const int fault = laws_stride(&bench->truth, bench->accuracy, apex,
-                                      low + (high - low) * share * share, 0.0, 0.0, &stride);
-        if (fault == 0 && (depth == 1 || some_way(bench, stride.next, depth - 1))) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void try_state(const struct basin *basin, const struct laws_bench *bench,
-                      const double apex[3], bool look_for_a_way, struct count *count)
+                      const double apex[3], struct count *count)
 {
     struct laws_walk walk;
+    struct viable_state state;
     double gait[3];
     const double r0_m = laws_bench_gait(bench, basin->speed_rad_s, gait);
+    const bool strikes = viable_after_apex(&bench->truth, apex, &state);
+    const bool may = strikes && viable_has(&basin->grid, VIABLE_OUTER, basin->outer, &state);
+    count->viable_outer += may ? 1 : 0;
+    count->viable_inner +=
+        strikes && viable_has(&basin->grid, VIABLE_INNER, basin->inner, &state) ? 1 : 0;
     laws_walk_start(bench, &walk, apex, r0_m, basin->speed_rad_s);
     for (int k = 0; k < STEPS; k++) {
         if (laws_walk_step(bench, &walk, basin->speed_rad_s, NULL, 0.0, 0.0) != 0) {
-            if (look_for_a_way) {
-                count->lost_tried++;
-                count->hopeless += some_way(bench, apex, TREE_DEPTH) ? 0 : 1;
-            }
             return;
         }
         if (k > 3 && arrived(&walk, gait)) {
@@ -74,25 +55,22 @@ static void try_state(const struct basin *basin, const struct laws_bench *bench,
         }
     }
     count->survived++;
-    count->reached += fabs(walk.apex[0] - gait[0]) < 0.01 * basin->speed_rad_s ? 1 : 0;
+    if (fabs(walk.apex[0] - gait[0]) < 0.01 * basin->speed_rad_s) {
+        count->reached++;
+        count->beyond += may ? 0 : 1;
+    }
 }
 
 static void compute(void *context, int chunk)
 {
     struct basin *basin = (struct basin *)context;
     const struct laws_bench bench = laws_entrant_bench(basin->options, basin->entrant);
-    const double unit = laws_speed_unit(basin->options);
     struct rng rng;
     rng_init(&rng, basin->options->seed, (uint64_t)chunk); /* the same states for every law */
     for (int i = 0; i < CHUNK && chunk * CHUNK + i < basin->samples; i++) {
         double apex[3];
-        for (int k = 0; k < 3; k++) {
-            apex[k] = box_low[k] + (box_high[k] - box_low[k]) * rng_uniform(&rng);
-            apex[k] *= k == 1 ? 1.0 : unit;
-        }
-        try_state(basin, &bench, apex,
-                  basin->entrant == ENTRANT_PREDICTIVE && i % HOPELESS_EVERY == 0,
-                  &basin->chunk[chunk]);
+        laws_draw_apex(basin->options, &rng, apex);
+        try_state(basin, &bench, apex, &basin->chunk[chunk]);
     }
 }
 
@@ -103,55 +81,88 @@ static void print(const struct basin *basin, double paper_speed, FILE *csv)
     for (int i = 0; i < chunks; i++) {
         sum.reached += basin->chunk[i].reached;
         sum.survived += basin->chunk[i].survived;
-        sum.lost_tried += basin->chunk[i].lost_tried;
-        sum.hopeless += basin->chunk[i].hopeless;
+        sum.viable_inner += basin->chunk[i].viable_inner;
+        sum.viable_outer += basin->chunk[i].viable_outer;
+        sum.beyond += basin->chunk[i].beyond;
     }
     const double n = basin->samples, share = sum.reached / n;
     const double error = sqrt(share * (1.0 - share) / n);
     printf("  %-13s %.1f rad/s: reached %7.3f %% +- %.3f, still walking %7.3f %%",
            laws_entrant_names[basin->entrant], paper_speed, 100.0 * share, 100.0 * error,
            100.0 * sum.survived / n);
-    if (sum.lost_tried > 0) {
-        printf("; of the lost ones %.0f %% (%d of %d) survive 3 strides by no r0",
-               100.0 * sum.hopeless / sum.lost_tried, sum.hopeless, sum.lost_tried);
-    }
-    printf("\n");
+    printf("; of what can be walked on from at least %.2f %%\n",
+           100.0 * sum.reached / sum.viable_outer);
     if (csv != NULL) {
-        fprintf(csv, "%s,%.1f,%d,%d,%d,%d,%d\n", laws_entrant_names[basin->entrant], paper_speed,
-                basin->samples, sum.reached, sum.survived, sum.lost_tried, sum.hopeless);
+        fprintf(csv, "%s,%.1f,%d,%d,%d,%d,%d,%d\n", laws_entrant_names[basin->entrant], paper_speed,
+                basin->samples, sum.reached, sum.survived, sum.viable_inner, sum.viable_outer,
+                sum.beyond);
     }
     fflush(stdout);
+}
+
+/* The sets of viable states; the grid is finer where more states are asked about. */
+static bool find_viable(struct basin *basin)
+{
+    const struct laws_options *options = basin->options;
+    const struct gait_walker walker = subject_gait_walker(&options->subject);
+    const struct viable_range range =
+        laws_viable_range(options, basin->samples >= MANY_SAMPLES ? 8 : 2, 120);
+    if (viable_make(&basin->grid, &walker, &range, options->threads) != 0) {
+        return false;
+    }
+    basin->inner = malloc((size_t)basin->grid.nodes);
+    basin->outer = malloc((size_t)basin->grid.nodes);
+    if (basin->inner == NULL || basin->outer == NULL) {
+        return false;
+    }
+    (void)viable_kernel(&basin->grid, VIABLE_INNER, 0.0, INFINITY, basin->inner);
+    (void)viable_kernel(&basin->grid, VIABLE_OUTER, 0.0, INFINITY, basin->outer);
+    return true;
+}
+
+static bool run(struct basin *basin, enum laws_entrant entrant, double speed, FILE *csv)
+{
+    const int chunks = (basin->samples + CHUNK - 1) / CHUNK;
+    const struct pool_jobs jobs = {0, chunks, basin->options->threads, basin, compute, laws_take};
+    basin->entrant = entrant;
+    basin->speed_rad_s = speed * laws_speed_unit(basin->options);
+    for (int k = 0; k < chunks; k++) {
+        basin->chunk[k] = (struct count){0};
+    }
+    const bool done = pool_run(&jobs) == 1;
+    if (done) {
+        print(basin, speed, csv);
+    }
+    return done;
 }
 
 int laws_basin(const struct laws_options *options)
 {
     bool failed;
+    struct output_file file;
     FILE *csv =
         laws_csv(options, "basin",
-                 "law,speed_rad_s,samples,reached,survived,lost_examined,hopeless", &failed);
+                 "law,speed_rad_s,samples,reached,survived,viable_inner,viable_outer,beyond", &file,
+                 &failed);
     struct basin basin = {.options = options,
                           .samples = options->samples > 0 ? options->samples : DEFAULT_SAMPLES};
-    const int chunks = (basin.samples + CHUNK - 1) / CHUNK;
-    basin.chunk = calloc((size_t)chunks, sizeof *basin.chunk);
-    failed = failed || basin.chunk == NULL;
+    basin.chunk = calloc((size_t)(basin.samples + CHUNK - 1) / CHUNK, sizeof *basin.chunk);
+    failed = failed || basin.chunk == NULL || !find_viable(&basin);
     printf(
         "  box: stance rate %g..%g rad/s, swing angle %g..%g rad, swing rate %g..%g rad/s; %d states\n",
-        box_low[0], box_high[0], box_low[1], box_high[1], box_low[2], box_high[2], basin.samples);
+        laws_box_low[0], laws_box_high[0], laws_box_low[1], laws_box_high[1], laws_box_low[2],
+        laws_box_high[2], basin.samples);
     for (int e = 0; e < ENTRANTS && !failed; e++) {
         if (!options->entrant[e] || e == ENTRANT_RAMP) { /* from the gait's own command: no ramp */
             continue;
         }
         for (unsigned i = 0; i < sizeof speeds / sizeof speeds[0] && !failed; i++) {
-            const struct pool_jobs jobs = {0, chunks, options->threads, &basin, compute, laws_take};
-            basin.entrant = (enum laws_entrant)e;
-            basin.speed_rad_s = speeds[i] * laws_speed_unit(options);
-            for (int k = 0; k < chunks; k++) {
-                basin.chunk[k] = (struct count){0};
-            }
-            failed = pool_run(&jobs) != 1;
-            print(&basin, speeds[i], csv);
+            failed = !run(&basin, (enum laws_entrant)e, speeds[i], csv);
         }
     }
+    viable_free(&basin.grid);
+    free(basin.inner);
+    free(basin.outer);
     free(basin.chunk);
-    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+    return laws_csv_close(&file, failed);
 }

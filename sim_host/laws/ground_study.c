@@ -117,10 +117,11 @@ static void print_rises(const struct laws_options *options)
 int laws_ground(const struct laws_options *options)
 {
     bool failed;
+    struct output_file file;
     FILE *csv =
         laws_csv(options, "ground",
                  "law,kind,speed_rad_s,size_mm,steps,falls,operator_steps,settled_steps,cells,full",
-                 &failed);
+                 &file, &failed);
     struct study *study = calloc(1, sizeof *study);
     failed = failed || study == NULL;
     if (!failed) {
@@ -147,5 +148,5 @@ int laws_ground(const struct laws_options *options)
         }
     }
     free(study);
-    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+    return laws_csv_close(&file, failed);
 }

@@ -108,10 +108,11 @@ static void print(const struct hold *hold, int e, const char *what, bool energy,
 static int run(struct hold *hold, const char *study, const char *what, bool energy)
 {
     bool failed;
+    struct output_file file;
     FILE *csv = laws_csv(hold->options, study,
                          "law,case,speed_rad_s,fell,steps,speed_share,spread,fallbacks,"
                          "energy_J_per_m,cost_of_transport",
-                         &failed);
+                         &file, &failed);
     const struct pool_jobs jobs = {
         0, ENTRANTS * hold->cases * SPEEDS, hold->options->threads, hold, compute, laws_take};
     failed = failed || pool_run(&jobs) != 1;
@@ -123,7 +124,7 @@ static int run(struct hold *hold, const char *study, const char *what, bool ener
             failed = failed || hold->result[e][i / SPEEDS][i % SPEEDS].failed;
         }
     }
-    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+    return laws_csv_close(&file, failed);
 }
 
 static struct hold *make(const struct laws_options *options)

@@ -93,7 +93,9 @@ static void print(const struct jumps *jumps, FILE *csv)
 int laws_jumps(const struct laws_options *options)
 {
     bool failed;
-    FILE *csv = laws_csv(options, "jumps", "law,from_rad_s,to_rad_s,fell,settled,steps", &failed);
+    struct output_file file;
+    FILE *csv =
+        laws_csv(options, "jumps", "law,from_rad_s,to_rad_s,fell,settled,steps", &file, &failed);
     struct jumps *jumps = malloc(sizeof *jumps);
     failed = failed || jumps == NULL;
     for (int e = 0; e < ENTRANTS && !failed; e++) {
@@ -112,5 +114,5 @@ int laws_jumps(const struct laws_options *options)
         }
     }
     free(jumps);
-    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+    return laws_csv_close(&file, failed);
 }

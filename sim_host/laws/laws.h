@@ -10,8 +10,11 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "sim_host/host/output_file.h"
 #include "sim_host/laws/bench.h"
+#include "sim_host/plant/rng.h"
 #include "sim_host/plant/sensors.h"
+#include "sim_host/study/viable.h"
 
 /* The laws compared. "ramp" is eq. (16) with the command ramped as flown, the others take the command at
  * once. */
@@ -42,6 +45,15 @@ typedef int laws_study(const struct laws_options *options);
 laws_study laws_jumps, laws_limits, laws_basin, laws_ground, laws_sensitivity, laws_slope,
     laws_mismatch, laws_push, laws_energy, laws_timing;
 
+/* Box of apex states that basins are shares of, in the paper's units: stance rate, swing angle, swing rate. */
+extern const double laws_box_low[3], laws_box_high[3];
+
+/* A state of the box for this subject, drawn evenly. */
+void laws_draw_apex(const struct laws_options *options, struct rng *rng, double apex[3]);
+
+/* The grid of all states that viable.h is asked on, finer with fineness (1: 100 x 60 states). */
+struct viable_range laws_viable_range(const struct laws_options *options, int fineness, int pushes);
+
 /* The bench of an entrant for the subject. */
 struct laws_bench laws_entrant_bench(const struct laws_options *options, enum laws_entrant entrant);
 
@@ -51,10 +63,11 @@ int laws_take(void *context, int i);
 /* rad/s of this subject for one of the paper's walker: sqrt(g/l) over the paper's. */
 double laws_speed_unit(const struct laws_options *options);
 
-/* DIR/laws-STUDY.csv with its header line, or NULL without --out. *failed tells of an error (said). */
+/* DIR/laws-STUDY.csv with its header line, or NULL without --out. It comes into being when it is closed: a
+ * study that is broken off leaves the old one. *failed tells of an error (said). */
 FILE *laws_csv(const struct laws_options *options, const char *study, const char *header,
-               bool *failed);
-/* Closes it (NULL is fine); returns 0, or -1 when not all was written. */
-int laws_csv_close(FILE *csv);
+               struct output_file *file, bool *failed);
+/* Commits it, or throws it away when the study failed. Returns 0, or -1 when either went wrong. */
+int laws_csv_close(struct output_file *file, bool failed);
 
 #endif

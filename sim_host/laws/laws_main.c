@@ -1,8 +1,10 @@
 #include "sim_host/laws/laws_main.h"
 
 #include <argp.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "sim_host/host/walk_options.h"
 #include "sim_host/laws/laws.h"
@@ -139,6 +141,17 @@ struct laws_bench laws_entrant_bench(const struct laws_options *options, enum la
     return bench;
 }
 
+const double laws_box_low[3] = {-1.45, -0.5, 0.2}, laws_box_high[3] = {-0.05, 0.2, 5.2};
+
+void laws_draw_apex(const struct laws_options *options, struct rng *rng, double apex[3])
+{
+    const double unit = laws_speed_unit(options);
+    for (int k = 0; k < 3; k++) {
+        apex[k] = laws_box_low[k] + (laws_box_high[k] - laws_box_low[k]) * rng_uniform(rng);
+        apex[k] *= k == 1 ? 1.0 : unit;
+    }
+}
+
 double laws_speed_unit(const struct laws_options *options)
 {
     return __builtin_sqrt(options->subject.gravity_m_s2 / 9.80665 / options->subject.leg_length_m);
@@ -152,27 +165,34 @@ int laws_take(void *context, int i)
 }
 
 FILE *laws_csv(const struct laws_options *options, const char *study, const char *header,
-               bool *failed)
+               struct output_file *file, bool *failed)
 {
-    char path[4096];
+    char path[OUTPUT_PATH_MAX], message[OUTPUT_PATH_MAX + 128];
     *failed = false;
+    file->stream = NULL;
     if (options->out_directory == NULL) {
         return NULL;
     }
-    snprintf(path, sizeof path, "%s/laws-%s%s.csv", options->out_directory, study,
-             options->chain ? "-chain" : "");
-    FILE *csv = fopen(path, "w");
-    if (csv == NULL || fprintf(csv, "%s\n", header) < 0) {
-        fprintf(stderr, "afo-study laws: cannot write %s\n", path);
+    (void)snprintf(path, sizeof path, "%s/laws-%s%s.csv", options->out_directory, study,
+                   options->chain ? "-chain" : "");
+    if (output_file_open(file, path, message, sizeof message) != 0) {
+        fprintf(stderr, "afo-study laws: %s\n", message);
         *failed = true;
+        return NULL;
     }
-    return csv;
+    (void)fprintf(file->stream, "%s\n", header); /* errors are found when it is committed */
+    return file->stream;
 }
 
-int laws_csv_close(FILE *csv)
+int laws_csv_close(struct output_file *file, bool failed)
 {
-    if (csv != NULL && (ferror(csv) != 0 || fclose(csv) != 0)) {
-        fprintf(stderr, "afo-study laws: could not write all of the CSV file\n");
+    char message[OUTPUT_PATH_MAX + 128];
+    if (failed) {
+        output_file_discard(file);
+        return -1;
+    }
+    if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
+        fprintf(stderr, "afo-study laws: %s\n", message);
         return -1;
     }
     return 0;
@@ -206,7 +226,13 @@ int laws_main(int argc, char **argv)
     if (laws_bench_init(&input.options.bench, &input.options.subject, LAW_PREDICTIVE, message) !=
         0) {
         fprintf(stderr, "afo-study laws: %s\n", message);
-        return 1;
+        return 2;
+    }
+    if (input.options.out_directory != NULL &&
+        access(input.options.out_directory, W_OK | X_OK) != 0) {
+        fprintf(stderr, "afo-study laws: cannot write into %s: %s\n", input.options.out_directory,
+                strerror(errno));
+        return 2;
     }
 
     const bool all = strcmp(input.study, "all") == 0;

@@ -84,6 +84,7 @@ static void print(const struct push_study *study, int e, FILE *csv)
 int laws_push(const struct laws_options *options)
 {
     bool failed;
+    struct output_file file;
     struct push_study *study = calloc(1, sizeof *study);
     if (study == NULL) {
         return -1;
@@ -93,8 +94,9 @@ int laws_push(const struct laws_options *options)
     study->options.chain = true;
     study->unit_Ns = (body->torso_mass_kg + 2.0 * body->leg_mass_kg) *
                      sqrt(body->gravity_m_s2 * body->leg_length_m);
-    FILE *csv = laws_csv(&study->options, "push",
-                         "law,speed_rad_s,direction,phase,share_of_m_sqrt_gl,impulse_Ns", &failed);
+    FILE *csv =
+        laws_csv(&study->options, "push",
+                 "law,speed_rad_s,direction,phase,share_of_m_sqrt_gl,impulse_Ns", &file, &failed);
     const struct pool_jobs jobs = {
         0, ENTRANTS * SPEEDS * DIRECTIONS * PHASES, options->threads, study, compute, laws_take};
     failed = failed || pool_run(&jobs) != 1;
@@ -109,5 +111,5 @@ int laws_push(const struct laws_options *options)
         failed = failed || study->failed[e];
     }
     free(study);
-    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+    return laws_csv_close(&file, failed);
 }

@@ -51,8 +51,10 @@ static bool norms(const struct laws_bench *bench, double speed_rad_s, double nor
 int laws_sensitivity(const struct laws_options *options)
 {
     bool failed;
-    FILE *csv = laws_csv(options, "sensitivity",
-                         "law,speed_rad_s,step_time_s_per_leg,apex_speed_rad_s_per_leg", &failed);
+    struct output_file file;
+    FILE *csv =
+        laws_csv(options, "sensitivity",
+                 "law,speed_rad_s,step_time_s_per_leg,apex_speed_rad_s_per_leg", &file, &failed);
     printf(
         "  norm of step time (s) and apex speed (rad/s) per leg length of one step of the ground\n");
     for (int e = 0; e < ENTRANTS && !failed; e++) {
@@ -76,5 +78,5 @@ int laws_sensitivity(const struct laws_options *options)
         }
         printf("\n");
     }
-    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+    return laws_csv_close(&file, failed);
 }

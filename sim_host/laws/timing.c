@@ -12,7 +12,6 @@ enum { SPEEDS = 3, TIMES = 11, DEFAULT_SAMPLES = 400 };
 static const double speeds[SPEEDS] = {0.4, 0.6, 0.8};
 static const double times_s[TIMES] = {-0.05, -0.03, -0.02, -0.01, -0.005, 0.0,
                                       0.002, 0.005, 0.01,  0.015, 0.02};
-static const double box_low[3] = {-1.45, -0.5, 0.2}, box_high[3] = {-0.05, 0.2, 5.2};
 
 struct entry {
     bool found;
@@ -52,7 +51,7 @@ static void compute(void *context, int i)
         entry->basin[law] =
             laws_timed_basin(&walker, &entry->gait, (enum laws_timed_law)law,
                              (double)timing->options->bench.params.kp_m_s_rad, SECOND_INPUT_LIMIT_S,
-                             box_low, box_high, timing->samples, timing->options->seed);
+                             laws_box_low, laws_box_high, timing->samples, timing->options->seed);
     }
 }
 
@@ -88,11 +87,12 @@ static void print(const struct timing *timing, FILE *csv)
 int laws_timing(const struct laws_options *options)
 {
     bool failed;
+    struct output_file file;
     FILE *csv =
         laws_csv(options, "timing",
                  "speed_rad_s,release_s,r0_m,step_length_m,step_time_s,energy_J_per_m,"
                  "cost_of_transport,eigenvalue,basin_proportional,basin_lqr_r0,basin_lqr_both",
-                 &failed);
+                 &file, &failed);
     struct timing *timing = calloc(1, sizeof *timing);
     failed = failed || timing == NULL;
     if (!failed) {
@@ -104,5 +104,5 @@ int laws_timing(const struct laws_options *options)
         print(timing, csv);
     }
     free(timing);
-    return laws_csv_close(csv) != 0 || failed ? -1 : 0;
+    return laws_csv_close(&file, failed);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim_host/study/command.h"
+#include "sim_host/study/loop_gain.h"
 
 enum { GAINS_MAX = 16, POINTS_MAX = 100000 };
 
@@ -48,61 +49,8 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     }
 }
 
-/* What the loop's eigenvalues need to be known at each r0: they follow for any gain. */
-struct plant_point {
-    double r0, speed, by_x[3][3], by_r0[3];
-};
-
-/* r0[k] = r0 + kp (v - v*), v = -x0: the law adds -kp dG/dr0 to the first column. */
-static void closed_loop(const struct plant_point *point, double kp, struct eigenvalue values[3])
-{
-    double J[3][3];
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            J[i][j] = point->by_x[i][j] - (j == 0 ? kp * point->by_r0[i] : 0.0);
-        }
-    }
-    linear_eigenvalues3((const double(*)[3])J, values);
-}
-
-static double largest_over_range(const struct plant_point *points, int count, double kp)
-{
-    double largest = 0.0;
-    for (int i = 0; i < count; i++) {
-        struct eigenvalue values[3];
-        closed_loop(&points[i], kp, values);
-        largest = linear_magnitude(values[0]) > largest ? linear_magnitude(values[0]) : largest;
-    }
-    return largest;
-}
-
-/* Scan, then golden section around the best. */
-static double best_gain(const struct plant_point *points, int count, double unit)
-{
-    const double step = 0.001 * unit, golden = 0.6180339887498949;
-    int best = 0;
-    double smallest = 1e300;
-    for (int i = 0; i <= 200; i++) {
-        const double largest = largest_over_range(points, count, i * step);
-        if (largest < smallest) {
-            smallest = largest;
-            best = i;
-        }
-    }
-    double low = (best - 1) * step, high = (best + 1) * step;
-    while (high - low > 1e-10 * unit) {
-        const double a = high - golden * (high - low), b = low + golden * (high - low);
-        if (largest_over_range(points, count, a) < largest_over_range(points, count, b)) {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    return 0.5 * (low + high);
-}
-
 /* Follows the branch over the range. Returns how many points were reached. */
-static int gather(const struct options *options, struct plant_point *points)
+static int gather(const struct options *options, struct loop_point *points)
 {
     const struct walker_params *p = &options->common.params;
     const double l = p->leg_length_m, unit_s = real_sqrt(l / p->gravity_m_s2);
@@ -113,11 +61,11 @@ static int gather(const struct options *options, struct plant_point *points)
         return 0;
     }
     for (int i = 0; i < options->points; i++) {
-        struct plant_point *point = &points[i];
-        point->r0 = options->from + (options->to - options->from) * i / (options->points - 1);
-        struct problem problem = {.params = *p, .r0_m = point->r0, .period = 1};
+        struct loop_point *point = &points[i];
+        point->r0_m = options->from + (options->to - options->from) * i / (options->points - 1);
+        struct problem problem = {.params = *p, .r0_m = point->r0_m, .period = 1};
         struct orbit orbit;
-        if (!branch_follow(&gait, ratio, stiffness, point->r0 / l) ||
+        if (!branch_follow(&gait, ratio, stiffness, point->r0_m / l) ||
             problem_prepare(&problem, &orbit) != ORBIT_OK) {
             return i;
         }
@@ -127,40 +75,44 @@ static int gather(const struct options *options, struct plant_point *points)
         if (orbit_find(&problem, &orbit) != ORBIT_OK) {
             return i;
         }
-        point->speed = -orbit.x[0];
+        point->speed_rad_s = -orbit.x[0];
         for (int k = 0; k < 3; k++) {
             point->by_r0[k] = orbit.by_parameter[k][PARAMETER_R0];
             for (int j = 0; j < 3; j++) {
-                point->by_x[k][j] = orbit.by_x[k][j];
+                point->by_apex[k][j] = orbit.by_x[k][j];
             }
         }
     }
     return options->points;
 }
 
-static void print(const struct options *options, const struct plant_point *points, int count,
+static void print(const struct options *options, const struct loop_point *points, int count,
                   double unit, struct report *report)
 {
     for (int k = 0; k < options->gain_count; k++) {
         for (int i = 0; i < count; i++) {
             struct eigenvalue v[3];
-            closed_loop(&points[i], options->gains[k], v);
-            const struct cell row[] = {
-                cell_number(options->gains[k]), cell_number(points[i].r0),
-                cell_number(points[i].speed),   cell_number(v[0].re),
-                cell_number(v[0].im),           cell_number(v[1].re),
-                cell_number(v[1].im),           cell_number(v[2].re),
-                cell_number(v[2].im),           cell_number(linear_magnitude(v[0]))};
+            loop_gain_eigenvalues(&points[i], options->gains[k], v);
+            const struct cell row[] = {cell_number(options->gains[k]),
+                                       cell_number(points[i].r0_m),
+                                       cell_number(points[i].speed_rad_s),
+                                       cell_number(v[0].re),
+                                       cell_number(v[0].im),
+                                       cell_number(v[1].re),
+                                       cell_number(v[1].im),
+                                       cell_number(v[2].re),
+                                       cell_number(v[2].im),
+                                       cell_number(linear_magnitude(v[0]))};
             report_row(report, row);
         }
     }
     if (options->best) {
-        const double best = best_gain(points, count, unit);
+        const double best = loop_gain_best(points, count, unit);
         report_value(report, "best_kp", cell_number(best));
         report_value(report, "largest_with_best_kp",
-                     cell_number(largest_over_range(points, count, best)));
+                     cell_number(loop_gain_largest(points, count, best)));
         report_value(report, "largest_without_law",
-                     cell_number(largest_over_range(points, count, 0.0)));
+                     cell_number(loop_gain_largest(points, count, 0.0)));
     }
 }
 
@@ -194,7 +146,7 @@ int command_gain(int argc, char **argv)
                 "afo-study: r0 must rise from --from to --to between 0 and the leg length\n");
         return EXIT_USAGE;
     }
-    struct plant_point *points = malloc((size_t)options.points * sizeof *points);
+    struct loop_point *points = malloc((size_t)options.points * sizeof *points);
     if (points == NULL) {
         fprintf(stderr, "afo-study: out of memory\n");
         return EXIT_NOT_FOUND;

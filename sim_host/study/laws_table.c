@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "sim_host/study/linear.h"
+#include "sim_host/study/loop_gain.h"
 #include "sim_host/study/stride_derivative.h"
 
 #define PAPER_GRAVITY_M_S2 9.80665 /* its leg is 1 m */
@@ -210,6 +211,30 @@ enum laws_table_error laws_table_make(const struct gait_walker *gait_walker, dou
         }
     }
     return LAWS_TABLE_OK;
+}
+
+double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
+                       double *largest)
+{
+    struct loop_point points[LAWS_TABLE_POINTS];
+    int count = 0;
+    for (int i = 0; i < table->count; i++) {
+        const struct laws_point *from = &table->point[i];
+        if (from->r0_m >= r0_low_m) {
+            struct loop_point *to = &points[count++];
+            to->r0_m = from->r0_m;
+            to->speed_rad_s = from->speed_rad_s;
+            memcpy(to->by_apex, from->map, sizeof to->by_apex);
+            memcpy(to->by_r0, from->input, sizeof to->by_r0);
+        }
+    }
+    double gain = wanted;
+    *largest = loop_gain_largest(points, count, gain);
+    if (*largest > LAWS_TABLE_CALM) {
+        gain = loop_gain_best(points, count, unit);
+        *largest = loop_gain_largest(points, count, gain);
+    }
+    return gain;
 }
 
 const char *laws_table_error_name(enum laws_table_error error)

@@ -49,6 +49,13 @@ struct laws_weights laws_weights_default(void);
 enum laws_table_error laws_table_make(const struct gait_walker *walker, double length_scale,
                                       const struct laws_weights *weights, struct laws_table *table);
 
+/* The gain of eq. (16) for this walker: `wanted` when it holds the table's gaits from r0_low_m on with no eigenvalue
+ * beyond LAWS_TABLE_CALM, else the one that makes the largest smallest. *largest: what comes of it. unit: the
+ * gain's scale, 1 for the paper's walker. */
+#define LAWS_TABLE_CALM 0.95
+double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
+                       double *largest);
+
 /* In words; a static string, never NULL. */
 const char *laws_table_error_name(enum laws_table_error error);
 

@@ -12,6 +12,8 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PIL = ROOT / "build" / "afo-pil"
 TICK_INSTRUCTIONS = 8000
+PREDICTIVE_TICK_INSTRUCTIONS = 40000
+CLOCK_HZ = 170e6
 
 pytestmark = pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="qemu-system-arm is not installed")
 
@@ -39,6 +41,18 @@ def test_two_hundred_steps_bit_for_bit(tmp_path):
     assert len(lines) >= walk["ticks"] - 2
     # The first line is the start-up before the first tick; all others are ticks.
     assert max(int(line.split(",")[1]) for line in lines[1:]) == walk["worst_tick_instructions"]
+
+
+@pytest.mark.parametrize("speed, steps", [("0.8", "60"), ("0.3", "12")])
+def test_the_predictive_law_within_its_budget_bit_for_bit(speed, steps):
+    """The walk starts at 0.41 rad/s and the command jumps: the search is at its longest."""
+    walk = pil("--steps", steps, "--speed", speed, "--law", "predictive")
+    assert walk["steps"] >= int(steps) and not walk["fell"]
+    assert walk["differences"] == 0
+    print(f"worst tick {walk['worst_tick_instructions']} instructions, mean {walk['mean_tick_instructions']}")
+    assert walk["worst_tick_instructions"] <= PREDICTIVE_TICK_INSTRUCTIONS
+    assert walk["mean_tick_instructions"] * 1000 <= 0.3 * CLOCK_HZ
+    assert walk["stack_unused_bytes"] >= 64
 
 
 def test_the_adult_too():

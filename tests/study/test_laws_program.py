@@ -82,4 +82,26 @@ def test_usage_errors(arguments):
 
 def test_an_output_that_cannot_be_written_is_an_error():
     assert "cannot write" in laws("sensitivity", "--law", "dlqr", "--out", "/no/such/directory",
-                                  status=1).stderr
+                                  status=2).stderr
+
+
+def test_a_study_that_is_broken_off_leaves_the_old_numbers(tmp_path):
+    old = tmp_path / "laws-basin.csv"
+    old.write_text("old\n", encoding="utf-8")
+    with subprocess.Popen([PROGRAM, "laws", "basin", "--out", tmp_path, "--samples", "1000000"],
+                          stdout=subprocess.PIPE) as run:
+        run.stdout.readline()  # it has begun
+        run.terminate()
+    assert old.read_text(encoding="utf-8") == "old\n"
+
+
+def test_no_law_reaches_more_than_can_be_walked_on_from(tmp_path):
+    """What the bounds rule out, a walk must not do; eq. (16)'s share times 150 is beyond what there is at 0.4 rad/s."""
+    laws("basin", "--samples", 1500, "--out", tmp_path)
+    share = {}
+    for row in rows(tmp_path / "laws-basin.csv"):
+        assert row["beyond"] == "0", row
+        assert int(row["viable_inner"]) < int(row["viable_outer"])
+        share[row["law"], row["speed_rad_s"]] = int(row["reached"]) / int(row["viable_outer"])
+    assert 150 * share["proportional", "0.4"] > 1
+    assert all(share["predictive", speed] > 0.9 for speed in ("0.4", "0.6", "0.8")), share

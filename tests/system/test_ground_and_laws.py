@@ -51,6 +51,32 @@ def test_the_laws_can_be_named_in_the_subject_file(tmp_path):
     assert "law" in walk("--subject", subject, status=2).stderr
 
 
+# M, m, l, k: light and heavy legs, an adult, a child, soft and stiff ankles
+SUBJECTS = {"light legs": (1, 0.005, 1, 100), "m/M = 0.1": (1, 0.1, 1, 100), "m/M = 0.2": (1, 0.2, 1, 100),
+            "adult": (65, 2.5, 0.93, 7000), "adult, heavy legs": (65, 13, 0.93, 7000),
+            "child": (22, 1.0, 0.55, 3500), "tall": (110, 5, 1.05, 9000), "stiff": (1, 0.05, 1, 200)}
+
+
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_equation_16_has_a_gain_that_holds_this_subject(name, tmp_path):
+    mass, leg, length, stiffness = SUBJECTS[name]
+    subject = tmp_path / "subject.ini"
+    subject.write_text(f"[walker]\nM = {mass}\nm = {leg}\nl = {length}\nk = {stiffness}\ng = 9.80665\n",
+                       encoding="utf-8")
+    for share in (0.4, 0.6, 0.75):  # of the paper's walker's speed
+        speed = round(share * length ** -0.5, 4)
+        held = walk("--subject", subject, "--speed", speed, "--steps", 200, "--sensors", "ideal")
+        assert not held["fell"], (share, held["fault"])
+        assert held["apex_speed_rad_s"][-1] == pytest.approx(speed, rel=0.003)
+
+
+def test_a_speed_without_push_off_in_reserve_is_refused():
+    assert "out of range" in walk("--speed", 1.16, "--steps", 5, status=2).stderr
+    fastest = walk("--speed", 1.14, "--steps", 250, "--sensors", "ideal")
+    assert not fastest["fell"]
+    assert fastest["apex_speed_rad_s"][-1] == pytest.approx(1.14, rel=0.001)
+
+
 @pytest.mark.parametrize("arguments", [
     ("--law", "magic"), ("--law", "open-loop"), ("--slope-deg", 45), ("--terrain-mm", -1),
     ("--push", "0.1"), ("--push", "x@1"), ("--push", "0.1@-2"), ("--law", "dlqr", "--open-loop", "--r0", 0.05)])

@@ -1,0 +1,363 @@
+#include "sim_host/study/viable.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/collision.h"
+#include "model/stride.h"
+#include "model/trig.h"
+#include "sim_host/study/pool.h"
+
+/* Between two push-offs of the grid so many more are looked at, by straight line. */
+enum { BETWEEN = 4, BOX_IMAGES = 8, STEPS_MAX = 250 };
+#define STEP_UNITS 0.08
+
+struct making {
+    struct viable_grid *grid;
+    struct walker walker;
+    struct stride_settings settings;
+};
+
+static int init_walker(const struct gait_walker *from, struct walker *walker,
+                       struct stride_settings *settings)
+{
+    const struct walker_params params = {from->hip_mass_kg, from->leg_mass_kg, from->leg_length_m,
+                                         from->ankle_stiffness_N_m, from->gravity_m_s2};
+    if (walker_init(walker, &params) != WALKER_OK) {
+        return -1;
+    }
+    *settings = stride_settings_fixed(walker, STEP_UNITS * walker->time_unit_s);
+    settings->phase_limit_s = 10.0 * walker->time_unit_s;
+    return 0;
+}
+
+static double rate_unit(const struct gait_walker *walker)
+{
+    return __builtin_sqrt(walker->gravity_m_s2 * walker->leg_length_m);
+}
+
+static double spaced(double low, double high, int index, int count)
+{
+    return low * exp(log(high / low) * index / (count - 1));
+}
+
+static struct viable_state node_state(const struct viable_range *r, int node)
+{
+    const int a = node / r->rates, w = node % r->rates;
+    return (struct viable_state){spaced(r->legs_low_rad, r->legs_high_rad, a, r->legs),
+                                 r->rate_low + (r->rate_high - r->rate_low) * w / (r->rates - 1)};
+}
+
+static struct viable_state after_strike(const struct walker *walker, double unit,
+                                        const real *strike)
+{
+    const double difference = strike[STANCE_ANGLE] - strike[SWING_ANGLE];
+    const double ankle = collision_clamp_m_s(
+        collision_ankle_rate_m_s(walker, difference, strike[STANCE_RATE], strike[SWING_RATE]),
+        NULL);
+    const double legs = real_abs(difference);
+    return (struct viable_state){legs, ankle / (legs * unit)};
+}
+
+bool viable_after_apex(const struct gait_walker *gait_walker, const double apex[3],
+                       struct viable_state *state)
+{
+    struct walker walker;
+    struct stride_settings settings;
+    struct stride_result result = {.fault = STRIDE_OK};
+    const struct apex from = {apex[0], apex[1], apex[2]};
+    if (init_walker(gait_walker, &walker, &settings) != 0 ||
+        stride_to_strike(&walker, &settings, &from, &result) != STRIDE_OK) {
+        return false;
+    }
+    *state = after_strike(&walker, rate_unit(gait_walker), result.strike);
+    return state->legs_rad > 0.0;
+}
+
+/* The push-off reads of the strike only the angles and what the impact makes of the rates: rates are chosen that
+ * give the wanted ankle rate. */
+static struct viable_image image_of(const struct making *making, const struct viable_state *state,
+                                    double r0_m)
+{
+    struct viable_image image = {0.0f, 0.0f, -1.0f};
+    struct stride_result result = {.fault = STRIDE_OK};
+    const double unit = rate_unit(&making->grid->walker), legs = state->legs_rad;
+    const double per_swing_rate = collision_ankle_rate_m_s(&making->walker, -legs, 0.0, 1.0);
+    result.strike[STANCE_ANGLE] = -0.5 * legs;
+    result.strike[SWING_ANGLE] = 0.5 * legs;
+    result.strike[STANCE_RATE] = 0.0;
+    result.strike[SWING_RATE] = state->rate * legs * unit / per_swing_rate;
+    if (stride_push_off(&making->walker, &making->settings, r0_m, &result) != STRIDE_OK ||
+        stride_from_lift_off(&making->walker, &making->settings, &result) != STRIDE_OK) {
+        return image;
+    }
+    const struct apex apex = result.next;
+    if (stride_to_strike(&making->walker, &making->settings, &apex, &result) != STRIDE_OK) {
+        return image;
+    }
+    const struct viable_state next = after_strike(&making->walker, unit, result.strike);
+    if (next.legs_rad > 0.0) {
+        image = (struct viable_image){(float)log(next.legs_rad), (float)next.rate,
+                                      (float)-apex.stance_rate_rad_s};
+    }
+    return image;
+}
+
+static void compute(void *context, int row)
+{
+    const struct making *making = (const struct making *)context;
+    const struct viable_range *r = &making->grid->range;
+    for (int w = 0; w < r->rates; w++) {
+        const int node = row * r->rates + w;
+        const struct viable_state state = node_state(r, node);
+        for (int i = 0; i < r->pushes; i++) {
+            making->grid->image[(size_t)node * (size_t)r->pushes + (size_t)i] =
+                image_of(making, &state, spaced(r->r0_low_m, r->r0_high_m, i, r->pushes));
+        }
+    }
+}
+
+static int take(void *context, int row)
+{
+    (void)context;
+    (void)row;
+    return 1;
+}
+
+int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
+                const struct viable_range *range, int threads)
+{
+    struct making making = {.grid = grid};
+    *grid = (struct viable_grid){
+        .walker = *walker, .range = *range, .nodes = range->legs * range->rates};
+    grid->image = malloc((size_t)grid->nodes * (size_t)range->pushes * sizeof *grid->image);
+    const struct pool_jobs jobs = {0, range->legs, threads, &making, compute, take};
+    if (grid->image == NULL || init_walker(walker, &making.walker, &making.settings) != 0 ||
+        pool_run(&jobs) != 1) {
+        viable_free(grid);
+        return -1;
+    }
+    return 0;
+}
+
+void viable_free(struct viable_grid *grid)
+{
+    free(grid->image);
+    grid->image = NULL;
+}
+
+/* ---- sets on the grid -------------------------------------------------------------------- */
+
+/* Position on the grid, in cells. */
+struct place {
+    double legs, rate;
+};
+
+static struct place place_of(const struct viable_range *r, double log_legs, double rate)
+{
+    const double per_cell = log(r->legs_high_rad / r->legs_low_rad) / (r->legs - 1);
+    return (struct place){(log_legs - log(r->legs_low_rad)) / per_cell,
+                          (rate - r->rate_low) / (r->rate_high - r->rate_low) * (r->rates - 1)};
+}
+
+static bool is_beyond(const struct viable_range *r, const struct place *place)
+{
+    return !(place->legs >= 0.0 && place->legs <= r->legs - 1 && place->rate >= 0.0 &&
+             place->rate <= r->rates - 1);
+}
+
+/* The cell a place lies in; the last one's far edge belongs to it. */
+static int cell_of(const struct viable_range *r, const struct place *place)
+{
+    const int a = (int)place->legs, w = (int)place->rate;
+    return (a < r->legs - 1 ? a : r->legs - 2) * r->rates + (w < r->rates - 1 ? w : r->rates - 2);
+}
+
+/* ---- from inside: nodes ------------------------------------------------------------------- */
+
+static bool all_corners(const struct viable_grid *grid, const unsigned char *set, int cell)
+{
+    const int rates = grid->range.rates;
+    return set[cell] != 0 && set[cell + 1] != 0 && set[cell + rates] != 0 &&
+           set[cell + rates + 1] != 0;
+}
+
+/* Some push-off of this node, or between two of them by straight line, leads into the set. */
+static bool node_stays(const struct viable_grid *grid, const unsigned char *set, int node)
+{
+    const int pushes = grid->range.pushes;
+    const struct viable_image *image = &grid->image[(size_t)node * (size_t)pushes];
+    for (int i = 0; i < pushes; i++) {
+        if (image[i].speed_rad_s < 0.0f) {
+            continue;
+        }
+        const bool more = i + 1 < pushes && image[i + 1].speed_rad_s >= 0.0f;
+        const struct viable_image *next = &image[more ? i + 1 : i];
+        for (int k = 0; k < (more ? BETWEEN : 1); k++) {
+            const float share = (float)k / (float)BETWEEN;
+            const float log_legs = image[i].log_legs + share * (next->log_legs - image[i].log_legs);
+            const float rate = image[i].rate + share * (next->rate - image[i].rate);
+            const struct place place = place_of(&grid->range, (double)log_legs, (double)rate);
+            if (!is_beyond(&grid->range, &place) &&
+                all_corners(grid, set, cell_of(&grid->range, &place))) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* ---- from outside: cells ------------------------------------------------------------------ */
+
+/* Sums of a set of cells over all rectangles that begin at the first: how many lie in any rectangle is four
+ * look-ups. */
+static void sum_cells(const struct viable_grid *grid, const unsigned char *set, int *sum)
+{
+    const int legs = grid->range.legs, rates = grid->range.rates;
+    for (int a = 0; a < legs; a++) {
+        for (int w = 0; w < rates; w++) {
+            sum[a * rates + w] =
+                a == 0 || w == 0 ? 0
+                                 : (set[(a - 1) * rates + w - 1] != 0) + sum[(a - 1) * rates + w] +
+                                       sum[a * rates + w - 1] - sum[(a - 1) * rates + w - 1];
+        }
+    }
+}
+
+/* What the push-offs between one of the grid's and the next make of a cell: the box around the images of its
+ * corners. */
+struct box {
+    struct place low, high;
+    float slowest, fastest;
+    int images;
+};
+
+static void take_in(const struct viable_grid *grid, const struct viable_image *image,
+                    struct box *box)
+{
+    if (image->speed_rad_s < 0.0f) {
+        return;
+    }
+    const struct place p = place_of(&grid->range, (double)image->log_legs, (double)image->rate);
+    const bool first = box->images == 0;
+    box->low.legs = first || p.legs < box->low.legs ? p.legs : box->low.legs;
+    box->high.legs = first || p.legs > box->high.legs ? p.legs : box->high.legs;
+    box->low.rate = first || p.rate < box->low.rate ? p.rate : box->low.rate;
+    box->high.rate = first || p.rate > box->high.rate ? p.rate : box->high.rate;
+    box->slowest = first || image->speed_rad_s < box->slowest ? image->speed_rad_s : box->slowest;
+    box->fastest = first || image->speed_rad_s > box->fastest ? image->speed_rad_s : box->fastest;
+    box->images++;
+}
+
+static bool box_meets(const struct viable_grid *grid, const int *sum, const struct box *box)
+{
+    const struct viable_range *r = &grid->range;
+    /* Where a corner's stride ends in a fault the others stand for it, with a cell to spare. */
+    const double spare = box->images < BOX_IMAGES ? 1.0 : 0.0;
+    const double a0 = box->low.legs - spare, a1 = box->high.legs + spare;
+    const double w0 = box->low.rate - spare, w1 = box->high.rate + spare;
+    if (a0 < 0.0 || w0 < 0.0 || a1 > r->legs - 1 || w1 > r->rates - 1) {
+        return true;
+    }
+    const struct place low = {a0, w0}, high = {a1, w1};
+    const int from = cell_of(r, &low), to = cell_of(r, &high);
+    const int fa = from / r->rates, fw = from % r->rates;
+    const int ta = to / r->rates + 1, tw = to % r->rates + 1;
+    return sum[ta * r->rates + tw] - sum[fa * r->rates + tw] - sum[ta * r->rates + fw] +
+               sum[fa * r->rates + fw] >
+           0;
+}
+
+/* Some push-off can lead from some state of this cell into the set, at an apex speed within slow..fast. */
+static bool cell_leads(const struct viable_grid *grid, const int *sum, int cell, double slow,
+                       double fast)
+{
+    const int corner[4] = {cell, cell + 1, cell + grid->range.rates, cell + grid->range.rates + 1};
+    const int pushes = grid->range.pushes;
+    for (int i = 0; i + 1 < pushes; i++) {
+        struct box box = {.images = 0};
+        for (int k = 0; k < BOX_IMAGES; k++) {
+            take_in(grid,
+                    &grid->image[(size_t)corner[k / 2] * (size_t)pushes + (size_t)(i + k % 2)],
+                    &box);
+        }
+        if (box.images > 0 && (double)box.slowest <= fast && (double)box.fastest >= slow &&
+            box_meets(grid, sum, &box)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_cell(const struct viable_range *r, int node)
+{
+    return node / r->rates < r->legs - 1 && node % r->rates < r->rates - 1;
+}
+
+int viable_kernel(const struct viable_grid *grid, enum viable_side side, double slow_rad_s,
+                  double fast_rad_s, unsigned char *set)
+{
+    int *sum = malloc((size_t)grid->nodes * sizeof *sum);
+    int rounds = 0, taken = sum != NULL ? 1 : 0;
+    for (int node = 0; node < grid->nodes; node++) {
+        set[node] = side == VIABLE_INNER || is_cell(&grid->range, node);
+    }
+    while (taken > 0) {
+        taken = 0;
+        if (side == VIABLE_OUTER) {
+            sum_cells(grid, set, sum);
+        }
+        for (int node = 0; node < grid->nodes; node++) {
+            const bool stays =
+                set[node] != 0 &&
+                (side == VIABLE_OUTER ? cell_leads(grid, sum, node, slow_rad_s, fast_rad_s)
+                                      : node_stays(grid, set, node));
+            taken += set[node] != 0 && !stays ? 1 : 0;
+            set[node] = stays;
+        }
+        rounds++;
+    }
+    free(sum);
+    return rounds;
+}
+
+bool viable_has(const struct viable_grid *grid, enum viable_side side, const unsigned char *set,
+                const struct viable_state *state)
+{
+    const struct place place = place_of(&grid->range, log(state->legs_rad), state->rate);
+    if (is_beyond(&grid->range, &place)) {
+        return side == VIABLE_OUTER;
+    }
+    const int cell = cell_of(&grid->range, &place);
+    return side == VIABLE_OUTER ? set[cell] != 0 : all_corners(grid, set, cell);
+}
+
+void viable_steps(const struct viable_grid *grid, const unsigned char *target, double slow_rad_s,
+                  double fast_rad_s, unsigned char *steps)
+{
+    int *sum = malloc((size_t)grid->nodes * sizeof *sum);
+    int found = sum != NULL ? 1 : 0;
+    memset(steps, 0, (size_t)grid->nodes);
+    for (int n = 1; n <= STEPS_MAX && found > 0; n++) {
+        /* The last push-off leads into the target, the ones before it to where that can be done. */
+        sum_cells(grid, n == 1 ? target : steps, sum);
+        found = 0;
+        for (int node = 0; node < grid->nodes; node++) {
+            if (steps[node] == 0 && is_cell(&grid->range, node) &&
+                cell_leads(grid, sum, node, n == 1 ? slow_rad_s : 0.0,
+                           n == 1 ? fast_rad_s : (double)INFINITY)) {
+                steps[node] = (unsigned char)n;
+                found++;
+            }
+        }
+    }
+    free(sum);
+}
+
+int viable_least(const struct viable_grid *grid, const unsigned char *steps,
+                 const struct viable_state *state)
+{
+    const struct place place = place_of(&grid->range, log(state->legs_rad), state->rate);
+    return is_beyond(&grid->range, &place) ? 0 : steps[cell_of(&grid->range, &place)];
+}

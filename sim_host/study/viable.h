@@ -1,0 +1,78 @@
+/* What any push-offs at all can do: the stride on a grid of all the states it can begin from.
+ *
+ * After heel strike two numbers are left of a walker's state, the angle between its legs and the rate at which the
+ * ankle begins to extend; all that follows until the next heel strike is a function of them and of r0. So the
+ * question "does any sequence of push-offs keep it up?" is one about sets in a plane: the largest set of states each
+ * of which has a push-off that leads back into it (Aubin's viability kernel), found by taking away states
+ * that have none until nothing changes. On a grid it is found twice. From outside, in cells: a cell stays while the
+ * box around what some push-off (from one of the grid's to the next) makes of its corners meets a cell that
+ * stays; what leaves the grid stays. From inside, in nodes: a node stays while some push-off leads it into a cell
+ * all of whose corners stay. The truth lies between; a finer grid brings the two together.
+ *
+ * Plain doubles, SI units. The same bits for any number of threads.
+ */
+#ifndef SIM_HOST_STUDY_VIABLE_H
+#define SIM_HOST_STUDY_VIABLE_H
+
+#include <stdbool.h>
+
+#include "sim_host/study/gait_curve.h"
+
+/* Between legs (rad, spaced by ratio), ankle rate over (angle times sqrt(g l)) (spaced evenly). */
+struct viable_state {
+    double legs_rad, rate;
+};
+
+struct viable_range {
+    double legs_low_rad, legs_high_rad; /* above 0 */
+    double rate_low, rate_high;         /* from 0 on */
+    double r0_low_m, r0_high_m;         /* above 0; spaced by ratio */
+    int legs, rates, pushes;            /* number of each, at least 2 */
+};
+
+/* What one push-off at a node leads to. */
+struct viable_image {
+    float log_legs, rate,
+        speed_rad_s; /* speed at the apex between; negative: the stride ends in a fault */
+};
+
+struct viable_grid {
+    struct gait_walker walker;
+    struct viable_range range;
+    struct viable_image *image; /* [node * pushes + push], node = legs index * rates + rate index */
+    int nodes;
+};
+
+/* Computes the grid's images on `threads` cores: about 10 us each. Returns 0, or -1 without memory. Release with
+ * viable_free(). */
+int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
+                const struct viable_range *range, int threads);
+void viable_free(struct viable_grid *grid);
+
+/* The state after the heel strike that follows an apex; false when there is none. */
+bool viable_after_apex(const struct gait_walker *walker, const double apex[3],
+                       struct viable_state *state);
+
+enum viable_side { VIABLE_OUTER, VIABLE_INNER };
+
+/* The largest set that has push-offs leading back into it, of cells (outer; named by their lower corner's
+ * node) or of nodes (inner); from outside only through apexes of slow to fast (rad/s; 0 and INFINITY: any), which the
+ * inner one does not look at. set[nodes] receives 1 or 0. Returns the number of rounds it took to come to
+ * rest, 0 without memory. */
+int viable_kernel(const struct viable_grid *grid, enum viable_side side, double slow_rad_s,
+                  double fast_rad_s, unsigned char *set);
+
+/* Whether a state lies in a set of that side. What lies beyond the grid is in the outer ones. */
+bool viable_has(const struct viable_grid *grid, enum viable_side side, const unsigned char *set,
+                const struct viable_state *state);
+
+/* From outside: least number of push-offs by which each cell can come into `target` (cells), the last of them through
+ * an apex of slow to fast; 0 where it cannot. */
+void viable_steps(const struct viable_grid *grid, const unsigned char *target, double slow_rad_s,
+                  double fast_rad_s, unsigned char *steps);
+
+/* The same of a state; 0: it cannot, or it lies beyond the grid. */
+int viable_least(const struct viable_grid *grid, const unsigned char *steps,
+                 const struct viable_state *state);
+
+#endif
