@@ -70,10 +70,14 @@ static void make_branch(const struct subject *subject, double length_scale, doub
     double largest;
     *branch = (struct gait_branch){.count = 0};
     *kp = scaled_kp;
-    if (laws_table_make(&walker, length_scale, &weights, &table) != LAWS_TABLE_OK) {
+    const enum laws_table_error error = laws_table_make(&walker, length_scale, &weights, &table);
+    if (error == LAWS_TABLE_NO_CURVE || error == LAWS_TABLE_LOST) {
         return;
     }
     *kp = laws_table_gain(&table, LOW_R0 * length_scale, scaled_kp, scaled_kp / PAPER_KP, &largest);
+    if (error != LAWS_TABLE_OK) {
+        return;
+    }
     branch->count = (uint32_t)table.count;
     branch->speed_min_rad_s = (real)table.speed_min_rad_s;
     branch->speed_step_rad_s = (real)table.speed_step_rad_s;

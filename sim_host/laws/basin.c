@@ -115,8 +115,8 @@ static bool find_viable(struct basin *basin)
     if (basin->inner == NULL || basin->outer == NULL) {
         return false;
     }
-    (void)viable_kernel(&basin->grid, VIABLE_INNER, 0.0, INFINITY, basin->inner);
-    (void)viable_kernel(&basin->grid, VIABLE_OUTER, 0.0, INFINITY, basin->outer);
+    (void)viable_kernel(&basin->grid, VIABLE_INNER, basin->inner);
+    (void)viable_kernel(&basin->grid, VIABLE_OUTER, basin->outer);
     return true;
 }
 

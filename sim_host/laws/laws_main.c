@@ -34,7 +34,8 @@ static const struct {
 } studies[] = {
     {"jumps", laws_jumps, true,
      "steps to settle after every jump of the command, 0.2 to 1.0 rad/s"},
-    {"limits", laws_limits, false, "the least possible for each jump, by exhaustive search"},
+    {"limits", laws_limits, false,
+     "the share of the box of apex states that any law can walk on from"},
     {"basin", laws_basin, true, "share of a box of apex states from which the gait is reached"},
     {"ground", laws_ground, false, "uneven ground: mean steps to failure"},
     {"sensitivity", laws_sensitivity, true, "gait sensitivity norm to a step of the ground"},
@@ -203,7 +204,7 @@ int laws_main(int argc, char **argv)
     static const char doc[] =
         "Compares the laws that choose the push-off. STUDY is one of:\v"
         "  jumps        steps to settle after every jump of the command, 0.2 to 1.0 rad/s\n"
-        "  limits       the least possible for each jump, by exhaustive search (minutes)\n"
+        "  limits       the share of the box that any law can walk on from: exhaustive, two bounds\n"
         "  basin        share of a box of apex states from which the gait is reached\n"
         "  ground       uneven ground: mean steps to failure\n"
         "  sensitivity  gait sensitivity norm to a step of the ground\n"

@@ -203,6 +203,8 @@ enum laws_table_error laws_table_make(const struct gait_walker *gait_walker, dou
         if (!find_gait(&walker, &table->point[i])) {
             return LAWS_TABLE_LOST;
         }
+    }
+    for (int i = 0; i < LAWS_TABLE_POINTS; i++) {
         if (!solve_riccati(&table->point[i], q, table->r0_weight)) {
             return LAWS_TABLE_NO_RICCATI;
         }

@@ -36,8 +36,9 @@ struct laws_table {
 
 enum laws_table_error {
     LAWS_TABLE_OK = 0,
-    LAWS_TABLE_NO_CURVE = -1,   /* gait_curve() does not reach this walker's range */
-    LAWS_TABLE_LOST = -2,       /* Newton lost the gait between two speeds */
+    LAWS_TABLE_NO_CURVE = -1, /* gait_curve() does not reach this walker's range */
+    LAWS_TABLE_LOST = -2,     /* Newton lost the gait between two speeds */
+    /* The gaits and their derivatives are there, costs and gains are not. */
     LAWS_TABLE_NO_RICCATI = -3, /* the iteration did not come to rest */
     LAWS_TABLE_UNCONTROLLABLE = -4
 };
@@ -52,7 +53,7 @@ enum laws_table_error laws_table_make(const struct gait_walker *walker, double l
 /* The gain of eq. (16) for this walker: `wanted` when it holds the table's gaits from r0_low_m on with no eigenvalue
  * beyond LAWS_TABLE_CALM, else the one that makes the largest smallest. *largest: what comes of it. unit: the
  * gain's scale, 1 for the paper's walker. */
-#define LAWS_TABLE_CALM 0.95
+#define LAWS_TABLE_CALM 0.9
 double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
                        double *largest);
 

@@ -10,7 +10,7 @@
 #include "sim_host/study/pool.h"
 
 /* Between two push-offs of the grid so many more are looked at, by straight line. */
-enum { BETWEEN = 4, BOX_IMAGES = 8, STEPS_MAX = 250 };
+enum { BETWEEN = 4, BOX_IMAGES = 8 };
 #define STEP_UNITS 0.08
 
 struct making {
@@ -229,7 +229,6 @@ static void sum_cells(const struct viable_grid *grid, const unsigned char *set, 
  * corners. */
 struct box {
     struct place low, high;
-    float slowest, fastest;
     int images;
 };
 
@@ -245,8 +244,6 @@ static void take_in(const struct viable_grid *grid, const struct viable_image *i
     box->high.legs = first || p.legs > box->high.legs ? p.legs : box->high.legs;
     box->low.rate = first || p.rate < box->low.rate ? p.rate : box->low.rate;
     box->high.rate = first || p.rate > box->high.rate ? p.rate : box->high.rate;
-    box->slowest = first || image->speed_rad_s < box->slowest ? image->speed_rad_s : box->slowest;
-    box->fastest = first || image->speed_rad_s > box->fastest ? image->speed_rad_s : box->fastest;
     box->images++;
 }
 
@@ -269,9 +266,8 @@ static bool box_meets(const struct viable_grid *grid, const int *sum, const stru
            0;
 }
 
-/* Some push-off can lead from some state of this cell into the set, at an apex speed within slow..fast. */
-static bool cell_leads(const struct viable_grid *grid, const int *sum, int cell, double slow,
-                       double fast)
+/* Some push-off can lead from some state of this cell into the set. */
+static bool cell_leads(const struct viable_grid *grid, const int *sum, int cell)
 {
     const int corner[4] = {cell, cell + 1, cell + grid->range.rates, cell + grid->range.rates + 1};
     const int pushes = grid->range.pushes;
@@ -282,8 +278,7 @@ static bool cell_leads(const struct viable_grid *grid, const int *sum, int cell,
                     &grid->image[(size_t)corner[k / 2] * (size_t)pushes + (size_t)(i + k % 2)],
                     &box);
         }
-        if (box.images > 0 && (double)box.slowest <= fast && (double)box.fastest >= slow &&
-            box_meets(grid, sum, &box)) {
+        if (box.images > 0 && box_meets(grid, sum, &box)) {
             return true;
         }
     }
@@ -295,8 +290,7 @@ static bool is_cell(const struct viable_range *r, int node)
     return node / r->rates < r->legs - 1 && node % r->rates < r->rates - 1;
 }
 
-int viable_kernel(const struct viable_grid *grid, enum viable_side side, double slow_rad_s,
-                  double fast_rad_s, unsigned char *set)
+int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigned char *set)
 {
     int *sum = malloc((size_t)grid->nodes * sizeof *sum);
     int rounds = 0, taken = sum != NULL ? 1 : 0;
@@ -311,8 +305,7 @@ int viable_kernel(const struct viable_grid *grid, enum viable_side side, double 
         for (int node = 0; node < grid->nodes; node++) {
             const bool stays =
                 set[node] != 0 &&
-                (side == VIABLE_OUTER ? cell_leads(grid, sum, node, slow_rad_s, fast_rad_s)
-                                      : node_stays(grid, set, node));
+                (side == VIABLE_OUTER ? cell_leads(grid, sum, node) : node_stays(grid, set, node));
             taken += set[node] != 0 && !stays ? 1 : 0;
             set[node] = stays;
         }
@@ -331,33 +324,4 @@ bool viable_has(const struct viable_grid *grid, enum viable_side side, const uns
     }
     const int cell = cell_of(&grid->range, &place);
     return side == VIABLE_OUTER ? set[cell] != 0 : all_corners(grid, set, cell);
-}
-
-void viable_steps(const struct viable_grid *grid, const unsigned char *target, double slow_rad_s,
-                  double fast_rad_s, unsigned char *steps)
-{
-    int *sum = malloc((size_t)grid->nodes * sizeof *sum);
-    int found = sum != NULL ? 1 : 0;
-    memset(steps, 0, (size_t)grid->nodes);
-    for (int n = 1; n <= STEPS_MAX && found > 0; n++) {
-        /* The last push-off leads into the target, the ones before it to where that can be done. */
-        sum_cells(grid, n == 1 ? target : steps, sum);
-        found = 0;
-        for (int node = 0; node < grid->nodes; node++) {
-            if (steps[node] == 0 && is_cell(&grid->range, node) &&
-                cell_leads(grid, sum, node, n == 1 ? slow_rad_s : 0.0,
-                           n == 1 ? fast_rad_s : (double)INFINITY)) {
-                steps[node] = (unsigned char)n;
-                found++;
-            }
-        }
-    }
-    free(sum);
-}
-
-int viable_least(const struct viable_grid *grid, const unsigned char *steps,
-                 const struct viable_state *state)
-{
-    const struct place place = place_of(&grid->range, log(state->legs_rad), state->rate);
-    return is_beyond(&grid->range, &place) ? 0 : steps[cell_of(&grid->range, &place)];
 }

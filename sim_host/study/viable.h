@@ -55,24 +55,13 @@ bool viable_after_apex(const struct gait_walker *walker, const double apex[3],
 
 enum viable_side { VIABLE_OUTER, VIABLE_INNER };
 
-/* The largest set that has push-offs leading back into it, of cells (outer; named by their lower corner's
- * node) or of nodes (inner); from outside only through apexes of slow to fast (rad/s; 0 and INFINITY: any), which the
- * inner one does not look at. set[nodes] receives 1 or 0. Returns the number of rounds it took to come to
- * rest, 0 without memory. */
-int viable_kernel(const struct viable_grid *grid, enum viable_side side, double slow_rad_s,
-                  double fast_rad_s, unsigned char *set);
+/* The largest set that has push-offs leading back into it, of cells (outer; named by their lower corner's node) or
+ * of nodes (inner). set[nodes] receives 1 or 0. Returns the number of rounds it took to come to rest,
+ * 0 without memory. */
+int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigned char *set);
 
 /* Whether a state lies in a set of that side. What lies beyond the grid is in the outer ones. */
 bool viable_has(const struct viable_grid *grid, enum viable_side side, const unsigned char *set,
                 const struct viable_state *state);
-
-/* From outside: least number of push-offs by which each cell can come into `target` (cells), the last of them through
- * an apex of slow to fast; 0 where it cannot. */
-void viable_steps(const struct viable_grid *grid, const unsigned char *target, double slow_rad_s,
-                  double fast_rad_s, unsigned char *steps);
-
-/* The same of a state; 0: it cannot, or it lies beyond the grid. */
-int viable_least(const struct viable_grid *grid, const unsigned char *steps,
-                 const struct viable_state *state);
 
 #endif
