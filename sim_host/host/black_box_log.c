@@ -82,6 +82,20 @@ static void describe(const struct black_box *box, struct black_box_summary *summ
     summary->lost_frames = header->lost_frames;
 }
 
+bool black_box_log_identify(FILE *log, const char *interface, uint32_t build_id,
+                            uint32_t parameter_crc, const char *version)
+{
+    struct writer writer = {log, interface, 0, true};
+    const size_t length = strlen(version);
+
+    put_words(&writer, BLACK_BOX_ID_IDENTITY, build_id, parameter_crc);
+    for (size_t at = 0; at < length && at < BLACK_BOX_VERSION_MAX; at += 8) {
+        put_note(&writer, BLACK_BOX_ID_VERSION + (uint32_t)(at / 8), (const uint8_t *)version + at,
+                 length - at);
+    }
+    return writer.good;
+}
+
 int black_box_log_write(const struct black_box *box, const char *version, const char *interface,
                         FILE *log, struct black_box_summary *summary)
 {
@@ -95,11 +109,8 @@ int black_box_log_write(const struct black_box *box, const char *version, const 
     if (summary->blocks == 0) {
         return -1;
     }
-    put_words(&writer, BLACK_BOX_ID_IDENTITY, summary->build_id, summary->parameter_crc);
-    for (size_t at = 0; at < strlen(version) && at < BLACK_BOX_VERSION_MAX; at += 8) {
-        put_note(&writer, BLACK_BOX_ID_VERSION + (uint32_t)(at / 8), (const uint8_t *)version + at,
-                 strlen(version) - at);
-    }
+    writer.good =
+        black_box_log_identify(log, interface, summary->build_id, summary->parameter_crc, version);
     while ((item = black_box_reader_next(&reader)) != BLACK_BOX_END) {
         if (item == BLACK_BOX_DAMAGED) {
             summary->damaged++;

@@ -26,6 +26,11 @@ enum {
     BLACK_BOX_VERSION_MAX = 32
 };
 
+/* Writes, before the frames of a log, who recorded it: build, parameters, version (may be "").
+ * Returns false when writing failed (ferror). */
+bool black_box_log_identify(FILE *log, const char *interface, uint32_t build_id,
+                            uint32_t parameter_crc, const char *version);
+
 struct black_box_summary {
     uint32_t state, reason, trigger_tick, build_id, parameter_crc;
     uint32_t first_tick, last_tick;

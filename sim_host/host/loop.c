@@ -3,8 +3,10 @@
 #include <assert.h>
 #include <string.h>
 
+#include "firmware/version.h"
 #include "hal/frame_table.h"
 #include "sim_host/bus/candump_log.h"
+#include "sim_host/host/black_box_log.h"
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
@@ -184,6 +186,10 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
                       config->desired_speed_rad_s, true) != CONTROL_PARAMS_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
         return -1;
+    }
+    if (log != NULL) {
+        (void)black_box_log_identify(log, "can0", version_build_id(),
+                                     loop->rig.task.node.objects.params_crc, version_text());
     }
     return init_nodes(loop, message);
 }

@@ -54,11 +54,13 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
             printf("%s: %llu frames, %llu ticks; all %llu frames of the controller reproduced\n",
                    path, (unsigned long long)replay->frames, (unsigned long long)replay->ticks,
                    (unsigned long long)replay->compared);
+            if (replay->build_id != 0) {
+                printf("recorded by build %08x, parameter CRC %08x\n", replay->build_id,
+                       replay->parameter_crc);
+            }
             if (replay->snapshots > 0) {
-                printf(
-                    "from the middle of a walk, by %u snapshot%s of build %08x, parameter CRC %08x\n",
-                    replay->snapshots, replay->snapshots > 1 ? "s" : "", replay->build_id,
-                    replay->parameter_crc);
+                printf("from the middle of a walk, by %u snapshot%s\n", replay->snapshots,
+                       replay->snapshots > 1 ? "s" : "");
             }
         }
         return EXIT_EQUAL;

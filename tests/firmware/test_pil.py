@@ -129,7 +129,8 @@ def test_the_black_box_replays_from_the_middle(tmp_path, options, fault_bits):
     assert result.returncode == 0, result.stdout + result.stderr
     ticks = int(re.search(r"(\d+) ticks; all (\d+) frames", result.stdout).group(1))
     assert ticks > 1500
-    assert f"snapshot of build {walk['build_id']:08x}" in result.stdout
+    assert f"recorded by build {walk['build_id']:08x}" in result.stdout
+    assert "from the middle of a walk" in result.stdout
     # One bit of a target position two thirds through must be told with its place.
     lines = log.read_text().splitlines()
     targets = [i for i, line in enumerate(lines) if " 201#" in line]

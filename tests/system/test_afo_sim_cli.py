@@ -82,6 +82,7 @@ def test_csv_by_tick(tmp_path):
 
 
 LOG_LINE = re.compile(r"^\((\d+\.\d{6})\) (\S+) ([0-9A-F]{3}|[0-9A-F]{8})#((?:[0-9A-F]{2}){0,8}|R\d?)$")
+NOTE_LINE = re.compile(r"\(\d+\.\d{6}\) can0 1AB00[01][0-9A-F]{2}#([0-9A-F]*)$")
 
 
 def frame_table():
@@ -94,8 +95,12 @@ def frame_table():
 def test_log_is_candump_format_and_keeps_the_frame_table(tmp_path):
     assert run(*SHORT, "--log", tmp_path / "walk.log").returncode == 0
     lengths = frame_table()
-    previous, syncs = -1.0, []
+    previous, syncs, notes = -1.0, [], []
     for line in (tmp_path / "walk.log").read_text().splitlines():
+        if NOTE_LINE.match(line):  # who recorded it, before the first frame
+            assert previous == -1.0
+            notes.append(bytes.fromhex(NOTE_LINE.match(line)[1]))
+            continue
         match = LOG_LINE.match(line)
         assert match, line
         time, identifier = float(match[1]), int(match[3], 16)
@@ -110,6 +115,10 @@ def test_log_is_candump_format_and_keeps_the_frame_table(tmp_path):
     assert len(syncs) > 4000
     assert sum(periods) / len(periods) == pytest.approx(1e-3, rel=1e-4)
     assert max(periods) < 1.2e-3 and min(periods) > 0.8e-3
+    # afo-sim VERSION (build ID)
+    version = run("--version").stdout.strip()
+    assert f"(build {int.from_bytes(notes[0][:4], 'little'):08x})" in version
+    assert f" {b''.join(notes[1:]).decode()} " in version
 
 
 def test_same_seed_same_log_other_seed_other_log(tmp_path):

@@ -53,6 +53,8 @@ def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
     for line in log.read_text().splitlines():
         _, _, frame = line.split(" ")
         identifier, data = frame.split("#")
+        if len(identifier) == 8:
+            continue  # who recorded it: no frame of this bus
         message = db.get_message_by_frame_id(int(identifier, 16))
         raw = bytes.fromhex(data)
         assert len(raw) == message.length, message.name
