@@ -199,6 +199,11 @@ void node_setup_start(struct node_setup *setup, const struct node_setup_config *
     co_sdo_client_init(&setup->client, node, SETUP_TIMEOUT_MS * NS_PER_MS);
 }
 
+bool node_setup_is_waiting(const struct node_setup *setup)
+{
+    return setup->under_way && co_sdo_client_is_busy(&setup->client);
+}
+
 bool node_setup_receive(struct node_setup *setup, const struct can_msg *message, uint64_t now_ns)
 {
     return setup->under_way && co_sdo_client_receive(&setup->client, message, now_ns);

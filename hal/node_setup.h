@@ -73,4 +73,7 @@ bool node_setup_receive(struct node_setup *setup, const struct can_msg *message,
 enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bus *bus,
                                    uint64_t now_ns);
 
+/* Whether an answer of the node is awaited. */
+bool node_setup_is_waiting(const struct node_setup *setup);
+
 #endif

@@ -173,14 +173,18 @@ static bool same_object(const struct co_sdo_client *client, const uint8_t *answe
     return bytes_get_u16(answer + 1) == client->index && answer[3] == client->sub;
 }
 
+bool co_sdo_client_is_busy(const struct co_sdo_client *client)
+{
+    return client->state != IDLE && client->state != FAILED;
+}
+
 bool co_sdo_client_receive(struct co_sdo_client *client, const struct can_msg *message,
                            uint64_t now_ns)
 {
     if (message->id != (uint32_t)CO_COB_SDO_ANSWER + client->node || message->flags != 0) {
         return false;
     }
-    if (message->length != 8 || client->state == IDLE || client->state == FAILED ||
-        client->unsent) {
+    if (message->length != 8 || !co_sdo_client_is_busy(client) || client->unsent) {
         return true; /* not an answer to anything asked */
     }
     const uint8_t *answer = message->data;
@@ -208,17 +212,17 @@ bool co_sdo_client_receive(struct co_sdo_client *client, const struct can_msg *m
         take_upload_segment(client, answer);
     } else if (client->state == WRITE_SEGMENT && command == ANSWER_DOWNLOAD_SEGMENT) {
         take_download_segment(client, answer);
-    } else {
+    } else if ((client->state != READ_START || command != ANSWER_DOWNLOAD) &&
+               (client->state != WRITE_START || command != ANSWER_UPLOAD)) {
         fail(client, CO_ABORT_COMMAND, true);
-    }
+    } /* else a late answer to a transfer that was begun anew, or given up */
     return true;
 }
 
 enum co_sdo_result co_sdo_client_poll(struct co_sdo_client *client, const struct can_bus *bus,
                                       uint64_t now_ns)
 {
-    if (client->state != IDLE && client->state != FAILED &&
-        now_ns - client->sent_ns > client->timeout_ns) {
+    if (co_sdo_client_is_busy(client) && now_ns - client->sent_ns > client->timeout_ns) {
         fail(client, CO_ABORT_TIMEOUT, true);
     }
     if (client->unsent) {

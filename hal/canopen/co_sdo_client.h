@@ -55,4 +55,7 @@ bool co_sdo_client_receive(struct co_sdo_client *client, const struct can_msg *m
 enum co_sdo_result co_sdo_client_poll(struct co_sdo_client *client, const struct can_bus *bus,
                                       uint64_t now_ns);
 
+/* Whether an answer is awaited. */
+bool co_sdo_client_is_busy(const struct co_sdo_client *client);
+
 #endif

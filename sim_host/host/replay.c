@@ -2,57 +2,12 @@
 
 #include <string.h>
 
-#include "firmware/snapshot.h"
 #include "hal/bytes.h"
 #include "hal/frame_table.h"
-#include "sim_host/host/black_box_log.h"
+#include "sim_host/host/replay_internal.h"
 
-/* ---- whose frame is it ----------------------------------------------------- */
-
-#define SENDER(name, id, bytes, period_us, deadline_us, node, kind) {id, node},
-static const struct {
-    uint32_t id;
-    uint8_t sender;
-} senders[] = {FRAME_TABLE(SENDER)};
-#undef SENDER
-
-static bool is_controllers(uint32_t id)
-{
-    for (size_t i = 0; i < sizeof senders / sizeof senders[0]; i++) {
-        if (senders[i].id == id) {
-            return senders[i].sender == NODE_CONTROLLER;
-        }
-    }
-    return false;
-}
-
-const char *replay_field_name(uint32_t id, unsigned byte)
-{
-    switch (id) {
-    case FRAME_DRIVE_TARGETS:
-        return byte < 4 ? "target position left" : "target position right";
-    case FRAME_DRIVE_COMMAND_LEFT:
-    case FRAME_DRIVE_COMMAND_RIGHT:
-        return byte < 2 ? "controlword" : "digital outputs (latch)";
-    case FRAME_TELEMETRY:
-        return byte < 2   ? "measured speed"
-               : byte < 4 ? "commanded speed"
-               : byte < 6 ? "precompression"
-               : byte < 7 ? "step number"
-                          : "side and fault";
-    case FRAME_CONTROLLER_STATE:
-        return byte < 1   ? "supervisor state"
-               : byte < 2 ? "latched fault"
-                          : "digest of the input: a frame within the last 100 ticks was changed, "
-                            "lost or added";
-    case FRAME_NMT:
-        return byte < 1 ? "NMT command" : "NMT node";
-    case FRAME_HEARTBEAT_CONTROLLER:
-        return "heartbeat";
-    default:
-        return "data";
-    }
-}
+/* A controller's boot-up may wait on the bus for its first ticks' more urgent frames. */
+enum { LATE_BOOT_TICKS = 100 };
 
 /* ---- the bus the task sees ------------------------------------------------- */
 
@@ -91,7 +46,7 @@ static enum can_result hand_out(void *context, struct can_msg *message, uint64_t
     struct replay *replay = (struct replay *)context;
     while (replay->next_fed < replay->cycle_count) {
         const struct replay_frame *frame = &replay->cycle[replay->next_fed++];
-        if (!is_controllers(frame->message.id)) {
+        if (!replay_is_controllers(frame->message.id)) {
             *message = frame->message;
             if (time_ns != NULL) {
                 *time_ns = frame->time_us * 1000u;
@@ -120,15 +75,29 @@ static void no_recovery(void *context)
 
 static const struct can_bus_ops replay_bus_ops = {take_sent, hand_out, no_status, no_recovery};
 
+/* A controller that has just been switched on. */
+static int switch_on(struct replay *replay)
+{
+    const struct can_bus bus = {&replay_bus_ops, replay};
+    replay->queue_count = 0;
+    replay->ticks = 0;
+    replay->next_fed = 0;
+    replay->sync_pending = false;
+    replay->fresh = true;
+    return task_rig_init(&replay->rig, replay->subject, replay->params, bus,
+                         replay->desired_speed_rad_s, true) == CONTROL_PARAMS_OK
+               ? 0
+               : -1;
+}
+
 int replay_init(struct replay *replay, const struct subject *subject,
                 const struct control_params *params, double desired_speed_rad_s)
 {
     memset(replay, 0, sizeof *replay);
-    const struct can_bus bus = {&replay_bus_ops, replay};
-    return task_rig_init(&replay->rig, subject, params, bus, desired_speed_rad_s, true) ==
-                   CONTROL_PARAMS_OK
-               ? 0
-               : -1;
+    replay->subject = subject;
+    replay->params = params;
+    replay->desired_speed_rad_s = desired_speed_rad_s;
+    return switch_on(replay);
 }
 
 /* ---- comparing ------------------------------------------------------------- */
@@ -213,7 +182,7 @@ static void read_back_stop(struct replay *replay)
     }
 }
 
-static void run_tick(struct replay *replay)
+static void tick(struct replay *replay)
 {
     read_back_stop(replay);
     replay->sync_pending = true;
@@ -222,6 +191,56 @@ static void run_tick(struct replay *replay)
     do {
         (void)control_task_poll(&replay->rig.task);
     } while (replay->sync_pending || replay->next_fed < replay->cycle_count);
+}
+
+/* Whether the digest that the log has for this tick is the task's. */
+static bool digest_agrees(const struct replay *replay)
+{
+    for (unsigned i = 0; i < replay->next_count; i++) {
+        const struct can_msg *message = &replay->next[i].message;
+        if (message->id == FRAME_CONTROLLER_STATE &&
+            message->length == FRAME_BYTES_CONTROLLER_STATE) {
+            return bytes_get_u32(message->data + 2) == replay->rig.task.node.objects.input_digest;
+        }
+    }
+    return true; /* not told: nothing to choose by */
+}
+
+/* The first tick of a run: of what lies before its SYNC the task had heard all, or nothing,
+ * or the newest frames. If none agrees the last try stays, and is compared like any tick. */
+static void first_tick(struct replay *replay)
+{
+    struct replay_frame *before = replay->before;
+    const uint64_t compared = replay->compared;
+    const unsigned count = replay->cycle_count;
+    memcpy(before, replay->cycle, count * sizeof *before);
+    for (unsigned heard = count, tries = 0; tries <= count; heard = tries++) {
+        (void)switch_on(replay);
+        replay->compared = compared;
+        for (unsigned i = 0; i < count; i++) {
+            if (replay_is_controllers(before[i].message.id)) {
+                compare(replay, &before[i]);
+            }
+        }
+        replay->cycle_count = heard;
+        memcpy(replay->cycle, before + count - heard, heard * sizeof *before);
+        tick(replay);
+        if (replay->differs || digest_agrees(replay)) {
+            break;
+        }
+    }
+    replay->fresh = false;
+}
+
+static void run_tick(struct replay *replay)
+{
+    if (replay->fresh) {
+        replay->runs++;
+        first_tick(replay);
+    } else {
+        tick(replay);
+    }
+    replay->all_ticks++;
 }
 
 /* What the controller sends when asked, before the next SYNC. */
@@ -240,7 +259,8 @@ static void compare_cycle(struct replay *replay)
         }
     }
     for (unsigned i = 0; i < replay->next_count && !replay->differs; i++) {
-        if (is_controllers(replay->next[i].message.id) && !is_answer(replay->next[i].message.id)) {
+        if (replay_is_controllers(replay->next[i].message.id) &&
+            !is_answer(replay->next[i].message.id)) {
             compare(replay, &replay->next[i]);
         }
     }
@@ -249,62 +269,100 @@ static void compare_cycle(struct replay *replay)
     replay->next_count = 0;
 }
 
-static bool keep(struct replay *replay, const struct candump_record *record, unsigned long line)
+/* What the controller's run ends with may be cut short: what is there must be right. Then
+ * the others' frames lie before the next run. */
+static void end_run(struct replay *replay)
 {
-    if (replay->next_count == REPLAY_CYCLE_FRAMES) {
-        snprintf(replay->message, sizeof replay->message,
-                 "line %lu: more than %d frames without a SYNC", line, REPLAY_CYCLE_FRAMES);
-        return false;
+    run_tick(replay);
+    compare_cycle(replay);
+    for (unsigned i = 0; i < replay->cycle_count; i++) {
+        if (!replay_is_controllers(replay->cycle[i].message.id)) {
+            replay->next[replay->next_count++] = replay->cycle[i];
+        }
+    }
+    replay->cycle_count = 0;
+    replay->running = false;
+}
+
+static bool is_boot(const struct can_msg *message)
+{
+    return message->id == FRAME_HEARTBEAT_CONTROLLER && message->length == 1 &&
+           message->data[0] == 0;
+}
+
+static void keep(struct replay *replay, const struct candump_record *record, unsigned long line)
+{
+    if (is_boot(&record->message)) {
+        if (replay->running && replay->ticks > LATE_BOOT_TICKS) {
+            end_run(replay);
+        }
+        if (!replay->running && replay->runs > 0) {
+            (void)switch_on(replay);
+        }
+        replay->boot_seen = true;
+        replay->cut = false;
+    }
+    if (replay->running && replay->next_count == REPLAY_CYCLE_FRAMES) {
+        end_run(replay);
+        replay->cut = true; /* more than anybody says in a cycle: the controller is gone */
+    }
+    if (replay->next_count == REPLAY_CYCLE_FRAMES) { /* the oldest was not heard any more */
+        memmove(replay->next, replay->next + 1, (REPLAY_CYCLE_FRAMES - 1) * sizeof replay->next[0]);
+        replay->next_count--;
     }
     replay->next[replay->next_count++] =
         (struct replay_frame){record->message, line, record->time_us};
+}
+
+/* A SYNC ends a cycle. Returns false where none can be. */
+static bool take_sync(struct replay *replay, unsigned long line)
+{
+    if (replay->cut) {
+        snprintf(replay->message, sizeof replay->message,
+                 "line %lu: more than %d frames without a SYNC, and no boot-up before this one",
+                 line, REPLAY_CYCLE_FRAMES);
+        return false;
+    }
+    if (replay->running) {
+        run_tick(replay);
+    }
+    compare_cycle(replay);
+    if (!replay->differs) {
+        check_missing(replay);
+    }
+    replay->running = true;
     return true;
 }
 
-/* ---- from the middle of a walk ---------------------------------------------- */
-
-static void take_note(struct replay *replay, const struct can_msg *message)
+/* Says of a difference in the first ticks where it may come from. */
+static void explain(struct replay *replay)
 {
-    const uint32_t first = bytes_get_u32(message->data), second = bytes_get_u32(message->data + 4);
-    if (message->id == BLACK_BOX_ID_IDENTITY) {
-        replay->build_id = first;
-        replay->parameter_crc = second;
-    } else if (message->id == BLACK_BOX_ID_BEGIN) {
-        replay->snapshot_tick = first;
-        replay->snapshot_bytes = second <= sizeof replay->snapshot ? second : 0;
-        memset(replay->snapshot, 0, sizeof replay->snapshot);
-    } else if (message->id >= BLACK_BOX_ID_DATA &&
-               (message->id - BLACK_BOX_ID_DATA) * 8u + message->length <= replay->snapshot_bytes) {
-        memcpy(replay->snapshot + (message->id - BLACK_BOX_ID_DATA) * 8u, message->data,
-               message->length);
+    const size_t used = strlen(replay->message);
+    if (!replay->boot_seen && replay->snapshots == 0 && replay->all_ticks <= LATE_BOOT_TICKS) {
+        snprintf(replay->message + used, sizeof replay->message - used,
+                 " (no boot-up of the controller was recorded: does the log begin in the middle "
+                 "of a run?)");
     }
 }
 
-/* All that the log says of the time before goes; what was sent and not shown is in a gap. */
-static bool go_on_from_snapshot(struct replay *replay, unsigned long line)
+/* One record of the log. Returns false when nothing can be made of it. */
+static bool take(struct replay *replay, const struct candump_record *record, unsigned long line)
 {
-    const struct snapshot_source source = {&replay->rig.task, &replay->rig.cia402};
-    struct control_task *task = &replay->rig.task;
-    const uint32_t bytes = replay->snapshot_bytes;
-    replay->snapshot_bytes = 0;
-    if (snapshot_restore(&source, replay->snapshot, bytes) != 0) {
-        snprintf(replay->message, sizeof replay->message,
-                 "line %lu: a snapshot of %u bytes where this build's has %zu: recorded by build "
-                 "%08x",
-                 line, (unsigned)bytes, snapshot_size(), (unsigned)replay->build_id);
+    if ((record->message.flags & CAN_FRAME_EXTENDED) != 0) {
+        replay_take_note(replay, &record->message);
+        return true;
+    }
+    replay->frames++;
+    if (record->message.flags != 0) {
+        return true; /* remote and error frames command nothing */
+    }
+    if (replay->snapshot_bytes > 0 && !replay_go_on_from_snapshot(replay, line)) {
         return false;
     }
-    if (controller_node_crc_of(&task->node.objects.params) != task->node.objects.params_crc) {
-        snprintf(replay->message, sizeof replay->message,
-                 "line %lu: the gait branch of this subject and law is not that of the recording "
-                 "(parameter CRC %08x)",
-                 line, (unsigned)task->node.objects.params_crc);
-        return false;
+    if (record->message.id == FRAME_SYNC) {
+        return take_sync(replay, line);
     }
-    replay->rig.stop_pressed = task->emergency_stop;
-    replay->snapshots++;
-    replay->cycle_count = replay->next_count = 0;
-    replay->queue_count = 0;
+    keep(replay, record, line);
     return true;
 }
 
@@ -313,52 +371,28 @@ enum replay_verdict replay_run(struct replay *replay, FILE *log)
     struct candump_record record;
     struct candump_error error;
     unsigned long line = 0;
-    bool started = false;
     enum candump_read_result result = CANDUMP_RECORD;
 
     while (!replay->differs &&
            (result = candump_read(log, &line, &record, &error)) == CANDUMP_RECORD) {
-        if ((record.message.flags & CAN_FRAME_EXTENDED) != 0) {
-            take_note(replay, &record.message);
-            continue;
+        if (!take(replay, &record, line)) {
+            return REPLAY_BAD_LOG;
         }
-        replay->frames++;
-        if (record.message.flags != 0) {
-            continue; /* remote and error frames command nothing */
-        }
-        if (replay->snapshot_bytes > 0) {
-            started = false;
-            if (!go_on_from_snapshot(replay, line)) {
-                return REPLAY_BAD_LOG;
-            }
-        }
-        if (record.message.id != FRAME_SYNC) {
-            if (!keep(replay, &record, line)) {
-                return REPLAY_BAD_LOG;
-            }
-            continue;
-        }
-        if (started) {
-            run_tick(replay);
-        }
-        compare_cycle(replay);
-        if (!replay->differs) {
-            check_missing(replay);
-        }
-        started = true;
     }
     if (result == CANDUMP_BAD) {
         snprintf(replay->message, sizeof replay->message, "line %lu, column %u: %s", error.line,
                  error.column, error.reason);
         return REPLAY_BAD_LOG;
     }
-    if (!started) {
+    if (!replay->running && replay->all_ticks == 0) {
         snprintf(replay->message, sizeof replay->message, "the log holds no SYNC (080#)");
         return REPLAY_NO_SYNC;
     }
-    if (!replay->differs) { /* the last cycle may be cut short: what is there must be right */
-        run_tick(replay);
-        compare_cycle(replay);
+    if (!replay->differs && replay->running) {
+        end_run(replay);
+    }
+    if (replay->differs) {
+        explain(replay);
     }
     return replay->differs ? REPLAY_DIFFERS : REPLAY_EQUAL;
 }

@@ -5,6 +5,11 @@
  * compared, byte by byte, in order for each identifier; the emergency stop is read
  * back from the controller's own state frames, which say what it was. A log of a black
  * box (black_box_log.h) begins in the middle of a walk, with a snapshot.
+ *
+ * A log recorded on a bus may hold what others said before the controller was switched on,
+ * and more than one run of it, each begun by a boot-up frame. How much the controller had
+ * still heard of what lies before its first SYNC is not in the log's order; the first digest
+ * that it told decides.
  */
 #ifndef SIM_HOST_HOST_REPLAY_H
 #define SIM_HOST_HOST_REPLAY_H
@@ -41,17 +46,27 @@ struct replay_queue {
 };
 
 struct replay {
+    const struct subject *subject;
+    const struct control_params *params;
+    double desired_speed_rad_s;
     struct task_rig rig;
-    struct replay_frame cycle[REPLAY_CYCLE_FRAMES]; /* input of the tick that runs next */
-    struct replay_frame next[REPLAY_CYCLE_FRAMES];  /* being read: what followed its SYNC */
+    struct replay_frame cycle[REPLAY_CYCLE_FRAMES];  /* input of the tick that runs next */
+    struct replay_frame next[REPLAY_CYCLE_FRAMES];   /* being read: what followed its SYNC */
+    struct replay_frame before[REPLAY_CYCLE_FRAMES]; /* what lies before a run's first SYNC */
     unsigned cycle_count, next_count;
     unsigned next_fed;
     bool sync_pending; /* the own SYNC waits to be fetched by the task */
     struct replay_queue queue[REPLAY_IDS];
     unsigned queue_count;
-    uint64_t ticks;
-    uint64_t frames;   /* read from the log */
-    uint64_t compared; /* command frames found equal */
+    bool running; /* a SYNC of this run was seen */
+    bool fresh;   /* ... and no tick of it yet: it begins with the controller switched on */
+    bool cut;     /* the last run ended in a silence that only a boot-up can end */
+    bool boot_seen;
+    unsigned runs;
+    uint64_t ticks;     /* of this run */
+    uint64_t all_ticks; /* of all runs */
+    uint64_t frames;    /* read from the log */
+    uint64_t compared;  /* command frames found equal */
     uint8_t snapshot[BLACK_BOX_SNAPSHOT_MAX];
     uint32_t snapshot_bytes, snapshot_tick; /* announced; 0 = none under way */
     uint32_t snapshots;                     /* gone on from */
@@ -60,13 +75,17 @@ struct replay {
     char message[REPLAY_MESSAGE_MAX];
 };
 
-/* Sets up the control task as the run that was recorded. Do not move *replay
- * afterwards. Returns 0, or -1 when the task refuses the parameters. */
+/* Sets up the control task as the run that was recorded. Do not move *replay afterwards;
+ * *subject and *params must outlive it. Returns 0, or -1 when the task refuses the
+ * parameters. */
 int replay_init(struct replay *replay, const struct subject *subject,
                 const struct control_params *params, double desired_speed_rad_s);
 
 /* Replays a whole log. replay->message explains every verdict but REPLAY_EQUAL. */
 enum replay_verdict replay_run(struct replay *replay, FILE *log);
+
+/* Whether a frame of this identifier comes from the controller. */
+bool replay_is_controllers(uint32_t id);
 
 /* The name of the field in byte `byte` of a frame that the controller sends. */
 const char *replay_field_name(uint32_t id, unsigned byte);

@@ -1,17 +1,16 @@
 /* afo-host: the control task on Linux, on a real CAN interface. */
 #include <argp.h>
 #include <errno.h>
-#include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "firmware/bus_recorder.h"
 #include "firmware/version.h"
 #include "hal/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
+#include "sim_host/host/bus_program.h"
+#include "sim_host/host/operator_line.h"
 #include "sim_host/host/output_file.h"
 #include "sim_host/host/pacer.h"
 #include "sim_host/host/task_rig.h"
@@ -19,20 +18,23 @@
 
 enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 
-/* Lock-step: an answer that takes longer is lost, and the cycle goes on without it. */
-#define ANSWER_TIMEOUT_NS UINT64_C(250000000)
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
-/* A stop that was asked for must have unloaded the springs by then. */
-enum { STOP_TICKS = 3000, SILENT_CYCLES = 40, PATIENT_CYCLES = 3 };
+/* A stop that was asked for must have unloaded the springs by then; what the bus does not
+ * take is set directly. */
+enum { STOP_TICKS = 3000, STOP_ASK_TICKS = 100, SILENT_CYCLES = 40 };
+/* So many answers in a row that did not come, and nobody is waited for any more. */
+enum { PATIENT_CYCLES = 3 };
+/* After the last step asked for its telemetry has still to come out. */
+enum { LAST_FRAMES_TICKS = 3 };
+/* Between two resets of --auto-reset: the drives take theirs at a rising edge. */
+enum { RESET_TICKS = 50 };
 
 struct options {
     struct walk_options walk;
-    const char *interface;
-    uint32_t steps; /* 0 = until stopped */
+    struct bus_options bus;
     bool real_time;
-    bool auto_reset; /* on a bench: clear a latched fault by itself */
-    bool quiet;
-    bool json;
+    bool auto_reset; /* on a bench: clear a latched fault by itself, and walk again */
+    uint64_t patience_ns;
 };
 
 struct host {
@@ -41,40 +43,36 @@ struct host {
     struct control_params params;
     double speed_rad_s;
     struct socketcan_bus socket;
+    struct operator_line operator_line;
     struct task_rig rig;
     struct bus_recorder recorder;
     struct black_box black_box; /* read it with afo-blackbox */
     struct pacer pacer;
     uint64_t lost_cycles; /* cycles that went on without an answer */
+    unsigned unanswered;  /* in a row */
     uint32_t steps;
-    uint32_t faults; /* times that a fault was latched */
+    uint32_t step_tick; /* in which the last one was told */
+    uint32_t faults;    /* times that a fault was latched */
     bool refusal_told;
     enum supervisor_state told_state;
 };
 
-static volatile sig_atomic_t stop_wanted;
-
-static void on_signal(int number)
-{
-    (void)number;
-    stop_wanted = 1;
-}
-
 /* ---- options --------------------------------------------------------------- */
 
-enum { KEY_AUTO_RESET = 0x100 };
+enum { KEY_AUTO_RESET = 0x100, KEY_PATIENCE };
 
 static const struct argp_option option_list[] = {
-    {"can", 'c', "IFACE", 0, "CAN interface, such as can0 or vcan0 (required)", 2},
-    {"steps", 'n', "N", 0, "stop after N steps (default: until interrupted)", 2},
+    {0, 0, 0, 0, "Time:", 3},
     {"real-time", 'r', 0, 0,
-     "SYNC every millisecond by the clock (default: lock-step, as fast as the nodes answer)", 2},
+     "SYNC every millisecond by the clock (default: lock-step, as fast as the nodes answer)", 0},
+    {"patience", KEY_PATIENCE, "MS", 0,
+     "lock-step: an answer that takes longer is lost, and the walk goes on without it "
+     "(default 1000)",
+     0},
     {"auto-reset", KEY_AUTO_RESET, 0, 0,
-     "clear a latched fault once all nodes are back and still (on a bench only: never with a "
-     "wearer)",
-     2},
-    {"json", 'j', 0, 0, "one JSON object on standard output at the end", 2},
-    {"quiet", 'q', 0, 0, "only errors", 2},
+     "clear a latched fault once all nodes are back and still, and walk again (on a bench only: "
+     "never with a wearer)",
+     0},
     {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -83,32 +81,16 @@ static error_t take(int key, char *text, struct argp_state *state)
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->walk;
-        break;
-    case 'c':
-        options->interface = text;
-        break;
-    case 'n':
-        options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 1000000000);
+        state->child_inputs[1] = &options->bus;
         break;
     case 'r':
         options->real_time = true;
         break;
+    case KEY_PATIENCE:
+        options->patience_ns = option_whole(state, "--patience", text, 1, 600000) * 1000000u;
+        break;
     case KEY_AUTO_RESET:
         options->auto_reset = true;
-        break;
-    case 'j':
-        options->json = true;
-        break;
-    case 'q':
-        options->quiet = true;
-        break;
-    case ARGP_KEY_ARG:
-        argp_error(state, "unexpected argument \"%s\"", text);
-        break;
-    case ARGP_KEY_END:
-        if (options->interface == NULL) {
-            argp_error(state, "--can IFACE is required");
-        }
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -118,7 +100,8 @@ static error_t take(int key, char *text, struct argp_state *state)
 
 static void parse(struct options *options, int argc, char **argv)
 {
-    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
+    static const struct argp_child children[] = {
+        {&walk_options_parser, 0, "", 1}, {&bus_options_parser, 0, "", 2}, {0}};
     static const struct argp parser = {
         option_list,
         take,
@@ -130,6 +113,7 @@ static void parse(struct options *options, int argc, char **argv)
         0,
         0};
     walk_options_init(&options->walk);
+    options->patience_ns = UINT64_C(1000000000);
     option_identity("afo-host");
     if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
         exit(EXIT_USAGE);
@@ -155,16 +139,23 @@ static int open_bus(struct host *host)
             filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
         }
     }
-    const int result =
-        socketcan_bus_open(&host->socket, host->options.interface, filters, count, true);
-    if (result == 0) {
-        return 0;
+    int error =
+        socketcan_bus_open(&host->socket, host->options.bus.interface, filters, count, true);
+    if (error == 0) {
+        error = operator_line_open(&host->operator_line, host->options.bus.interface);
+        if (error == 0) {
+            return 0;
+        }
+        socketcan_bus_close(&host->socket);
     }
-    fprintf(stderr, "afo-host: %s: %s%s\n", host->options.interface, strerror(-result),
-            result == -EAFNOSUPPORT ? " (this kernel has no CAN; scripts/vcan-guest brings one)"
-            : result == -ENODEV     ? " (ip link shows the interfaces)"
-                                    : "");
+    bus_program_no_interface("afo-host", host->options.bus.interface, error);
     return -1;
+}
+
+static void close_bus(struct host *host)
+{
+    operator_line_close(&host->operator_line);
+    socketcan_bus_close(&host->socket);
 }
 
 /* The bus, with the black box before it; only the orthosis's own drives have snapshots. */
@@ -204,7 +195,8 @@ static void tell(struct host *host)
                 failure->node, failure->index, failure->sub, failure->expected,
                 failure->verdict == SETUP_DIFFERS ? "found" : "abort code", failure->found);
     }
-    if (task->output.state != host->told_state && !host->options.quiet && !host->options.json) {
+    if (task->output.state != host->told_state && !host->options.bus.quiet &&
+        !host->options.bus.json) {
         printf("  tick %8u  %s%s%s\n", task->tick, state_name(task->output.state),
                task->output.fault != SUPERVISOR_FAULT_NONE ? ": " : "",
                task->output.fault != SUPERVISOR_FAULT_NONE
@@ -218,21 +210,44 @@ static void tell(struct host *host)
     host->told_state = task->output.state;
 }
 
-/* Handles frames until the cycle is complete (lock-step) or deadline_ns. Returns
- * false at the deadline. */
-static bool run_cycle(struct host *host, uint64_t deadline_ns, bool lock_step)
+static uint64_t deadline_of(const struct host *host, uint64_t start_ns, bool awaited)
+{
+    if (host->options.real_time) {
+        return host->pacer.next_ns - TICK_NS / 10;
+    }
+    /* Nodes that are not operational, or gone, do not answer: then a tick lasts its time. */
+    return start_ns +
+           (awaited && host->unanswered < PATIENT_CYCLES ? host->options.patience_ns : TICK_NS);
+}
+
+/* Handles frames until the cycle is complete (lock-step) or its time is over. In lock-step
+ * time stands still while somebody still works on an answer, whether to the SYNC or to a
+ * request of the set-up: how fast the machine is does not count. */
+static void run_cycle(struct host *host)
 {
     struct control_task *task = &host->rig.task;
     const uint32_t before = task->tick;
+    const uint64_t start_ns = socketcan_now_ns();
+    const bool walking = network_all_operational(&task->network);
+    bool asked = false;
     for (;;) {
         if (control_task_poll(task) & CONTROL_TASK_NEW_STEP) {
             host->steps++;
+            host->step_tick = task->tick;
         }
-        if (lock_step && task->tick != before && control_task_cycle_complete(task)) {
-            return true;
+        if (!host->options.real_time && task->tick != before && control_task_cycle_complete(task)) {
+            host->unanswered = 0;
+            return;
         }
+        const bool asks = node_setup_is_waiting(&task->setup);
+        const uint64_t deadline_ns = deadline_of(host, start_ns, walking || asks);
+        asked = asked || asks;
         if (socketcan_now_ns() >= deadline_ns) {
-            return false;
+            host->lost_cycles += walking && !host->options.real_time ? 1 : 0;
+            host->unanswered = walking || asks ? host->unanswered + 1
+                               : asked         ? 0
+                                               : host->unanswered;
+            return;
         }
         const int ready = socketcan_bus_wait(&host->socket, deadline_ns);
         if (ready < 0 && ready != -EINTR) {
@@ -248,6 +263,36 @@ static bool has_stopped(const struct control_task *task)
     return !supervisor_may_enable(state) && !supervisor_may_assist(state);
 }
 
+/* What an operator would ask for now. */
+static void operate(struct host *host, bool stop)
+{
+    struct control_task *task = &host->rig.task;
+    struct operator_line *line = &host->operator_line;
+    const enum supervisor_state state = task->output.state;
+    uint8_t walk = task->node.objects.walk_requested;
+    operator_line_poll(line, line->under_way ? socketcan_now_ns() : 0);
+    if (host->options.auto_reset) {
+        /* A request that ended in a stop is spent: it is taken back, and made anew. */
+        const bool over = state == SUPERVISOR_UNLOADING || state == SUPERVISOR_FAULT;
+        walk = over ? 0 : state == SUPERVISOR_STANDBY ? 1 : walk;
+    }
+    walk = stop ? 0 : walk;
+    if (walk != task->node.objects.walk_requested) {
+        operator_line_ask(line, OPERATOR_WALK, walk, socketcan_now_ns());
+    } else if (host->options.auto_reset && task->tick % RESET_TICKS == 0 &&
+               (state == SUPERVISOR_FAULT || state == SUPERVISOR_INIT) && /* a drive's own fault */
+               network_all_operational(&task->network)) {
+        operator_line_ask(line, OPERATOR_RESET, 1, socketcan_now_ns()); /* obeyed at standstill */
+    }
+}
+
+static bool wants_to_end(const struct host *host)
+{
+    const uint32_t steps = host->options.bus.steps;
+    return bus_program_is_to_end() || (steps > 0 && host->steps >= steps &&
+                                       host->rig.task.tick - host->step_tick >= LAST_FRAMES_TICKS);
+}
+
 static void run(struct host *host)
 {
     struct control_task *task = &host->rig.task;
@@ -261,33 +306,18 @@ static void run(struct host *host)
             (void)pacer_wait(&host->pacer);
         }
         (void)control_task_start_cycle(task);
-        /* Nodes that are not operational, or gone, do not answer: then a tick lasts its time. */
-        const bool answers =
-            network_all_operational(&task->network) && silent_cycles < PATIENT_CYCLES;
-        const uint64_t patience_ns = answers ? ANSWER_TIMEOUT_NS : TICK_NS;
-        const uint64_t deadline_ns = host->options.real_time ? host->pacer.next_ns - TICK_NS / 10
-                                                             : socketcan_now_ns() + patience_ns;
-        if (!run_cycle(host, deadline_ns, !host->options.real_time) && answers &&
-            !host->options.real_time) {
-            host->lost_cycles++;
-        }
+        run_cycle(host);
         silent_cycles = control_task_cycle_complete(task) ? 0 : silent_cycles + 1;
         tell(host);
-        const bool stuck = task->output.state == SUPERVISOR_FAULT ||
-                           task->output.state == SUPERVISOR_INIT; /* a drive's own fault */
-        if (host->options.auto_reset && stuck && network_all_operational(&task->network)) {
-            task->node.objects.reset_requested = 1; /* obeyed at standstill only */
-        }
-        if (host->options.auto_reset && !stop_wanted) {
-            task->node.objects.walk_requested = stuck ? 0 : 1; /* and asks anew */
-        }
-        if (host->options.steps > 0 && host->steps >= host->options.steps) {
-            stop_wanted = 1;
-        }
-        if (stop_wanted) {
-            task->node.objects.walk_requested = 0;
+        const bool stop = stop_ticks > 0 || wants_to_end(host);
+        operate(host, stop);
+        if (stop) {
             stop_ticks++;
-            if ((has_stopped(task) && stop_ticks > 10) || silent_cycles > SILENT_CYCLES) {
+            if (stop_ticks > STOP_ASK_TICKS) {
+                task->node.objects.walk_requested = 0;
+            }
+            const bool told = task->node.objects.walk_requested == 0 && stop_ticks > 10;
+            if ((has_stopped(task) && told) || silent_cycles > SILENT_CYCLES) {
                 break; /* unloaded and off, or nobody left to tell */
             }
         }
@@ -342,11 +372,9 @@ int main(int argc, char **argv)
 {
     static struct host host;
     char message[SUBJECT_MESSAGE_MAX] = "";
-    const struct sigaction action = {.sa_handler = on_signal};
 
     parse(&host.options, argc, argv);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    bus_program_catch_signals();
     if (walk_options_resolve(&host.options.walk, &host.subject, &host.params, &host.speed_rad_s,
                              message) != 0) {
         fprintf(stderr, "afo-host: %s\n", message);
@@ -358,20 +386,20 @@ int main(int argc, char **argv)
     if (task_rig_init(&host.rig, &host.subject, &host.params, recorded_bus(&host), host.speed_rad_s,
                       true) != CONTROL_PARAMS_OK) {
         fprintf(stderr, "afo-host: the control task refuses these parameters\n");
-        socketcan_bus_close(&host.socket);
+        close_bus(&host);
         return EXIT_USAGE;
     }
     if (host.recorder.box != NULL) {
         controller_node_attach(&host.rig.task.node, NULL, NULL, host.recorder.box, NULL);
     }
     run(&host);
-    if (host.options.json) {
+    if (host.options.bus.json) {
         report_json(&host);
-    } else if (!host.options.quiet) {
+    } else if (!host.options.bus.quiet) {
         report_text(&host);
     }
     const bool faulty = host.rig.task.output.fault != SUPERVISOR_FAULT_NONE || host.refusal_told;
-    socketcan_bus_close(&host.socket);
+    close_bus(&host);
     if (output_standard_done("afo-host") != 0) {
         return EXIT_USAGE;
     }

@@ -51,9 +51,10 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
     switch (verdict) {
     case REPLAY_EQUAL:
         if (!quiet) {
-            printf("%s: %llu frames, %llu ticks; all %llu frames of the controller reproduced\n",
-                   path, (unsigned long long)replay->frames, (unsigned long long)replay->ticks,
-                   (unsigned long long)replay->compared);
+            printf("%s: %llu frames, %llu ticks in %u runs; all %llu frames of the controller "
+                   "reproduced\n",
+                   path, (unsigned long long)replay->frames, (unsigned long long)replay->all_ticks,
+                   replay->runs, (unsigned long long)replay->compared);
             if (replay->build_id != 0) {
                 printf("recorded by build %08x, parameter CRC %08x\n", replay->build_id,
                        replay->parameter_crc);

@@ -5,13 +5,13 @@
  * notice that their master is gone and unload, the walker falls, the hand picks it up.
  */
 #include <argp.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "hal/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
+#include "sim_host/host/bus_program.h"
 #include "sim_host/host/loop.h"
 #include "sim_host/host/output_file.h"
 #include "sim_host/host/walk_options.h"
@@ -23,40 +23,24 @@ enum { APEXES_MAX = 100000, CLOCK_TICKS_AT_ONCE = 20 };
 static const uint64_t NS_PER_MS = 1000000;
 static const uint64_t IDLE_NS = 5000000; /* longest sleep while nobody is heard */
 
-static volatile sig_atomic_t interrupted;
-
-static void on_interrupt(int number)
-{
-    (void)number;
-    interrupted = 1;
-}
-
 /* ---- command line ---------------------------------------------------------- */
 
 struct options {
     struct walk_options walk;
-    const char *interface_name;
+    struct bus_options bus;
     enum sensor_preset_kind sensors;
     uint64_t seed;
-    uint64_t steps;
     uint64_t silence_ms;
-    bool json;
-    bool quiet;
 };
 
-enum { KEY_CAN = 0x100, KEY_SENSORS, KEY_SEED, KEY_STEPS, KEY_SILENCE };
+enum { KEY_SENSORS = 0x100, KEY_SEED, KEY_SILENCE };
 
 static const struct argp_option option_list[] = {
-    {0, 0, 0, 0, "The bus and the walker:", 2},
-    {"can", KEY_CAN, "INTERFACE", 0, "SocketCAN interface, e.g. vcan0 (must be given)", 0},
+    {0, 0, 0, 0, "The walker:", 3},
     {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
-    {"steps", KEY_STEPS, "N", 0, "end after N steps (default: at SIGINT or SIGTERM)", 0},
     {"silence", KEY_SILENCE, "MS", 0,
      "go on by the clock after so long without SYNC (default 500; 20 suits real time)", 0},
-    {0, 0, 0, 0, "What comes out:", 3},
-    {"json", 'j', 0, 0, "one JSON object on standard output instead of the report", 0},
-    {"quiet", 'q', 0, 0, "no report", 0},
     {0}};
 
 static error_t take_option(int key, char *text, struct argp_state *state)
@@ -65,9 +49,7 @@ static error_t take_option(int key, char *text, struct argp_state *state)
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->walk;
-        break;
-    case KEY_CAN:
-        options->interface_name = text;
+        state->child_inputs[1] = &options->bus;
         break;
     case KEY_SENSORS:
         if (!sensor_preset_from_name(text, &options->sensors)) {
@@ -78,24 +60,12 @@ static error_t take_option(int key, char *text, struct argp_state *state)
     case KEY_SEED:
         options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
         break;
-    case KEY_STEPS:
-        options->steps = option_whole(state, "--steps", text, 1, APEXES_MAX);
-        break;
     case KEY_SILENCE:
         options->silence_ms = option_whole(state, "--silence", text, 2, 60000);
         break;
-    case 'j':
-        options->json = true;
-        break;
-    case 'q':
-        options->quiet = true;
-        break;
-    case ARGP_KEY_ARG:
-        argp_error(state, "unexpected argument \"%s\"", text);
-        break;
     case ARGP_KEY_END:
-        if (options->interface_name == NULL) {
-            argp_error(state, "--can INTERFACE must be given");
+        if (options->bus.steps > APEXES_MAX) {
+            argp_error(state, "--steps: the walker remembers %d at most", APEXES_MAX);
         }
         break;
     default:
@@ -106,7 +76,8 @@ static error_t take_option(int key, char *text, struct argp_state *state)
 
 static void parse_options(struct options *options, int argc, char **argv)
 {
-    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
+    static const struct argp_child children[] = {
+        {&walk_options_parser, 0, "", 1}, {&bus_options_parser, 0, "", 2}, {0}};
     static const struct argp parser = {
         option_list,
         take_option,
@@ -179,10 +150,9 @@ static int prepare(struct session *session)
         return -1;
     }
     session->config.plant.support.hold_after_fall = true;
-    const int error = socketcan_bus_open(&session->bus, options->interface_name, NULL, 0, false);
+    const int error = socketcan_bus_open(&session->bus, options->bus.interface, NULL, 0, false);
     if (error != 0) {
-        fprintf(stderr, "afo-walker: cannot open CAN interface %s: %s\n", options->interface_name,
-                strerror(-error));
+        bus_program_no_interface("afo-walker", options->bus.interface, error);
         return -1;
     }
     session->start_ns = socketcan_now_ns();
@@ -272,8 +242,8 @@ static void serve(struct session *session)
 {
     const struct can_bus bus = socketcan_bus_interface(&session->bus);
     uint64_t now_ns = session->start_ns;
-    while (!interrupted &&
-           (session->options.steps == 0 || session->apexes < session->options.steps)) {
+    const uint32_t steps = session->options.bus.steps;
+    while (!bus_program_is_to_end() && (steps == 0 || session->apexes < steps)) {
         struct can_msg message;
         const uint64_t deadline_ns = session->by_clock ? session->next_clock_ns : now_ns + IDLE_NS;
         /* While frames flow the clock is not asked: system calls are what costs here. */
@@ -322,19 +292,15 @@ static void report_text(const struct session *session)
            (unsigned long long)session->silences);
     printf("%s: %u frames received, %u sent, %u refused, %u lost in the queue, %u error frames, "
            "%u times bus-off, %u times down\n",
-           session->options.interface_name, status->rx_frames, status->tx_frames,
-           status->tx_refused, status->rx_overflow, status->error_frames, status->bus_off_count,
+           session->options.bus.interface, status->rx_frames, status->tx_frames, status->tx_refused,
+           status->rx_overflow, status->error_frames, status->bus_off_count,
            session->bus.counters.went_down);
 }
 
 int main(int argc, char **argv)
 {
     static struct session session;
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_interrupt; /* without SA_RESTART: it ends the wait */
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    bus_program_catch_signals();
     parse_options(&session.options, argc, argv);
     if (prepare(&session) != 0) {
         return EXIT_USAGE;
@@ -342,9 +308,9 @@ int main(int argc, char **argv)
     serve(&session);
     walker_nodes_free(&session.nodes);
     socketcan_bus_close(&session.bus);
-    if (session.options.json) {
+    if (session.options.bus.json) {
         report_json(&session);
-    } else if (!session.options.quiet) {
+    } else if (!session.options.bus.quiet) {
         report_text(&session);
     }
     if (output_standard_done("afo-walker") != 0) {

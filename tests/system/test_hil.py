@@ -5,35 +5,56 @@ import subprocess
 from afo import BUILD, ROOT
 
 
-def test_twenty_steps_over_vcan_equal_the_in_process_walk():
-    done = subprocess.run(["scripts/hil", "--steps", "20", "--build", str(BUILD)], cwd=ROOT,
-                          capture_output=True, text=True, timeout=500)
+def test_twenty_steps_over_vcan_equal_the_in_process_walk(tmp_path):
+    done = subprocess.run(["scripts/hil", "--steps", "20", "--build", str(BUILD), "--out", str(tmp_path)],
+                          cwd=ROOT, capture_output=True, text=True, timeout=700)
     assert done.returncode == 0, done.stdout + done.stderr
-    steps = re.search(r"equal: ticks 1000 to \d+, (\d+) steps", done.stdout)
-    assert steps and int(steps[1]) >= 15
+    assert re.search(r"^hil: \d+ ticks, none lost$", done.stdout, re.MULTILINE)
+    assert re.search(r"^equal: ticks 1000 to \d+, 20 steps$", done.stdout, re.MULTILINE)
+
+
+def log_of(path, ticks, steps, changes=None):
+    """A log of ticks; step telemetry in the ticks given, other frames where changed."""
+    lines = []
+    for tick in range(ticks):
+        frames = ["080#", "201#0100000002000000", "283#0102030405", "284#0102030405"]
+        if tick in steps:
+            frames.append(f"390#{steps.index(tick):02X}00000000000000")
+        for at, old, new in changes or ():
+            if at == tick:
+                frames = [new if frame.startswith(old) else frame for frame in frames]
+        lines += [f"(0000000001.{tick * 10 + i:06d}) can0 {frame}\n" for i, frame in enumerate(frames)]
+    path.write_text("".join(lines))
+    return path
+
+
+def compare(*arguments):
+    return subprocess.run(["scripts/compare-walks", *map(str, arguments)], cwd=ROOT,
+                          capture_output=True, text=True, timeout=60)
 
 
 def test_a_changed_frame_is_found(tmp_path):
-    line = "(0000000001.{:06d}) can0 {}\n"
-    frames = []
-    for tick in range(1300):
-        for text in ("080#", "201#0100000002000000", "283#0102030405", "284#0102030405"):
-            frames.append(line.format(len(frames), text))
-        if tick % 250 == 249:
-            frames.append(line.format(len(frames), "390#0000000000000000"))
-    whole = tmp_path / "whole.log"
-    whole.write_text("".join(frames))
-    changed = tmp_path / "changed.log"
-    at = 1200 * 4 + 4 + 1
-    assert "201#" in frames[at]
-    changed.write_text("".join(frames[:at]) + frames[at].replace("201#01", "201#03") +
-                       "".join(frames[at + 1:]))
-
-    def compare(*logs):
-        return subprocess.run(["scripts/compare-walks", *map(str, logs)], cwd=ROOT,
-                              capture_output=True, text=True, timeout=60)
-    assert compare(whole, whole).returncode == 0
-    found = compare(whole, changed)
-    assert found.returncode == 1
-    assert "frame 201" in found.stdout
+    steps = [1100, 1300, 1500]
+    whole = log_of(tmp_path / "whole.log", 1600, steps)
+    same = compare(whole, whole, "--steps", 3)
+    assert same.returncode == 0 and "ticks 1000 to 1500, 3 steps" in same.stdout
+    for tick in (1000, 1499):
+        changed = log_of(tmp_path / "changed.log", 1600, steps, [(tick, "201#", "201#0300000002000000")])
+        found = compare(whole, changed)
+        assert found.returncode == 1 and f"tick {tick}, frame 201" in found.stdout
+    # Before the walk, and behind its last step, runs may differ.
+    for tick in (999, 1501):
+        changed = log_of(tmp_path / "changed.log", 1600, steps, [(tick, "201#", "201#0300000002000000")])
+        assert compare(whole, changed).returncode == 0
     assert compare(whole, tmp_path / "none.log").returncode == 2
+
+
+def test_a_walk_that_leaves_the_other_or_ends_early_is_found(tmp_path):
+    whole = log_of(tmp_path / "whole.log", 3000, list(range(1100, 3000, 200)))
+    other = log_of(tmp_path / "other.log", 3000, [1100, 1300] + list(range(1501, 3000, 200)))
+    found = compare(whole, other)
+    assert found.returncode == 1 and "tick 1500, frame 390" in found.stdout
+    short = log_of(tmp_path / "short.log", 1400, [1100, 1300])
+    assert compare(whole, short).returncode == 0
+    found = compare(whole, short, "--steps", 3)
+    assert found.returncode == 1 and "too short" in found.stdout

@@ -50,12 +50,20 @@ def test_a_drive_that_cannot_fit_is_refused(tmp_path, base, lines, message):
     assert done.returncode == 2 and message in done.stderr and "no.ini" in done.stderr, done.stderr
 
 
-@pytest.fixture(scope="module")
-def log(tmp_path_factory):
-    path = tmp_path_factory.mktemp("replay") / "walk.log"
-    done = run("--speed", "0.5", "--steps", "15", "--quiet", "--log", path)
+def record(path, steps):
+    done = run("--speed", "0.5", "--steps", steps, "--quiet", "--log", path)
     assert done.returncode == 0, done.stderr
     return path
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    return record(tmp_path_factory.mktemp("replay") / "walk.log", 15)
+
+
+@pytest.fixture(scope="module")
+def short_log(tmp_path_factory):
+    return record(tmp_path_factory.mktemp("replay") / "short.log", 3)
 
 
 def replay(path, *arguments):
@@ -97,6 +105,68 @@ def test_one_changed_bit_is_found(log, tmp_path, seed):
     done = replay(changed)
     assert done.returncode == 1, f"{lines[chosen]} passed: {done.stdout}"
     assert "tick" in done.stdout and "line" in done.stdout
+
+
+def identifier(line):
+    return line.split(" ")[2].split("#")[0]
+
+
+def test_every_field_of_every_frame_is_watched(short_log, tmp_path):
+    """One bit of each byte of each kind of frame, of its identifier and of its length."""
+    lines = short_log.read_text().splitlines()
+    kinds = {}
+    for i, line in enumerate(lines[:-1500]):
+        kinds.setdefault(identifier(line), []).append(i)
+    kinds.pop("080")
+    assert {"181", "182", "201", "283", "284", "290", "301", "302", "381", "382", "390", "581",
+            "584", "601", "604", "701", "704", "710", "000"} <= set(kinds)
+    generator = random.Random(4)
+    passed = []
+    for kind, places in sorted(kinds.items()):
+        at = generator.choice(places)
+        head, data = lines[at].rsplit("#", 1)
+        other = f"{int(kind, 16) ^ 1 << generator.randrange(11):03X}"
+        changes = [flip(lines[at], 8 * byte + generator.randrange(8)) for byte in range(len(data) // 2)]
+        changes += [head + "#" + data[:-2], head[:-3] + other + "#" + data]
+        if len(data) < 16:
+            changes.append(head + "#" + data + "00")
+        for change in changes:
+            changed = tmp_path / "changed.log"
+            changed.write_text("\n".join(lines[:at] + [change] + lines[at + 1:]) + "\n")
+            done = replay(changed)
+            if done.returncode != 1 or "tick" not in done.stdout:
+                passed.append((lines[at], change, done.stdout))
+    assert not passed
+
+
+def test_what_others_said_before_the_controller_came_is_no_difference(log, tmp_path):
+    lines = log.read_text().splitlines()
+    alone = "(0000000000.000001) can0 {}"
+    before = [alone.format(f"70{1 + i % 4}#7F") for i in range(400)]
+    path = tmp_path / "late.log"
+    path.write_text("\n".join(before + lines) + "\n")
+    assert replay(path).returncode == 0
+    # A second run behind the first one, cut off as by a kill.
+    twice = lines[:50003] + before + [alone.format("710#00")] + \
+        [line for line in lines if not line.endswith(" 710#00")]
+    path.write_text("\n".join(twice) + "\n")
+    done = replay(path)
+    assert done.returncode == 0 and "in 2 runs" in done.stdout, done.stdout
+    at = next(i for i in range(90000, len(twice)) if " 283#" in twice[i])
+    path.write_text("\n".join(twice[:at] + [flip(twice[at], 3)] + twice[at + 1:]) + "\n")
+    assert replay(path).returncode == 1
+
+
+def test_a_log_from_the_middle_of_a_run_is_told_so(log, tmp_path):
+    path = tmp_path / "middle.log"
+    path.write_text("\n".join(log.read_text().splitlines()[30000:]) + "\n")
+    done = replay(path)
+    assert done.returncode == 1 and "middle of a run" in done.stdout
+    silence = ["(0000000000.000001) can0 701#05"] * 600
+    lines = log.read_text().splitlines()
+    path.write_text("\n".join(lines[:30000] + silence + lines[30000:]) + "\n")
+    done = replay(path)
+    assert done.returncode == 2 and "without a SYNC" in done.stderr
 
 
 def test_a_lost_frame_is_found(log, tmp_path):

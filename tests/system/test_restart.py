@@ -38,7 +38,7 @@ def test_an_unsafe_record_would_be_noticed(tmp_path):
     def wrong(*frames):
         path = tmp_path / "record.log"
         path.write_text("".join(f"(1.0) vcan0 {frame}\n" for frame in frames))
-        return module.judge(path)[2]
+        return module.Judge(path).read().wrong
 
     enabled, disabled = "181#2702E8030000", "181#5002E8030000"  # both at 1000 counts
     assert not wrong(disabled, "201#E803000000000000")

@@ -1,0 +1,40 @@
+/* The operator's line: what a person asks of the controller goes over the bus.
+ *
+ * The control task obeys node 16's object dictionary. A program that runs the task could
+ * write into it, but then a log of the bus would not hold what moved the controller, and
+ * could not be replayed. So its wishes travel like those of any other tool: by SDO, through
+ * a socket of their own, which the task's socket hears.
+ */
+#ifndef SIM_HOST_HOST_OPERATOR_LINE_H
+#define SIM_HOST_HOST_OPERATOR_LINE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/canopen/co_sdo_client.h"
+#include "hal/port_socketcan/socketcan_bus.h"
+
+/* Subindices of object 0x2000 (firmware/controller_objects.c). */
+enum operator_wish { OPERATOR_WALK = 2, OPERATOR_RESET = 3 };
+
+struct operator_line {
+    struct socketcan_bus bus;
+    struct co_sdo_client client;
+    bool under_way;
+};
+
+/* Opens the interface a second time. Returns 0 or a negative errno value, as
+ * socketcan_bus_open(). */
+int operator_line_open(struct operator_line *line, const char *interface);
+
+void operator_line_close(struct operator_line *line);
+
+/* Sends 0x2000:wish = value, unless the last wish is still under way; whether it was taken
+ * shows in the object. now_ns: CLOCK_MONOTONIC. */
+void operator_line_ask(struct operator_line *line, enum operator_wish wish, uint8_t value,
+                       uint64_t now_ns);
+
+/* Once a cycle: takes the answer. One system call while a wish is under way, else none. */
+void operator_line_poll(struct operator_line *line, uint64_t now_ns);
+
+#endif
