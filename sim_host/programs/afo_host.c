@@ -10,6 +10,7 @@
 #include "hal/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
 #include "sim_host/host/bus_program.h"
+#include "sim_host/host/lock_step.h"
 #include "sim_host/host/operator_line.h"
 #include "sim_host/host/output_file.h"
 #include "sim_host/host/pacer.h"
@@ -215,38 +216,37 @@ static uint64_t deadline_of(const struct host *host, uint64_t start_ns, bool awa
     if (host->options.real_time) {
         return host->pacer.next_ns - TICK_NS / 10;
     }
-    /* Nodes that are not operational, or gone, do not answer: then a tick lasts its time. */
+    /* Where nobody will answer a tick lasts its time. */
     return start_ns +
            (awaited && host->unanswered < PATIENT_CYCLES ? host->options.patience_ns : TICK_NS);
 }
 
-/* Handles frames until the cycle is complete (lock-step) or its time is over. In lock-step
- * time stands still while somebody still works on an answer, whether to the SYNC or to a
- * request of the set-up: how fast the machine is does not count. */
+/* Sends the SYNC and handles frames until the cycle is complete (lock-step) or its time is
+ * over. In lock-step time stands still while somebody works on an answer: how fast the
+ * machine is does not count. */
 static void run_cycle(struct host *host)
 {
     struct control_task *task = &host->rig.task;
     const uint32_t before = task->tick;
     const uint64_t start_ns = socketcan_now_ns();
+    const bool lock_step = !host->options.real_time;
     const bool walking = network_all_operational(&task->network);
-    bool asked = false;
+    const unsigned expected = lock_step_expected(task);
+    (void)control_task_start_cycle(task);
     for (;;) {
         if (control_task_poll(task) & CONTROL_TASK_NEW_STEP) {
             host->steps++;
             host->step_tick = task->tick;
         }
-        if (!host->options.real_time && task->tick != before && control_task_cycle_complete(task)) {
+        const bool answered = task->tick != before && lock_step_answered(task, expected);
+        if (lock_step && answered && expected != 0) {
             host->unanswered = 0;
             return;
         }
-        const bool asks = node_setup_is_waiting(&task->setup);
-        const uint64_t deadline_ns = deadline_of(host, start_ns, walking || asks);
-        asked = asked || asks;
+        const uint64_t deadline_ns = deadline_of(host, start_ns, !answered);
         if (socketcan_now_ns() >= deadline_ns) {
-            host->lost_cycles += walking && !host->options.real_time ? 1 : 0;
-            host->unanswered = walking || asks ? host->unanswered + 1
-                               : asked         ? 0
-                                               : host->unanswered;
+            host->lost_cycles += walking && lock_step && !answered ? 1 : 0;
+            host->unanswered = answered ? 0 : host->unanswered + 1;
             return;
         }
         const int ready = socketcan_bus_wait(&host->socket, deadline_ns);
@@ -305,7 +305,6 @@ static void run(struct host *host)
         if (host->options.real_time) {
             (void)pacer_wait(&host->pacer);
         }
-        (void)control_task_start_cycle(task);
         run_cycle(host);
         silent_cycles = control_task_cycle_complete(task) ? 0 : silent_cycles + 1;
         tell(host);
