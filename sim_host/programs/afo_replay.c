@@ -51,10 +51,13 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
     switch (verdict) {
     case REPLAY_EQUAL:
         if (!quiet) {
-            printf("%s: %llu frames, %llu ticks in %u runs; all %llu frames of the controller "
-                   "reproduced\n",
+            printf("%s: %llu frames, %llu ticks; all %llu frames of the controller reproduced",
                    path, (unsigned long long)replay->frames, (unsigned long long)replay->all_ticks,
-                   replay->runs, (unsigned long long)replay->compared);
+                   (unsigned long long)replay->compared);
+            if (replay->runs > 1) {
+                printf(", in %u runs", replay->runs);
+            }
+            putchar('\n');
             if (replay->build_id != 0) {
                 printf("recorded by build %08x, parameter CRC %08x\n", replay->build_id,
                        replay->parameter_crc);
