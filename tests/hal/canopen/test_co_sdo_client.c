@@ -108,12 +108,12 @@ START_TEST(an_answer_to_something_else)
 {
     co_sdo_client_read(&client, 0x2000, 0, 0);
     poll(CO_SDO_BUSY);
-    ck_assert(say(0x60, 0x2000, 0, 0));
+    ck_assert(say(0x20, 0x2000, 0, 0));
     is_aborted_with(UNKNOWN_COMMAND, 0x2000);
     const uint8_t one[1] = {1};
     co_sdo_client_write(&client, 0x2000, 0, one, 1, 0);
     poll(CO_SDO_BUSY);
-    ck_assert(say(0x4F, 0x2000, 0, 1));
+    ck_assert(say(0x00, 0x2000, 0, 1));
     is_aborted_with(UNKNOWN_COMMAND, 0x2000);
     read_segments();
     ck_assert(say(0x20, 0, 0, 0));
@@ -121,6 +121,31 @@ START_TEST(an_answer_to_something_else)
     write_segments();
     ck_assert(say(0x00, 0, 0, 0));
     is_aborted_with(UNKNOWN_COMMAND, 0x2006);
+}
+END_TEST
+
+/* What was asked for again is answered twice, and the second answer may come into the transfer
+ * behind it, the reading back of the same object: it is none to that one, and ends nothing. */
+START_TEST(a_second_answer_to_what_was_repeated)
+{
+    const uint8_t one[1] = {7};
+    co_sdo_client_write(&client, 0x2000, 0, one, 1, 0);
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x60, 0x2000, 0, 0));
+    poll(CO_SDO_DONE);
+    co_sdo_client_read(&client, 0x2000, 0, 0);
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x60, 0x2000, 0, 0));
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x4F, 0x2000, 0, 7));
+    poll(CO_SDO_DONE);
+    ck_assert_uint_eq(client.buffer[0], 7);
+    co_sdo_client_write(&client, 0x2000, 0, one, 1, 0);
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x4F, 0x2000, 0, 7)); /* of the read before it */
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x60, 0x2000, 0, 0));
+    poll(CO_SDO_DONE);
 }
 END_TEST
 
@@ -211,6 +236,7 @@ int main(void)
     tcase_add_test(tcase, a_toggle_bit_that_does_not_alternate);
     tcase_add_test(tcase, more_than_there_is_room_for);
     tcase_add_test(tcase, an_answer_to_something_else);
+    tcase_add_test(tcase, a_second_answer_to_what_was_repeated);
     tcase_add_test(tcase, an_answer_of_an_earlier_transfer);
     tcase_add_test(tcase, an_expedited_answer_without_a_size_has_four_bytes);
     tcase_add_test(tcase, an_answer_before_the_question_changes_nothing);
