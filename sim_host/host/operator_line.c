@@ -7,17 +7,11 @@ enum { WISHES = 0x2000 };
 /* The task answers when it looks at the bus next: at the latest a lost answer later. */
 static const uint64_t ANSWER_LIMIT_NS = UINT64_C(3000000000);
 
-int operator_line_open(struct operator_line *line, const char *interface)
+void operator_line_init(struct operator_line *line, struct can_bus bus)
 {
-    const struct socketcan_filter answers = {FRAME_SDO_ANSWER_CONTROLLER, CAN_ID_STANDARD_MAX};
+    line->bus = bus;
     line->under_way = false;
     co_sdo_client_init(&line->client, NODE_CONTROLLER, ANSWER_LIMIT_NS);
-    return socketcan_bus_open(&line->bus, interface, &answers, 1, false);
-}
-
-void operator_line_close(struct operator_line *line)
-{
-    socketcan_bus_close(&line->bus);
 }
 
 void operator_line_ask(struct operator_line *line, enum operator_wish wish, uint8_t value,
@@ -32,14 +26,14 @@ void operator_line_ask(struct operator_line *line, enum operator_wish wish, uint
 
 void operator_line_poll(struct operator_line *line, uint64_t now_ns)
 {
-    const struct can_bus bus = socketcan_bus_interface(&line->bus);
     struct can_msg message;
     if (!line->under_way) {
         return;
     }
-    while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
+    (void)co_sdo_client_poll(&line->client, &line->bus, now_ns);
+    /* What was sent leaves with the receiving, too (hal/port_socketcan). */
+    while (can_bus_receive(&line->bus, &message, NULL) == CAN_OK) {
         (void)co_sdo_client_receive(&line->client, &message, now_ns);
     }
-    line->under_way = co_sdo_client_poll(&line->client, &bus, now_ns) == CO_SDO_BUSY;
-    socketcan_bus_flush(&line->bus);
+    line->under_way = co_sdo_client_is_busy(&line->client);
 }

@@ -3,7 +3,7 @@
  * The control task obeys node 16's object dictionary. A program that runs the task could
  * write into it, but then a log of the bus would not hold what moved the controller, and
  * could not be replayed. So its wishes travel like those of any other tool: by SDO, through
- * a socket of their own, which the task's socket hears.
+ * an opening of the bus of their own, which the task's one hears.
  */
 #ifndef SIM_HOST_HOST_OPERATOR_LINE_H
 #define SIM_HOST_HOST_OPERATOR_LINE_H
@@ -11,23 +11,21 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "hal/can_bus.h"
 #include "hal/canopen/co_sdo_client.h"
-#include "hal/port_socketcan/socketcan_bus.h"
 
 /* Subindices of object 0x2000 (firmware/controller_objects.c). */
 enum operator_wish { OPERATOR_WALK = 2, OPERATOR_RESET = 3 };
 
 struct operator_line {
-    struct socketcan_bus bus;
+    struct can_bus bus;
     struct co_sdo_client client;
     bool under_way;
 };
 
-/* Opens the interface a second time. Returns 0 or a negative errno value, as
- * socketcan_bus_open(). */
-int operator_line_open(struct operator_line *line, const char *interface);
-
-void operator_line_close(struct operator_line *line);
+/* bus: not the task's own, for that does not hear what it sends; it need receive the
+ * controller's SDO answers only, and stays the caller's. */
+void operator_line_init(struct operator_line *line, struct can_bus bus);
 
 /* Sends 0x2000:wish = value, unless the last wish is still under way; whether it was taken
  * shows in the object. now_ns: CLOCK_MONOTONIC. */

@@ -43,7 +43,7 @@ struct host {
     struct subject subject;
     struct control_params params;
     double speed_rad_s;
-    struct socketcan_bus socket;
+    struct socketcan_bus socket, operator_socket;
     struct operator_line operator_line;
     struct task_rig rig;
     struct bus_recorder recorder;
@@ -132,6 +132,7 @@ static const struct {
 
 static int open_bus(struct host *host)
 {
+    const struct socketcan_filter answers = {FRAME_SDO_ANSWER_CONTROLLER, CAN_ID_STANDARD_MAX};
     struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
     unsigned count = 0;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -140,11 +141,17 @@ static int open_bus(struct host *host)
             filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
         }
     }
+    if (host->subject.protocol != DRIVE_PROTOCOL_CIA402) {
+        count = 0; /* their identifiers are no frames of the table: hear everything */
+    }
     int error =
         socketcan_bus_open(&host->socket, host->options.bus.interface, filters, count, true);
     if (error == 0) {
-        error = operator_line_open(&host->operator_line, host->options.bus.interface);
+        error = socketcan_bus_open(&host->operator_socket, host->options.bus.interface, &answers, 1,
+                                   false);
         if (error == 0) {
+            operator_line_init(&host->operator_line,
+                               socketcan_bus_interface(&host->operator_socket));
             return 0;
         }
         socketcan_bus_close(&host->socket);
@@ -155,7 +162,7 @@ static int open_bus(struct host *host)
 
 static void close_bus(struct host *host)
 {
-    operator_line_close(&host->operator_line);
+    socketcan_bus_close(&host->operator_socket);
     socketcan_bus_close(&host->socket);
 }
 

@@ -203,6 +203,8 @@ static void take_frame(struct session *session, const struct can_msg *message, u
     }
     (void)walker_nodes_receive(&session->nodes, message, session->time_ns);
     if (is_sync) {
+        /* Other protocols than CANopen speak by time, not when a SYNC says so. */
+        walker_nodes_process(&session->nodes, session->time_ns);
         session->sync_ticks++;
         finish_tick(session);
     } else if (walker_nodes_sdo_requests(&session->nodes) != session->sdo_requests) {
