@@ -78,6 +78,10 @@ flash: $(NUCLEO).elf $(NUCLEO).bin $(if $(SUBJECT),programs) ## write the image 
 	        st-flash --reset write $(NUCLEO).bin 0x08000000; \
 	else echo 'flash: neither openocd nor st-flash is here (scripts/setup flash)' >&2; exit 1; fi
 
+# DBGMCU_APB1FZR1, bits DBG_IWDG_STOP and DBG_TIM2_STOP (CMSIS stm32g474xx.h; stm32-data
+# dbgmcu_g4.yaml): neither the watchdog nor the clock, whose compare a halt would leave
+# behind, goes on while it is halted.
+DEBUG_FREEZE := set {unsigned}0xE0042008 = 0x1001
 debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still while it is halted
 	$(Q)for tool in gdb-multiarch $(OPENOCD); do command -v $$tool >/dev/null || \
 	        { echo "debug: $$tool is not here (scripts/setup flash)" >&2; exit 1; }; done

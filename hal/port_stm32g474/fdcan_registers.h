@@ -1,10 +1,12 @@
 /* FDCAN1 of the STM32G474: registers and message RAM.
  *
- * Facts from two independent public sources that agree on each of these:
- *   (1) STMicroelectronics, CMSIS device header stm32g474xx.h (repository
- *       cmsis-device-g4), and for the message RAM stm32g4xx_hal_fdcan.c;
- *   (2) libopencm3, stm32/fdcan.h and stm32/g4/fdcan.h, stm32/g4/memorymap.h; for
- *       the message RAM also the crate stm32-rs/fdcan, which cites RM0440's figure.
+ * Facts from public sources, each number compared by program, all agreeing:
+ *   (1) STMicroelectronics, cmsis-device-g4, Include/stm32g474xx.h: bases, offsets,
+ *       fields; stm32g4xx-hal-driver, Src/stm32g4xx_hal_fdcan.c: message RAM, elements;
+ *   (2) embassy-rs/stm32-data, data/registers/can_fdcan_v1.yaml and fdcanram_v1.yaml:
+ *       offsets, fields, message RAM;
+ *   (3) libopencm3, stm32/fdcan.h, stm32/g4/fdcan.h, stm32/g4/memorymap.h: all of them.
+ * Places in the filter element: (3) and stm32-rs/fdcan, src/message_ram/standard_filter.rs.
  * Where they disagree (RWD.WDV, the RAM of FDCAN2 and 3) nothing is used. Behaviour
  * follows RM0440 and Bosch's M_CAN user manual, whose core this is.
  */
@@ -81,7 +83,7 @@
 #define FDCAN_IR_EP (1u << 17)
 #define FDCAN_IR_EW (1u << 18)
 #define FDCAN_IR_BO (1u << 19)
-#define FDCAN_IR_PEA (1u << 22)
+#define FDCAN_IR_PEA (1u << 21)
 #define FDCAN_IR_ARA (1u << 23)
 #define FDCAN_IR_ALL 0x00FFFFFFu
 

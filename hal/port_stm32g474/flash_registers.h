@@ -1,10 +1,11 @@
 /* Flash interface of the STM32G474.
  *
- * Facts from two independent public sources that agree on each of these:
- *   (1) STMicroelectronics, CMSIS device header stm32g474xx.h, and
- *       stm32g4xx_hal_flash.h for the page size and number;
- *   (2) libopencm3, stm32/g4/flash.h and stm32/g4/memorymap.h; for the caches in
- *       ACR the register description of stm32-rs (stm32g474, flash/acr).
+ * Facts from public sources, each number compared by program, all agreeing:
+ *   (1) STMicroelectronics, cmsis-device-g4, Include/stm32g474xx.h: addresses and fields;
+ *       stm32g4xx-hal-driver, Inc/stm32g4xx_hal_flash.h: keys, size and number of pages;
+ *   (2) embassy-rs/stm32-data, data/registers/flash_g4c3.yaml: offsets and fields;
+ *   (3) libopencm3, stm32/g4/flash.h and stm32/g4/memorymap.h: addresses, fields, keys;
+ *       size of a page and of the flash: Zephyr, dts/arm/st/g4/stm32g4.dtsi, stm32g474Xe.dtsi.
  * Where they disagree (ECCR.ECCD2), or the unit is not certain (ECCR.ADDR_ECC),
  * nothing is used. Behaviour follows RM0440.
  */

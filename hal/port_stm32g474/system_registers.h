@@ -1,9 +1,13 @@
 /* Clocks, power, pins, timer and watchdog of the STM32G474.
  *
- * Facts from two independent public sources that agree on each of these:
- *   (1) STMicroelectronics, CMSIS device header stm32g474xx.h;
- *   (2) libopencm3, stm32/g4/{memorymap,rcc,pwr,gpio}.h, stm32/common/iwdg_common_all.h
- *       and the general-purpose timer header; R1MODE and LATENCY also in stm32-rs.
+ * Facts from public sources, each number compared by program:
+ *   (1) STMicroelectronics, cmsis-device-g4, Include/stm32g474xx.h: all but values of fields;
+ *   (2) embassy-rs/stm32-data, data/registers/{rcc_g4,pwr_g4,gpio_v2,timer_v1,iwdg_v2}.yaml:
+ *       offsets, fields and their values;
+ *   (3) libopencm3, stm32/g4/{memorymap,rcc,pwr,gpio}.h, stm32/common/iwdg_common_all.h and
+ *       timer_common_all.h: all of them; stm32/g4/irq.json: interrupts.
+ * They agree but for R1MODE, which (2) has at bit 0: NuttX, arch/arm/src/stm32/
+ * hardware/stm32g4xxxx_pwr.h, has it at 8 like (1) and (3).
  * The crystal (24 MHz), the PLL's factors and FDCAN1 on PA11 and PA12: Zephyr's
  * nucleo_g474re.dts; alternate function 9: stm32g4xx_hal_gpio_ex.h and
  * mikroSDK's pin lists. Behaviour follows RM0440.

@@ -43,3 +43,9 @@ def test_both_programmers_write_settings_and_image():
     assert "afo-settings --subject 'sim_host/subjects/paper.ini'" in text
     assert "settings.bin 0x0807E000 verify" in text and "st-flash write build/arm/settings.bin 0x0807E000" in text
     assert "settings" not in make("flash", path="/usr/bin:/bin").stdout.split("command -v")[-1]
+
+
+def test_the_debugger_stops_the_watchdog_and_the_clock():
+    """RM0440, DBGMCU_APB1FZR1 at 0xE0042008: TIM2 is bit 0, the independent watchdog bit 12."""
+    text = make("debug", path="/usr/bin:/bin").stdout
+    assert f"set {{unsigned}}0xE0042008 = {1 << 12 | 1 << 0:#x}" in text

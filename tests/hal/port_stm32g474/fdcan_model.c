@@ -52,7 +52,7 @@ enum {
     EP = 17,
     EW = 18,
     BO = 19,
-    PEA = 22
+    PEA = 21
 };
 
 /* Word addresses in the message RAM, RM0440 figure "Message RAM configuration":
