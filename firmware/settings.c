@@ -1,6 +1,7 @@
 #include "firmware/settings.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -50,10 +51,31 @@ static int is_finite(float value)
     return real_is_finite(value);
 }
 
+/* Half the range: then zero and stroke together stay in it, to either side. */
+static const float counts_limit = 1073741824.0f;
+
+static bool is_force(float force_N)
+{
+    return is_finite(force_N) && force_N >= 0.0f;
+}
+
+/* Whether the drive lets the motor go wherever the law may ask it to. */
+static bool allows_stroke(const struct node_setup_config *setup, int leg,
+                          const struct cia402_axis_config *axis, float r0_max_m)
+{
+    const int32_t end =
+        axis->zero_counts + axis->direction * (int32_t)(r0_max_m * axis->counts_per_m);
+
+    return setup->limit_min_counts[leg] <= (axis->direction > 0 ? axis->zero_counts : end) &&
+           setup->limit_max_counts[leg] >= (axis->direction > 0 ? end : axis->zero_counts);
+}
+
 static enum settings_result check_leg(const struct cia402_axis_config *axis,
-                                      const struct leg_sensor_config *sensor)
+                                      const struct leg_sensor_config *sensor, float r0_max_m)
 {
     if (!is_finite(axis->counts_per_m) || axis->counts_per_m <= 0.0f ||
+        r0_max_m * axis->counts_per_m > counts_limit || (float)axis->zero_counts > counts_limit ||
+        (float)axis->zero_counts < -counts_limit || !is_force(axis->rated_force_N) ||
         (axis->direction != 1 && axis->direction != -1)) {
         return SETTINGS_BAD_AXIS;
     }
@@ -69,14 +91,17 @@ static enum settings_result check_leg(const struct cia402_axis_config *axis,
     return SETTINGS_OK;
 }
 
-static enum settings_result check_setup(const struct node_setup_config *setup, int leg,
-                                        const struct cia402_axis_config *axis)
+static enum settings_result check_setup(const struct settings *settings, int leg)
 {
+    const struct node_setup_config *setup = &settings->setup;
+    const struct cia402_axis_config *axis = &settings->axis[leg];
     const float counts_per_m = (float)setup->counts_per_m[leg];
 
     if (setup->counts_per_m[leg] == 0u || counts_per_m != axis->counts_per_m ||
         setup->rated_force_N[leg] != axis->rated_force_N ||
         setup->limit_min_counts[leg] >= setup->limit_max_counts[leg] ||
+        !allows_stroke(setup, leg, axis, settings->control.r0_max_m) ||
+        setup->ankle_is_lever[leg] != settings->sensor[leg].ankle_is_lever ||
         setup->following_error_counts[leg] == 0u) {
         return SETTINGS_BAD_SETUP;
     }
@@ -89,9 +114,10 @@ enum settings_result settings_check(const struct settings *settings)
         return SETTINGS_BAD_CONTROL;
     }
     for (int leg = 0; leg < LEG_COUNT; leg++) {
-        enum settings_result result = check_leg(&settings->axis[leg], &settings->sensor[leg]);
+        enum settings_result result =
+            check_leg(&settings->axis[leg], &settings->sensor[leg], settings->control.r0_max_m);
         if (result == SETTINGS_OK) {
-            result = check_setup(&settings->setup, leg, &settings->axis[leg]);
+            result = check_setup(settings, leg);
         }
         if (result != SETTINGS_OK) {
             return result;

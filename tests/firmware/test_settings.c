@@ -60,6 +60,10 @@ START_TEST(each_field_is_checked)
     settings.setup.limit_max_counts[LEG_LEFT] = settings.setup.limit_min_counts[LEG_LEFT];
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
     settings = good;
+    settings.sensor[LEG_LEFT].ankle_is_lever = true; /* the node is told it is none */
+    settings.sensor[LEG_LEFT].ankle_lever_m = 0.1f;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings = good;
     settings.desired_speed_rad_s = 0.0f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
     settings = good;
@@ -67,6 +71,64 @@ START_TEST(each_field_is_checked)
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
     settings = good;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
+}
+END_TEST
+
+/* An absolute encoder may stand anywhere in its 32 bits, but a target must not leave them:
+ * zero and stroke (0.3 m of 13,107,200 counts each) are held to 2^30 counts. */
+START_TEST(no_target_leaves_the_range_of_counts)
+{
+    const struct settings good = settings;
+    const int32_t zeros[] = {INT32_MAX, INT32_MIN, (1 << 30) + 1000, -(1 << 30) - 1000};
+
+    for (size_t i = 0; i < sizeof zeros / sizeof zeros[0]; i++) {
+        settings.axis[LEG_LEFT].zero_counts = zeros[i];
+        ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
+        settings = good;
+    }
+    for (int leg = 0; leg < LEG_COUNT; leg++) { /* 0.3 m at this scale are 4.8e9 counts */
+        settings.axis[leg].counts_per_m = 1.6e10f;
+        ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
+        settings = good;
+        settings.axis[leg].zero_counts = 1 << 30;
+        settings.setup.limit_min_counts[leg] = 1 << 30;
+        settings.setup.limit_max_counts[leg] = (1 << 30) + 4587520;
+        ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
+        settings = good;
+    }
+}
+END_TEST
+
+START_TEST(a_rated_force_is_a_number)
+{
+    const float forces[] = {NAN, INFINITY, -INFINITY, -1.0f};
+
+    for (size_t i = 0; i < sizeof forces / sizeof forces[0]; i++) {
+        settings.axis[LEG_RIGHT].rated_force_N = forces[i];
+        settings.setup.rated_force_N[LEG_RIGHT] = forces[i];
+        ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
+    }
+}
+END_TEST
+
+/* Software limits of the drive inside what the law may ask for would stop it short in silence. */
+START_TEST(the_drive_s_limits_hold_the_whole_stroke)
+{
+    const int32_t stroke = 3932160; /* r0_max 0.3 m of 13,107,200 counts each */
+
+    settings.setup.limit_max_counts[LEG_LEFT] = stroke + 1;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
+    settings.setup.limit_max_counts[LEG_LEFT] = stroke - 1;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings.setup.limit_max_counts[LEG_LEFT] = stroke + 1;
+    settings.setup.limit_min_counts[LEG_LEFT] = 1;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings.axis[LEG_LEFT].direction = -1;
+    settings.setup.limit_min_counts[LEG_LEFT] = -stroke - 1;
+    settings.setup.limit_max_counts[LEG_LEFT] = 0;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
+    settings.setup.limit_min_counts[LEG_LEFT] = -stroke + 1;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
 }
 END_TEST
 
@@ -112,6 +174,9 @@ int main(void)
     tcase_add_checked_fixture(tcase, setup, NULL);
     tcase_add_test(tcase, the_default_ones_pass_the_check);
     tcase_add_test(tcase, each_field_is_checked);
+    tcase_add_test(tcase, no_target_leaves_the_range_of_counts);
+    tcase_add_test(tcase, a_rated_force_is_a_number);
+    tcase_add_test(tcase, the_drive_s_limits_hold_the_whole_stroke);
     tcase_add_test(tcase, what_a_file_holds_is_what_was_set);
     tcase_add_test(tcase, an_empty_or_too_small_memory_gives_the_default_ones);
     suite_add_tcase(suite, tcase);
