@@ -193,6 +193,7 @@ static void finish_step(struct controller *controller)
     controller->step_pending = false;
     controller->last_step = controller->pending_step;
     controller->last_step.r0_m = r0_m;
+    controller->last_step.fell_back = controller->law.fell_back;
 }
 
 /* The step's events drive the springs: loading at the own heel strike, the law at

@@ -136,6 +136,7 @@ struct step_record {
     real measured_speed_rad_s;
     real commanded_speed_rad_s; /* after the ramp */
     real r0_m;                  /* what the law asked for, after its limits */
+    bool fell_back;             /* LAW_PREDICTIVE: eq. (16) gave it, the search did not */
 };
 
 #endif

@@ -31,7 +31,10 @@ enum {
 #define R0_UNITS_PER_METRE 100000.0f
 #define EMERGENCY_STOP_BIT 0x80u
 #define RIGHT_BIT 0x80u
+#define FELL_BACK_BIT 0x40u
 
+static_assert(SUPERVISOR_FAULTS <= FELL_BACK_BIT,
+              "a fault's number fits beside the bits of a step");
 static_assert(CONTROLLER_PARAMS_BYTES ==
                       sizeof(float) * (CONTROL_PARAM_COUNT + 3 + SPEED_TABLE_MAX) &&
                   sizeof(struct gait_branch) ==
@@ -371,7 +374,8 @@ static void show_step(struct controller_objects *objects, const struct step_reco
     objects->step_r0 = scaled_u16(step->r0_m, R0_UNITS_PER_METRE);
     objects->step_number = (uint8_t)(step->number & 0xFFu);
     objects->step_side_fault =
-        (uint8_t)((step->side == SIDE_RIGHT ? RIGHT_BIT : 0u) | objects->fault);
+        (uint8_t)((step->side == SIDE_RIGHT ? RIGHT_BIT : 0u) |
+                  (step->fell_back ? FELL_BACK_BIT : 0u) | (objects->fault & (FELL_BACK_BIT - 1u)));
     objects->record_number = step->number;
     objects->record_measured_rad_s = step->measured_speed_rad_s;
     objects->record_commanded_rad_s = step->commanded_speed_rad_s;

@@ -40,7 +40,8 @@ struct controller_objects {
     uint16_t step_commanded; /* 0.1 mrad/s */
     uint16_t step_r0;        /* 10 um */
     uint8_t step_number;     /* modulo 256 */
-    uint8_t step_side_fault; /* bit 7: right; bits 0-6: latched fault */
+    uint8_t
+        step_side_fault; /* bit 7: right; bit 6: eq. (16) for the search; bits 0-5: latched fault */
     /* 0x2003: the same step in full */
     uint32_t record_number;
     float record_measured_rad_s, record_commanded_rad_s, record_r0_m;

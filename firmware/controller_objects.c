@@ -36,7 +36,7 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, step_commanded, 0x2002, 2, CO_UNSIGNED16, RO | TX, "Commanded speed 0.1 mrad/s"),
     CO_ANY(OWNER, step_r0, 0x2002, 3, CO_UNSIGNED16, RO | TX, "Precompression 10 um"),
     CO_ANY(OWNER, step_number, 0x2002, 4, CO_UNSIGNED8, RO | TX, "Step number modulo 256"),
-    CO_ANY(OWNER, step_side_fault, 0x2002, 5, CO_UNSIGNED8, RO | TX, "Side and fault"),
+    CO_ANY(OWNER, step_side_fault, 0x2002, 5, CO_UNSIGNED8, RO | TX, "Side, fallback, fault"),
     CO_ANY(OWNER, record_count, 0x2003, 0, CO_UNSIGNED8, FIXED, "Last step in full"),
     CO_ANY(OWNER, record_number, 0x2003, 1, CO_UNSIGNED32, RO, "Step number"),
     CO_ANY(OWNER, record_measured_rad_s, 0x2003, 2, CO_REAL32, RO, "Measured speed rad/s"),

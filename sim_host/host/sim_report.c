@@ -76,6 +76,12 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
         fputs(i > 0 ? ", " : "", stream);
         json_number(stream, row_r0(&record->rows[i]));
     }
+    fputs("], \"fell_back\": [", stream);
+    for (uint32_t i = 0; i < record->count; i++) {
+        const struct walk_row *row = &record->rows[i];
+        fputs(i > 0 ? ", " : "", stream);
+        fputs(!row->measured ? "null" : row->fell_back ? "true" : "false", stream);
+    }
     fputs("], \"bus_load\": ", stream);
     json_number(stream, sim_bus_load(&loop->bus));
     fputs(", \"simulated_s\": ", stream);
@@ -88,7 +94,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
 void sim_report_csv(FILE *stream, const struct walk_record *record, double target_rad_s)
 {
     fputs("step,time_s,side,apex_speed_rad_s,measured_speed_rad_s,target_speed_rad_s,r0_m,"
-          "step_time_s,step_length_m\n",
+          "step_time_s,step_length_m,fell_back\n",
           stream);
     for (uint32_t i = 0; i < record->count; i++) {
         const struct walk_row *row = &record->rows[i];
@@ -101,7 +107,10 @@ void sim_report_csv(FILE *stream, const struct walk_record *record, double targe
         } else {
             fprintf(stream, ",%.9f,,", target_rad_s);
         }
-        fprintf(stream, "%.6f,%.6f\n", step_time, row->step_length_m);
+        fprintf(stream, "%.6f,%.6f,%s\n", step_time, row->step_length_m,
+                !row->measured   ? ""
+                : row->fell_back ? "1"
+                                 : "0");
     }
 }
 
@@ -185,6 +194,23 @@ static void step_lines(FILE *stream, const struct walk_record *record)
     }
 }
 
+static void fallback_line(FILE *stream, const struct walk_record *record)
+{
+    uint32_t count = 0, last = 0;
+    for (uint32_t i = 0; i < record->count; i++) {
+        if (record->rows[i].fell_back) {
+            count++;
+            last = record->rows[i].number;
+        }
+    }
+    if (count > 0) {
+        fprintf(
+            stream,
+            "  fell back  eq. (16) answered for the predictive law in %u of %u steps, last in %u\n",
+            count, record->count, last);
+    }
+}
+
 static void what_was_asked(FILE *stream, const struct sim_options *options, const struct loop *loop)
 {
     const struct control_params *params = &loop->config.params;
@@ -252,6 +278,7 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
                 last.over, last.mean_rad_s, last.least_rad_s, last.greatest_rad_s,
                 100.0 * (last.greatest_rad_s - last.least_rad_s) / last.mean_rad_s);
     }
+    fallback_line(stream, record);
     fprintf(stream, "  bus        %.1f %% load at 1 Mbit/s, %llu frames, %llu error frames\n",
             100.0 * sim_bus_load(&loop->bus), (unsigned long long)loop->bus.stats.frames,
             (unsigned long long)loop->bus.stats.error_frames);

@@ -21,7 +21,8 @@
     X(TELEMETRY, CommandedSpeed, 16, 16, "+", "0.0001", "rad/s") \
     X(TELEMETRY, Precompression, 32, 16, "+", "1e-05", "m")      \
     X(TELEMETRY, StepNumber, 48, 8, "+", "1", "")                \
-    X(TELEMETRY, Fault, 56, 7, "+", "1", "")                     \
+    X(TELEMETRY, Fault, 56, 6, "+", "1", "")                     \
+    X(TELEMETRY, FellBack, 62, 1, "+", "1", "")                  \
     X(TELEMETRY, RightSide, 63, 1, "+", "1", "")                 \
     X(CONTROLLER_STATE, SupervisorState, 0, 7, "+", "1", "")     \
     X(CONTROLLER_STATE, EmergencyStop, 7, 1, "+", "1", "")       \

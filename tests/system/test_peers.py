@@ -1,6 +1,7 @@
 """The nodes and the controller as other people's software sees them: the Python packages
 canopen and cantools, can-utils. They share no code with this project."""
 import csv
+import json
 import subprocess
 
 import pytest
@@ -44,10 +45,8 @@ def test_canopen_and_can_utils_during_a_walk():
     assert out.count("\n") == 6, out
 
 
-def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
-    log, table = tmp_path / "walk.log", tmp_path / "walk.csv"
-    done = run("--steps", 30, "--speed", 0.45, "--log", log, "--csv", table, "--quiet")
-    assert done.returncode == 0, done.stderr
+def told_steps(log):
+    """The TELEMETRY of a log by step number, and how many frames were decoded."""
     db = cantools.database.load_file(str(ROOT / "hal" / "canopen" / "eds" / "afo.dbc"))
     steps, decoded = [], 0
     for line in log.read_text().splitlines():
@@ -62,9 +61,16 @@ def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
         decoded += 1
         if message.name == "TELEMETRY" and values["StepNumber"] > 0:
             steps.append(values)
+    return {values["StepNumber"]: values for values in steps}, decoded
+
+
+def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
+    log, table = tmp_path / "walk.log", tmp_path / "walk.csv"
+    done = run("--steps", 30, "--speed", 0.45, "--log", log, "--csv", table, "--quiet")
+    assert done.returncode == 0, done.stderr
+    by_number, decoded = told_steps(log)
     assert decoded > 100000
     rows = [row for row in csv.DictReader(table.open()) if row["measured_speed_rad_s"]]
-    by_number = {values["StepNumber"]: values for values in steps}
     assert len(rows) >= 25
     for row in rows:
         values = by_number[int(row["step"]) % 256]
@@ -73,6 +79,23 @@ def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
                                            ("Precompression", "r0_m", 1e-5)):
             assert values[signal] == pytest.approx(float(row[column]), abs=0.51 * resolution)
         assert bool(values["RightSide"]) == (row["side"] == "right")
+        assert values["FellBack"] == 0 and row["fell_back"] == "0"
+
+
+def test_a_step_left_to_equation_16_is_told_everywhere_alike(tmp_path):
+    """On ground too rough for it the predictive law at last finds no push-off that survives."""
+    log, table = tmp_path / "walk.log", tmp_path / "walk.csv"
+    rough = ("--law", "predictive", "--start-r0", 0.23, "--speed", 1, "--terrain-mm", 20, "--seed", 1, "--steps", 60)
+    done = run(*rough, "--log", log, "--csv", table, "--json")
+    assert done.returncode == 1, done.stderr
+    by_number, _ = told_steps(log)
+    rows = [row for row in csv.DictReader(table.open()) if row["measured_speed_rad_s"]]
+    on_bus = {number for number, values in by_number.items() if values["FellBack"]}
+    assert 1 <= len(on_bus) < len(rows)
+    assert on_bus == {int(row["step"]) for row in rows if row["fell_back"] == "1"}
+    assert on_bus == {i + 1 for i, fell_back in enumerate(json.loads(done.stdout)["fell_back"]) if fell_back}
+    text = run(*rough).stdout
+    assert f"in {len(on_bus)} of {len(by_number)} steps, last in {max(on_bus)}" in text
 
 
 def test_canplayer_plays_a_log_of_ours_and_candump_writes_the_same(tmp_path):
