@@ -1,5 +1,7 @@
 #include "controller/control_params.h"
 
+#include <stdbool.h>
+
 /* What a person reads stays on the host: the device is built with PARAMS_WITHOUT_TEXT. */
 #ifdef PARAMS_WITHOUT_TEXT
 #define TEXT(text) ""
@@ -13,10 +15,18 @@ const struct control_param_descriptor control_param_descriptors[CONTROL_PARAM_CO
     CONTROL_PARAM_TABLE(DESCRIPTOR)};
 #undef DESCRIPTOR
 
+/* The share of r0_max a gait may need: at its limit eq. (16) cannot brake an excursion. */
+#define R0_SHARE REAL(0.95)
+
+static bool needs_branch(const struct control_params *params)
+{
+    return params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
+           params->law == (real)LAW_PREDICTIVE;
+}
+
 static int check_law(const struct control_params *params)
 {
-    if (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
-        params->law == (real)LAW_PREDICTIVE) {
+    if (needs_branch(params)) {
         return params->branch != NULL && gait_branch_check(params->branch) ? CONTROL_PARAMS_OK
                                                                            : CONTROL_PARAMS_BRANCH;
     }
@@ -49,4 +59,17 @@ int control_params_validate(const struct control_params *params)
         return CONTROL_PARAMS_OPEN_LOOP;
     }
     return check_law(params);
+}
+
+void control_params_speeds(const struct control_params *params, real *low_rad_s, real *high_rad_s)
+{
+    const struct gait_branch *branch = params->branch;
+    *low_rad_s = speed_table_speed(&params->table, params->r0_min_m);
+    *high_rad_s = speed_table_speed(&params->table, R0_SHARE * params->r0_max_m);
+    if (needs_branch(params)) {
+        const real last_rad_s =
+            branch->speed_min_rad_s + branch->speed_step_rad_s * (real)(branch->count - 1u);
+        *low_rad_s = branch->speed_min_rad_s > *low_rad_s ? branch->speed_min_rad_s : *low_rad_s;
+        *high_rad_s = last_rad_s < *high_rad_s ? last_rad_s : *high_rad_s;
+    }
 }

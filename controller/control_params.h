@@ -16,6 +16,7 @@
 #include "controller/speed_table.h"
 #include "model/real.h"
 
+#define control_params_speeds REAL_SYMBOL(control_params_speeds)
 #define control_params_validate REAL_SYMBOL(control_params_validate)
 #define control_param_descriptors REAL_SYMBOL(control_param_descriptors)
 
@@ -114,5 +115,11 @@ enum {
  * first field out of range or not finite, or one of the codes above. Bounded:
  * one pass over the fields and the table. */
 int control_params_validate(const struct control_params *params);
+
+/* The desired forward apex speeds (rad/s) that the law in force serves this walker at, *low_rad_s to
+ * *high_rad_s: gaits whose push-off leaves eq. (16) 5 % of r0_max to catch an excursion with, and for a
+ * law that knows a branch of gaits only those it covers. Empty (low above high) if there are none.
+ * *params must be valid. Cost: two table look-ups. */
+void control_params_speeds(const struct control_params *params, real *low_rad_s, real *high_rad_s);
 
 #endif

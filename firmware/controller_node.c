@@ -160,8 +160,9 @@ static uint32_t writing(void *context, const struct co_entry *entry, const uint8
         return verdict;
     }
     if (entry->index == INDEX_COMMANDS) {
-        const struct speed_table *table = &node->objects.params.table;
-        return check_range(value, table->speed_rad_s[0], table->speed_rad_s[table->count - 1]);
+        float low_rad_s, high_rad_s;
+        control_params_speeds(&node->objects.params, &low_rad_s, &high_rad_s);
+        return check_range(value, low_rad_s, high_rad_s);
     }
     return CO_ABORT_NONE;
 }

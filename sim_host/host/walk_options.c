@@ -131,29 +131,16 @@ static void override(struct subject *subject, const char *name, double value)
     }
 }
 
-#define R0_RESERVE REAL(0.95)
-
 static int check_speed(const struct control_params *params, double speed, char *message)
 {
-    const struct speed_table *table = &params->table;
-    double low = (double)speed_table_speed(table, params->r0_min_m);
-    /* eq. (16) needs push-off in reserve above the gait's own: at its limit it cannot brake an excursion. */
-    double high = (double)speed_table_speed(table, R0_RESERVE * params->r0_max_m);
-    if (params->branch != NULL &&
-        (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
-         params->law == (real)LAW_PREDICTIVE)) { /* they serve what their branch covers */
-        const double first = (double)params->branch->speed_min_rad_s;
-        const double last =
-            first + (double)params->branch->speed_step_rad_s * (double)(params->branch->count - 1u);
-        low = first > low ? first : low;
-        high = last < high ? last : high;
-    }
-    if (speed >= low && speed <= high) {
+    real low_rad_s, high_rad_s;
+    control_params_speeds(params, &low_rad_s, &high_rad_s);
+    if ((real)speed >= low_rad_s && (real)speed <= high_rad_s) { /* as the node would be told it */
         return 0;
     }
     snprintf(message, SUBJECT_MESSAGE_MAX,
              "--speed %g is out of range: this law serves this subject from %.4g to %.4g rad/s",
-             speed, low, high);
+             speed, (double)low_rad_s, (double)high_rad_s);
     return -1;
 }
 

@@ -8,6 +8,7 @@
 
 #include "hal/bytes.h"
 #include "sim_host/host/subject.h"
+#include "sim_host/study/gait_curve.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 
@@ -97,6 +98,17 @@ static uint32_t crc_of_params(void)
     return ~crc;
 }
 
+/* A parameter's sub-index. */
+static uint8_t place_of(const char *name)
+{
+    int i = 0;
+    while (i < CONTROL_PARAM_COUNT && strcmp(control_param_descriptors[i].name, name) != 0) {
+        i++;
+    }
+    ck_assert_int_lt(i, CONTROL_PARAM_COUNT);
+    return (uint8_t)(i + 1);
+}
+
 START_TEST(each_parameter_is_held_to_its_range)
 {
     const struct control_param_descriptor *d = &control_param_descriptors[_i];
@@ -173,21 +185,88 @@ START_TEST(writing_is_no_corruption)
 }
 END_TEST
 
-START_TEST(the_speed_asked_for_lies_on_the_table)
+/* The highest speed that is taken, found by halving; of two neighbours in between. */
+static double highest_speed(void)
 {
-    const struct speed_table *table = &node.objects.params.table;
-    const float low = table->speed_rad_s[0], high = table->speed_rad_s[table->count - 1];
-    ck_assert_uint_eq(write_float(COMMANDS, 1, nextafterf(high, INFINITY)), TOO_HIGH);
-    ck_assert_uint_eq(write_float(COMMANDS, 1, nextafterf(low, 0.0f)), TOO_LOW);
+    float taken = 0.4f, refused = 5.0f;
+    ck_assert_uint_eq(write_float(COMMANDS, 1, taken), 0);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, refused), TOO_HIGH);
+    while (nextafterf(taken, refused) < refused) {
+        const float middle = 0.5f * (taken + refused);
+        const uint32_t verdict = write_float(COMMANDS, 1, middle);
+        ck_assert(verdict == 0 || verdict == TOO_HIGH);
+        *(verdict == 0 ? &taken : &refused) = middle;
+    }
+    return (double)taken;
+}
+
+static double gait_speed(double r0_m)
+{
+    struct subject subject;
+    struct gait_point gait;
+    subject_default(&subject);
+    const struct gait_walker walker = subject_gait_walker(&subject);
+    ck_assert_int_eq(gait_curve(&walker, r0_m, 0.0, 1, &gait, NULL), GAIT_CURVE_OK);
+    return -gait.apex[0];
+}
+
+/* Whoever needs nearly the largest push-off for the gait alone has none left to catch an excursion:
+ * the limit is the gait of 95 % of it, by the model's own fixed points. */
+START_TEST(the_speed_asked_for_leaves_push_off_in_reserve)
+{
+    const float low = node.objects.params.table.speed_rad_s[0];
+    output.state = SUPERVISOR_WALKING;
+    run(1);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, 1.16f), TOO_HIGH);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, 0.5f * low), TOO_LOW);
+    ck_assert_uint_eq(write_float(COMMANDS, 1, -INFINITY), VALUE);
     ck_assert_uint_eq(write_float(COMMANDS, 1, NAN), VALUE);
     ck_assert(node.objects.desired_speed_rad_s == 0.4f);
-    ck_assert_uint_eq(write_float(COMMANDS, 1, high), 0);
-    ck_assert_uint_eq(write_float(COMMANDS, 1, low), 0);
-    ck_assert(node.objects.desired_speed_rad_s == low);
-    const uint8_t *answer = ask(0x2F, COMMANDS, 2, 2); /* a flag is 0 or 1 */
+    ck_assert_uint_eq(write_float(COMMANDS, 1, 1.14f), 0);
+    ck_assert(node.objects.desired_speed_rad_s == 1.14f);
+    assert_close(highest_speed(), gait_speed(0.95 * (double)node.objects.params.r0_max_m), 0, 1e-4);
+    ck_assert_uint_eq(write_float(PARAMS, place_of("r0_max_m"), 0.2f), 0); /* it follows */
+    assert_close(highest_speed(), gait_speed(0.95 * 0.2), 0, 1e-4);
+}
+END_TEST
+
+/* A law that knows its gaits by a table serves none beyond it. */
+START_TEST(the_speed_asked_for_lies_on_the_laws_branch)
+{
+    const struct gait_branch *branch = node.objects.params.branch;
+    const double last = (double)branch->speed_min_rad_s +
+                        (double)branch->speed_step_rad_s * (double)(branch->count - 1);
+    ck_assert(highest_speed() > 1.05 * last); /* eq. (16) goes beyond */
+    ck_assert_uint_eq(write_float(PARAMS, place_of("law"), (float)LAW_PREDICTIVE), 0);
+    assert_close(highest_speed(), last, 0, 3e-7);
+}
+END_TEST
+
+START_TEST(a_flag_is_0_or_1)
+{
+    const uint8_t *answer = ask(0x2F, COMMANDS, 2, 2);
     ck_assert_uint_eq(bytes_get_u32(answer + 4), TOO_HIGH);
     ck_assert_uint_eq(ask(0x2F, COMMANDS, 2, 0)[0], 0x60);
     ck_assert_uint_eq(node.objects.walk_requested, 0);
+}
+END_TEST
+
+/* TPDO1's last byte: bit 7 the side, bit 6 that the predictive law left the step to eq. (16), below them the fault. */
+START_TEST(a_steps_last_byte_holds_side_fallback_and_fault)
+{
+    for (unsigned bits = 0; bits < 4; bits++) {
+        controller.last_step = (struct step_record){.number = 7 + bits,
+                                                    .side = bits & 1u ? SIDE_RIGHT : SIDE_LEFT,
+                                                    .r0_m = 0.05f,
+                                                    .fell_back = (bits & 2u) != 0};
+        output.fault = bits == 3 ? SUPERVISOR_FAULT_FOREIGN : SUPERVISOR_FAULT_NONE;
+        output.new_step = true;
+        run(1);
+        output.new_step = false;
+        fake_bus_clear(&fake);
+        const unsigned wanted = (bits & 1u) << 7 | (bits & 2u) << 5 | (bits == 3 ? 18u : 0u);
+        ck_assert_uint_eq(read_u32(0x2002, 5) & 0xFFu, wanted);
+    }
 }
 END_TEST
 
@@ -276,7 +355,10 @@ int main(void)
     tcase_add_test(tests, a_parameter_that_does_not_fit_the_others_is_refused);
     tcase_add_test(tests, the_checksum_is_the_parameters_own);
     tcase_add_test(tests, writing_is_no_corruption);
-    tcase_add_test(tests, the_speed_asked_for_lies_on_the_table);
+    tcase_add_test(tests, the_speed_asked_for_leaves_push_off_in_reserve);
+    tcase_add_test(tests, the_speed_asked_for_lies_on_the_laws_branch);
+    tcase_add_test(tests, a_flag_is_0_or_1);
+    tcase_add_test(tests, a_steps_last_byte_holds_side_fallback_and_fault);
     tcase_add_test(tests, a_fault_and_its_reset_are_told);
     tcase_add_test(tests, a_refused_node_is_told_until_it_is_set_up);
     tcase_add_test(tests, found_offsets_become_parameters);

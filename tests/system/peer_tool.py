@@ -51,6 +51,8 @@ def main():
             in (0x06090031, 0x06090030)
         assert abort_code(lambda: node.sdo.download(0x2000, 1, struct.pack("<f", float("nan")))) \
             in (0x06090030, 0x06090031, 0x06090032)
+        assert abort_code(lambda: node.sdo.download(0x2000, 1, struct.pack("<f", 1.16))) == 0x06090031
+        assert abort_code(lambda: node.sdo.download(0x2000, 1, struct.pack("<f", 0.05))) == 0x06090032
         assert abort_code(lambda: node.sdo.download(0x2000, 2, b"\x07")) == 0x06090031
         say("what is out of range is refused")
         node.sdo[0x2000][1].raw = before + 0.02
