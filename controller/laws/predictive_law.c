@@ -250,6 +250,20 @@ static bool refine(struct predictive_law *law, const struct gait_branch *branch)
     return law->r0_m != before_m;
 }
 
+/* The caller's answer knows nothing of the motor: the search may choose it only within reach. Where
+ * it is the answer anyway it is foretold anyway. */
+static bool first(struct predictive_law *law, const struct gait_branch *branch)
+{
+    law->stage = PREDICTIVE_SPREAD;
+    if (predictive_law_trusts_itself(law)) {
+        (void)try_inside(law, branch, law->request.r0_first_m);
+        return false;
+    }
+    (void)try_candidate(law, branch, law->request.r0_first_m);
+    predictive_law_finish(law);
+    return true;
+}
+
 bool predictive_law_work(struct predictive_law *law, const struct gait_branch *branch)
 {
     switch (law->stage) {
@@ -257,12 +271,7 @@ bool predictive_law_work(struct predictive_law *law, const struct gait_branch *b
         to_strike(law);
         return law->stage == PREDICTIVE_IDLE;
     case PREDICTIVE_FIRST:
-        (void)try_candidate(law, branch, law->request.r0_first_m);
-        law->stage = PREDICTIVE_SPREAD;
-        if (!predictive_law_trusts_itself(law)) {
-            predictive_law_finish(law);
-        }
-        return law->stage == PREDICTIVE_IDLE;
+        return first(law, branch);
     case PREDICTIVE_SPREAD:
         return spread(law, branch);
     case PREDICTIVE_REFINE:
