@@ -1,7 +1,8 @@
 /* Every number that tunes the controller, in one struct, validated once.
  *
- * All fields are `real` or 32-bit counts (in float no padding: the same bytes in
- * flash and under a checksum everywhere). CONTROL_PARAM_TABLE is the single list of names, units and ranges: the
+ * The fields of the table are `real`, the speed table's `real` or 32-bit counts (in float
+ * no padding: the same bytes in flash and under a checksum everywhere); the gait branch is
+ * only pointed to and kept and checked by itself. CONTROL_PARAM_TABLE is the single list of names, units and ranges: the
  * subject file's reader, the validator and the object dictionary share it.
  * Ranges are what the law and the arithmetic bear, from a 1 kg table-top walker
  * to a 150 kg person; a person's own limits are set inside them.
