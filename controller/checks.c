@@ -289,8 +289,7 @@ static enum supervisor_fault find_of_samples(const struct leg_checks *leg,
                                              const struct controller_input *raw,
                                              enum supervisor_state state, int side)
 {
-    const uint32_t age_max =
-        (uint32_t)(params->sensor_age_max_s * (real)CONTROL_RATE_HZ + REAL(0.5));
+    const uint32_t age_max = ticks_from_seconds(params->sensor_age_max_s);
     const struct sea_measurement *sea = &raw->sea[side];
     if (raw->leg[side].age_ticks > age_max) {
         return SUPERVISOR_FAULT_SENSOR_STALE;

@@ -29,11 +29,6 @@ int controller_init(struct controller *controller, const struct control_params *
     return CONTROL_PARAMS_OK;
 }
 
-static uint32_t ticks_of(real seconds)
-{
-    return (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5));
-}
-
 /* A walker on the bench: held by a hand, without a push-off of its own. */
 static bool on_bench(const struct controller *controller)
 {
@@ -43,7 +38,7 @@ static bool on_bench(const struct controller *controller)
 static bool is_stepping(const struct controller *controller, uint32_t tick)
 {
     const struct step_monitor *steps = &controller->steps;
-    uint32_t patience = ticks_of(controller->params->step_timeout_s);
+    uint32_t patience = ticks_from_seconds(controller->params->step_timeout_s);
     const uint32_t late = LATE_STEPS * steps->step_ticks[0];
     if (!on_bench(controller) && late > 0 && late < patience) {
         patience = late;
@@ -63,7 +58,7 @@ static bool is_steady(const struct controller *controller)
 static bool is_overdue(const struct controller *controller, uint32_t tick)
 {
     const struct supervisor *supervisor = &controller->supervisor;
-    uint32_t limit = ticks_of(controller->params->unload_timeout_s);
+    uint32_t limit = ticks_from_seconds(controller->params->unload_timeout_s);
     if (supervisor->state == SUPERVISOR_SELF_TEST) {
         limit *= SELF_TEST_PATIENCE;
     }
@@ -291,9 +286,9 @@ static void command_drives(struct controller *controller, const struct controlle
             *request = sea_reference_update(&controller->sea[side], controller->params,
                                             input->sea[side].precompression_m);
             /* A drive that is not heard while it is to unload does it by itself. */
-            const bool silent =
-                controller->supervisor.state == SUPERVISOR_UNLOADING &&
-                input->sea[side].age_ticks > ticks_of(controller->params->sensor_age_max_s);
+            const bool silent = controller->supervisor.state == SUPERVISOR_UNLOADING &&
+                                input->sea[side].age_ticks >
+                                    ticks_from_seconds(controller->params->sensor_age_max_s);
             request->enable = guard(controller, &controller->request[side], request) && !silent;
             request->latch_armed = request->latch_armed && may_release(controller, (enum side)side);
         }

@@ -25,11 +25,6 @@
 #define STRIDE_MEAN_GAIN REAL(0.5)
 #define STRIDE_LONGEST_S REAL(4.0)
 
-static uint32_t ticks_from_seconds(real seconds)
-{
-    return (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5));
-}
-
 static bool is_person(const struct control_params *params)
 {
     return params->body == (real)BODY_PERSON;

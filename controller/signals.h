@@ -25,6 +25,12 @@ static inline real seconds_since(uint32_t tick, uint32_t then)
     return (real)(tick - then) * CONTROL_PERIOD_S;
 }
 
+/* The whole number of ticks nearest to a time from 0 to 4e6 s. */
+static inline uint32_t ticks_from_seconds(real seconds)
+{
+    return (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5));
+}
+
 /* An age that stands for "never received". */
 enum { AGE_NEVER = UINT16_MAX };
 

@@ -56,15 +56,6 @@ static bool may_change_live(unsigned parameter)
            offset == offsetof(struct control_params, r0_change_max_m);
 }
 
-static float float_from_bytes(const uint8_t *bytes)
-{
-    const union {
-        uint32_t bits;
-        float value;
-    } number = {bytes_get_u32(bytes)};
-    return number.value;
-}
-
 static uint32_t check_range(float value, float minimum, float maximum)
 {
     if (value >= minimum && value <= maximum) {
@@ -151,7 +142,7 @@ static uint32_t writing(void *context, const struct co_entry *entry, const uint8
     if (entry->type != CO_REAL32 || length != sizeof(float)) {
         return CO_ABORT_NONE; /* the dictionary's own limits decide */
     }
-    const float value = float_from_bytes(bytes);
+    const float value = bytes_get_f32(bytes);
     if (entry->index == INDEX_PARAMS && entry->sub >= 1 && entry->sub <= CONTROL_PARAM_COUNT) {
         const uint32_t verdict = check_parameter(node, entry->sub - 1u, value);
         if (verdict == CO_ABORT_NONE) { /* that the value is stored once more changes nothing */
@@ -185,8 +176,8 @@ static void show_crash(struct controller_node *node)
     const struct crash_record *record = node->crash;
     const bool left = record != NULL && crash_record_is_valid(record);
     objects->crash_cause = left ? (uint8_t)record->cause : (uint8_t)CRASH_NONE;
-    objects->crash_record.bytes = (const uint8_t *)record;
-    objects->crash_record.length = left ? sizeof *record : 0;
+    objects->crash_image.bytes = (const uint8_t *)record;
+    objects->crash_image.length = left ? sizeof *record : 0;
 }
 
 static void written(void *context, const struct co_entry *entry)

@@ -55,7 +55,7 @@ struct controller_objects {
     uint32_t params_crc;
     /* 0x2032: what the last crash left */
     uint8_t crash_count, crash_cause; /* enum crash_cause; 0 = none, or seen */
-    struct co_domain crash_record;
+    struct co_domain crash_image;
     /* 0x2040: the black box */
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
     uint32_t black_box_reason;

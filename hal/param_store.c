@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "hal/bytes.h"
 #include "hal/crc.h"
 
 enum { COMMIT_WORD = 0, HEADER_WORD = 1, PAYLOAD_WORD = 2 };
@@ -12,20 +13,6 @@ struct bank_header {
     uint16_t version;
     uint16_t payload_bytes;
 };
-
-static uint32_t get_u32(const uint8_t *bytes)
-{
-    return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8) | ((uint32_t)bytes[2] << 16) |
-           ((uint32_t)bytes[3] << 24);
-}
-
-static void put_u32(uint8_t *bytes, uint32_t value)
-{
-    bytes[0] = (uint8_t)value;
-    bytes[1] = (uint8_t)(value >> 8);
-    bytes[2] = (uint8_t)(value >> 16);
-    bytes[3] = (uint8_t)(value >> 24);
-}
 
 static uint32_t words_of(uint32_t payload_bytes)
 {
@@ -48,14 +35,14 @@ static bool bank_is_valid(struct param_store *store, uint32_t bank, struct bank_
     uint8_t word[NV_WORD_BYTES];
     uint32_t words, crc;
 
-    if (!read_word(store, bank, COMMIT_WORD, word) || get_u32(word) != PARAM_STORE_MAGIC) {
+    if (!read_word(store, bank, COMMIT_WORD, word) || bytes_get_u32(word) != PARAM_STORE_MAGIC) {
         return false;
     }
-    header->crc = get_u32(word + 4);
+    header->crc = bytes_get_u32(word + 4);
     if (!read_word(store, bank, HEADER_WORD, word)) {
         return false;
     }
-    header->sequence = get_u32(word);
+    header->sequence = bytes_get_u32(word);
     header->version = (uint16_t)(word[4] | ((uint32_t)word[5] << 8));
     header->payload_bytes = (uint16_t)(word[6] | ((uint32_t)word[7] << 8));
     words = words_of(header->payload_bytes);
@@ -150,8 +137,8 @@ static bool write_copy(struct param_store *store, uint32_t bank, uint32_t sequen
     const struct nv_store *nv = &store->nv;
     uint8_t word[NV_WORD_BYTES];
 
-    put_u32(word, sequence);
-    put_u32(word + 4, (uint32_t)store->version | ((uint32_t)store->payload_bytes << 16));
+    bytes_put_u32(word, sequence);
+    bytes_put_u32(word + 4, (uint32_t)store->version | ((uint32_t)store->payload_bytes << 16));
     *crc = crc32_update(CRC32_INIT, word, sizeof word);
     if (nv->ops->write_word(nv->context, bank, HEADER_WORD, word) != NV_OK) {
         return false;
@@ -187,8 +174,8 @@ enum param_store_result param_store_save(struct param_store *store, param_store_
         !write_copy(store, bank, sequence, source, context, &crc)) {
         return PARAM_STORE_FAILED;
     }
-    put_u32(word, PARAM_STORE_MAGIC);
-    put_u32(word + 4, crc);
+    bytes_put_u32(word, PARAM_STORE_MAGIC);
+    bytes_put_u32(word + 4, crc);
     if (nv->ops->write_word(nv->context, bank, COMMIT_WORD, word) != NV_OK ||
         !bank_is_valid(store, bank, &header) || header.crc != crc) {
         return PARAM_STORE_FAILED;

@@ -188,7 +188,7 @@ static enum batch_error measure_growth(struct group *group)
     return error;
 }
 
-static enum batch_error run(struct group *group)
+static enum batch_error run_group(struct group *group)
 {
     static const double sides[] = {1e-3, -1e-3, 1e-2, -1e-2, 3e-2, -3e-2};
     enum batch_error error = BATCH_OK;
@@ -220,7 +220,7 @@ int long_runs(const struct long_run_settings *settings, struct long_run *runs, s
                           .growth = calloc(count, sizeof *group.growth)};
     const int has_room = group.problems != NULL && group.items != NULL && group.slopes != NULL &&
                          group.direction != NULL && group.growth != NULL;
-    const int is_good = has_room && run(&group) == BATCH_OK;
+    const int is_good = has_room && run_group(&group) == BATCH_OK;
     free(group.problems);
     free(group.items);
     free(group.slopes);

@@ -222,12 +222,12 @@ START_TEST(a_crash_is_shown_until_it_was_seen)
     power_up();
     const struct controller_objects *objects = &device.task.node.objects;
     ck_assert_uint_eq(objects->crash_cause, CRASH_ASSERTION);
-    ck_assert_ptr_eq(objects->crash_record.bytes, &crash);
-    ck_assert_uint_eq(objects->crash_record.length, sizeof crash);
+    ck_assert_ptr_eq(objects->crash_image.bytes, &crash);
+    ck_assert_uint_eq(objects->crash_image.length, sizeof crash);
     ck_assert_uint_ne(write(0x2032, 1, 5, 1), SDO_DONE); /* only 0 may be written */
     ck_assert_uint_eq(write(0x2032, 1, 0, 1), SDO_DONE);
     ck_assert_uint_eq(objects->crash_cause, CRASH_NONE);
-    ck_assert_uint_eq(objects->crash_record.length, 0);
+    ck_assert_uint_eq(objects->crash_image.length, 0);
     ck_assert(!crash_record_is_valid(&crash));
     ck_assert_uint_eq(crash_record_count(&crash), 1);
 }
