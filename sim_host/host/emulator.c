@@ -56,11 +56,12 @@ static int make_socket(struct emulator *emulator)
     char path[EMULATOR_PATH_MAX + 16];
 
     in_directory(emulator, "uart", path);
-    if (strlen(path) >= sizeof address.sun_path) {
+    const size_t length = strlen(path);
+    if (length >= sizeof address.sun_path) {
         errno = ENAMETOOLONG;
         return -1;
     }
-    strcpy(address.sun_path, path);
+    memcpy(address.sun_path, path, length + 1);
     emulator->uart = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     return emulator->uart >= 0 &&
                    bind(emulator->uart, (const struct sockaddr *)&address, sizeof address) == 0 &&

@@ -110,7 +110,7 @@ int ini_read(const char *path, ini_handler handler, void *context, char *message
         snprintf(message, message_size, "%s: %s", path, strerror(errno));
         return -1;
     }
-    char text[INI_LINE_MAX + 1];
+    char text[INI_LINE_MAX + 1] = "";
     char section[INI_LINE_MAX] = "";
     int result = 0;
     enum line_end end = LINE_MORE;

@@ -148,11 +148,13 @@ static int walk_round(const struct options *options, struct batch_item *items, u
 /* Memory this process holds, kB; 0 where /proc does not tell. */
 static long resident_kb(void)
 {
-    long pages = 0, resident = 0;
+    char line[128], *second = line; /* total and resident pages, and more */
+    long resident = 0;
     FILE *file = fopen("/proc/self/statm", "r");
     if (file != NULL) {
-        if (fscanf(file, "%ld %ld", &pages, &resident) != 2) {
-            resident = 0;
+        if (fgets(line, sizeof line, file) != NULL) {
+            (void)strtol(line, &second, 10);
+            resident = strtol(second, NULL, 10);
         }
         fclose(file);
     }
