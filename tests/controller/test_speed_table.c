@@ -82,6 +82,17 @@ START_TEST(inverse_rises_everywhere)
 }
 END_TEST
 
+START_TEST(speed_is_the_end_entries_at_and_beyond_the_ends)
+{
+    const struct speed_table table = sampled_curve();
+    const int last = SPEED_TABLE_MAX - 1;
+    const float end_m = table.r0_min_m + (float)last * table.r0_step_m;
+    assert_close(speed_table_speed(&table, end_m), table.speed_rad_s[last], 1e-6, 0.0);
+    assert_close(speed_table_speed(&table, 2.0f * end_m), table.speed_rad_s[last], 1e-6, 0.0);
+    assert_close(speed_table_speed(&table, -1.0f), table.speed_rad_s[0], 1e-6, 0.0);
+}
+END_TEST
+
 START_TEST(bad_tables_are_refused)
 {
     struct speed_table table = sampled_curve();
@@ -114,6 +125,7 @@ int main(void)
     tcase_add_test(tests, speed_matches_the_curve);
     tcase_add_test(tests, inverse_is_exact_at_entries_and_clamped_beyond);
     tcase_add_test(tests, inverse_rises_everywhere);
+    tcase_add_test(tests, speed_is_the_end_entries_at_and_beyond_the_ends);
     tcase_add_test(tests, bad_tables_are_refused);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

@@ -462,6 +462,42 @@ START_TEST(a_node_that_was_silent_at_set_up_is_asked_again)
 }
 END_TEST
 
+/* Error frames carry the controller's counters, not a node's words; the count stays at its end. */
+START_TEST(error_frames_are_counted_and_used_for_nothing)
+{
+    const struct can_msg error = {.id = 0x080, .length = 8, .flags = CAN_FRAME_ERROR};
+    const struct can_msg own = {.id = 0x201, .length = 6, .flags = CAN_FRAME_OWN};
+    struct bench b;
+    start(&b);
+    fake_bus_put(&b.fake, &error);
+    fake_bus_put(&b.fake, &own); /* its own, but no SYNC: no tick either */
+    ck_assert_uint_eq(control_task_poll(&b.task) & CONTROL_TASK_TICKED, 0);
+    ck_assert_uint_eq(b.task.counters.error_frames, 1);
+    ck_assert_uint_eq(b.task.counters.foreign_frames, 0);
+    b.task.counters.error_frames = UINT32_MAX;
+    fake_bus_put(&b.fake, &error);
+    (void)control_task_poll(&b.task);
+    ck_assert_uint_eq(b.task.counters.error_frames, UINT32_MAX);
+}
+END_TEST
+
+/* A node that boots while it is being set up has forgotten what it was told: from the start. */
+START_TEST(a_node_that_boots_during_its_set_up_starts_over)
+{
+    struct bench b;
+    start(&b);
+    b.task.config.configure_nodes = true;
+    run_setup(&b, 20, true);
+    ck_assert_uint_eq(b.task.setup.node, 1);
+    const unsigned step = b.task.setup.step;
+    ck_assert_uint_gt(step, 0);
+    put(&b, 0x701, 1, 0); /* boot-up */
+    run_setup(&b, 1, true);
+    ck_assert_uint_eq(b.task.setup.node, 1);
+    ck_assert_uint_lt(b.task.setup.step, step);
+}
+END_TEST
+
 START_TEST(a_poll_is_bounded)
 {
     struct bench b;
@@ -493,6 +529,8 @@ int main(void)
     tcase_add_test(tests, parameters_out_of_range_are_refused);
     tcase_add_test(tests, the_tick_counter_may_wrap);
     tcase_add_test(tests, a_node_that_was_silent_at_set_up_is_asked_again);
+    tcase_add_test(tests, error_frames_are_counted_and_used_for_nothing);
+    tcase_add_test(tests, a_node_that_boots_during_its_set_up_starts_over);
     tcase_add_test(tests, a_poll_is_bounded);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

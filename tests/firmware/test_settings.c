@@ -67,6 +67,15 @@ START_TEST(each_field_is_checked)
     settings.desired_speed_rad_s = 0.0f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
     settings = good;
+    settings.desired_speed_rad_s = NAN;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
+    settings = good;
+    settings.setup.counts_per_m[LEG_RIGHT] = 0;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings = good;
+    settings.setup.following_error_counts[LEG_LEFT] = 0;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
+    settings = good;
     settings.walk_at_start = 2;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
     settings = good;
@@ -132,6 +141,25 @@ START_TEST(the_drive_s_limits_hold_the_whole_stroke)
 }
 END_TEST
 
+/* A joint that is mounted the other way round, and a lever with all that it needs. */
+START_TEST(every_mounting_is_possible)
+{
+    settings.sensor[LEG_LEFT].angle_direction = -1;
+    settings.sensor[LEG_LEFT].ankle_is_lever = true;
+    settings.setup.ankle_is_lever[LEG_LEFT] = true;
+    settings.sensor[LEG_LEFT].ankle_lever_m = 0.1f;
+    settings.sensor[LEG_LEFT].ankle_neutral_rad = 0.2f;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
+    settings.sensor[LEG_LEFT].ankle_neutral_rad = INFINITY;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
+    settings.sensor[LEG_LEFT].ankle_neutral_rad = 0.2f;
+    settings.sensor[LEG_LEFT].ankle_lever_m = NAN;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
+    settings.sensor[LEG_LEFT].ankle_lever_m = 0.0f;
+    ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
+}
+END_TEST
+
 /* The memory of the tests is too small for a branch of 40 gaits; the image is not. */
 START_TEST(what_a_file_holds_is_what_was_set)
 {
@@ -177,6 +205,7 @@ int main(void)
     tcase_add_test(tcase, no_target_leaves_the_range_of_counts);
     tcase_add_test(tcase, a_rated_force_is_a_number);
     tcase_add_test(tcase, the_drive_s_limits_hold_the_whole_stroke);
+    tcase_add_test(tcase, every_mounting_is_possible);
     tcase_add_test(tcase, what_a_file_holds_is_what_was_set);
     tcase_add_test(tcase, an_empty_or_too_small_memory_gives_the_default_ones);
     suite_add_tcase(suite, tcase);

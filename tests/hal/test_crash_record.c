@@ -37,6 +37,10 @@ START_TEST(a_sealed_record_is_found_and_counted)
     crash(CRASH_WATCHDOG);
     ck_assert_uint_eq(crash_record_count(&record), 2);
     ck_assert_uint_eq(record.cause, CRASH_WATCHDOG);
+    record.count = UINT32_MAX; /* the count stays at its end */
+    crash_record_seal(&record);
+    ck_assert(crash_record_is_valid(&record));
+    ck_assert_uint_eq(crash_record_count(&record), UINT32_MAX);
 }
 END_TEST
 

@@ -147,6 +147,26 @@ START_TEST(stopped_nodes_are_held_and_started_again)
 }
 END_TEST
 
+/* A start that the bus did not take is tried again at once, not after the wait for an answer. */
+START_TEST(a_start_that_was_not_sent_is_sent_again)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    hear(&network, 0x702, 127);
+    fake.verdict = CAN_FULL;
+    network_update(&network, &bus, 0x2);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x000), 0);
+    fake.verdict = CAN_OK;
+    network_update(&network, &bus, 0x2);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x000), 1);
+    network_update(&network, &bus, 0x2);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x000), 1); /* now it waits */
+}
+END_TEST
+
 START_TEST(nodes_have_their_index)
 {
     for (uint8_t node = 1; node <= NETWORK_NODES; node++) {
@@ -164,6 +184,7 @@ int main(void)
     tcase_add_test(tests, start_waits_for_permission_and_is_repeated);
     tcase_add_test(tests, silence_is_noticed_within_the_time_out);
     tcase_add_test(tests, an_error_of_a_node_is_a_node_lost);
+    tcase_add_test(tests, a_start_that_was_not_sent_is_sent_again);
     tcase_add_test(tests, nodes_have_their_index);
     tcase_add_test(tests, stopped_nodes_are_held_and_started_again);
     suite_add_tcase(suite, tests);

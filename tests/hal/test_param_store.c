@@ -254,6 +254,56 @@ START_TEST(the_crc_names_the_set)
 }
 END_TEST
 
+/* A word that the error correction gives up (RM0440: ECCD) spoils its copy, wherever it is. */
+START_TEST(one_corrupt_word_anywhere_falls_back_to_the_other_copy)
+{
+    open_store();
+    save(1);
+    save(2);
+    const uint32_t bank = store.active_bank;
+    for (uint32_t word = 0; word < OPERATIONS_OF_A_SAVE - 1; word++) {
+        memory.corrupt[bank][word] = 1;
+        assert_holds(1);
+        ck_assert_uint_gt(store.corrupt_words, 0);
+        memory.corrupt[bank][word] = 0;
+    }
+    assert_holds(2);
+}
+END_TEST
+
+/* Gone bad after it was found good: it is not loaded, and the count stays at its end. */
+START_TEST(a_word_that_goes_bad_later_is_not_loaded)
+{
+    struct payload payload;
+
+    open_store();
+    save(1);
+    memory.corrupt[store.active_bank][2] = 1; /* the first behind commit and header */
+    store.corrupt_words = UINT32_MAX;
+    ck_assert_int_eq(load_payload(&payload), PARAM_STORE_EMPTY);
+    ck_assert_uint_eq(store.corrupt_words, UINT32_MAX);
+}
+END_TEST
+
+START_TEST(settings_are_forgotten_at_standstill_only_and_wholly)
+{
+    open_store();
+    save(1);
+    save(2);
+    ck_assert_int_eq(param_store_forget(&store, false), PARAM_STORE_MOVING);
+    assert_holds(2);
+    for (uint32_t cut = 0; cut < 2; cut++) {
+        memory.torn = NV_TORN_OLD;
+        memory.power_fails_at = memory.operations + cut;
+        ck_assert_int_eq(param_store_forget(&store, true), PARAM_STORE_FAILED);
+        nv_memory_power_up(&memory);
+        assert_holds(2); /* the newest goes last: no older one comes back */
+    }
+    ck_assert_int_eq(param_store_forget(&store, true), PARAM_STORE_OK);
+    ck_assert_int_eq(open_store(), PARAM_STORE_EMPTY);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("param_store");
@@ -270,6 +320,9 @@ int main(void)
     tcase_add_loop_test(tcase, power_may_fail_during_the_very_first_save, 0,
                         4 * OPERATIONS_OF_A_SAVE);
     tcase_add_test(tcase, one_flipped_bit_anywhere_falls_back_to_the_other_copy);
+    tcase_add_test(tcase, one_corrupt_word_anywhere_falls_back_to_the_other_copy);
+    tcase_add_test(tcase, a_word_that_goes_bad_later_is_not_loaded);
+    tcase_add_test(tcase, settings_are_forgotten_at_standstill_only_and_wholly);
     tcase_add_test(tcase, parts_are_loaded_and_found_in_place);
     tcase_add_test(tcase, the_crc_names_the_set);
     suite_add_tcase(suite, tcase);

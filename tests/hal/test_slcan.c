@@ -51,6 +51,15 @@ START_TEST(examples_of_the_manual_are_understood)
     ck_assert_int_eq(feed(&decoder, "T12ABCDEF2AA55\r"), SLCAN_FRAME);
     ck_assert_uint_eq(decoder.message.id, 0x12ABCDEF);
     ck_assert_uint_eq(decoder.message.data[0], 0xAA);
+
+    /* Adapters that write hex digits small are understood too. */
+    ck_assert_int_eq(feed(&decoder, "T12abcdef2af50\r"), SLCAN_FRAME);
+    ck_assert_uint_eq(decoder.message.id, 0x12ABCDEF);
+    ck_assert_uint_eq(decoder.message.data[0], 0xAF);
+    ck_assert_int_eq(feed(&decoder, "t1g00\r"), SLCAN_MALFORMED); /* behind f there is none */
+    decoder.malformed = UINT32_MAX;
+    ck_assert_int_eq(feed(&decoder, "t1g00\r"), SLCAN_MALFORMED);
+    ck_assert_uint_eq(decoder.malformed, UINT32_MAX);
 }
 END_TEST
 

@@ -162,6 +162,36 @@ START_TEST(segmented_download_by_the_figures)
 }
 END_TEST
 
+/* More than announced, more than the object, and a value that its owner refuses. */
+START_TEST(segmented_downloads_are_refused_like_expedited_ones)
+{
+    exchange("2106200008000000", "6006200000000000"); /* 8 announced */
+    exchange("0061626364656667", "2000000000000000");
+    exchange("1968696a00000000", "8006200012000706"); /* 10 came */
+    exchange("2107200004000000", "6007200000000000");
+    exchange("0701020304000000", "8007200022000008"); /* owner: device state */
+    exchange("2103200004000000", "6003200000000000");
+    exchange("079a99d93f000000", "8003200031000906"); /* 1.7 above 1.5 */
+    exchange("230320000ad7233d", "8003200032000906"); /* 0.04 below 0.1 */
+    ck_assert_uint_eq(written_count, 0);
+}
+END_TEST
+
+/* A dictionary whose owner wants to hear of nothing. */
+START_TEST(without_an_owner_the_dictionary_decides)
+{
+    static const struct co_access_hooks none = {0};
+    for (int i = 0; i < 2; i++) {
+        co_sdo_server_init(&server, &dictionary, 1, i == 0 ? NULL : &none, NULL);
+        exchange("2307200078563412", "6007200000000000");
+        ck_assert_uint_eq(values.refused, 0x12345678);
+        exchange("4007200000000000", "4307200078563412");
+        values.refused = 0;
+    }
+    ck_assert_uint_eq(written_count, 0);
+}
+END_TEST
+
 START_TEST(toggle_and_overflow_end_a_transfer)
 {
     exchange("2006200000000000", "6006200000000000"); /* no size announced */
@@ -308,6 +338,8 @@ int main(void)
     tcase_add_test(tcase, abort_codes_of_cia_301);
     tcase_add_test(tcase, segmented_upload_by_the_figures);
     tcase_add_test(tcase, segmented_download_by_the_figures);
+    tcase_add_test(tcase, segmented_downloads_are_refused_like_expedited_ones);
+    tcase_add_test(tcase, without_an_owner_the_dictionary_decides);
     tcase_add_test(tcase, toggle_and_overflow_end_a_transfer);
     tcase_add_test(tcase, a_transfer_that_stands_still_is_forgotten);
     tcase_add_test(tcase, client_and_server_carry_every_length_both_ways);

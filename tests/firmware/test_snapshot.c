@@ -1,0 +1,115 @@
+/* The snapshot's size and its copies, and the recorder's bus in front of another: what it hands
+ * on and where a tick ends. */
+#include "firmware/bus_recorder.h"
+
+#include <string.h>
+
+#include "hal/frame_table.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
+
+static struct control_task task;
+static struct cia402_drives drives;
+static const struct snapshot_source source = {&task, &drives};
+static _Alignas(8) uint8_t first[BLACK_BOX_SNAPSHOT_MAX + 8], second[BLACK_BOX_SNAPSHOT_MAX + 8];
+
+/* Bytes without a pattern: each differs from its neighbours and from those eight words on. */
+static void fill(void)
+{
+    uint32_t state = 12345;
+    memset(&task, 0, sizeof task);
+    memset(&drives, 0, sizeof drives);
+    for (size_t i = 0; i < sizeof task.controller; i++) {
+        state = state * 1664525u + 1013904223u; /* Numerical Recipes' linear congruence */
+        ((uint8_t *)&task.controller)[i] = (uint8_t)(state >> 24);
+    }
+}
+
+START_TEST(a_size_that_does_not_fit_changes_nothing)
+{
+    const size_t size = snapshot_size();
+    fill();
+    memset(first, 0xA5, sizeof first);
+    ck_assert_uint_gt(size, 0);
+    ck_assert_uint_le(size, BLACK_BOX_SNAPSHOT_MAX);
+    ck_assert_uint_eq(snapshot_save(&source, first, size - 1), 0);
+    for (size_t i = 0; i < sizeof first; i++) {
+        ck_assert_uint_eq(first[i], 0xA5);
+    }
+    static struct control_task before;
+    memcpy(&before, &task, sizeof task);
+    ck_assert_int_eq(snapshot_restore(&source, first, size - 1), -1);
+    ck_assert_int_eq(snapshot_restore(&source, first, size + 1), -1);
+    ck_assert_mem_eq(&before, &task, sizeof task);
+}
+END_TEST
+
+/* By words or by bytes, a copy is a copy. */
+START_TEST(where_it_is_put_makes_no_difference)
+{
+    const size_t size = snapshot_size();
+    fill();
+    ck_assert_uint_eq(snapshot_save(&source, first, size), size);
+    for (size_t at = 1; at < 8; at++) {
+        memset(second, 0, sizeof second);
+        ck_assert_uint_eq(snapshot_save(&source, second + at, size), size);
+        ck_assert_mem_eq(second + at, first, size);
+    }
+}
+END_TEST
+
+START_TEST(the_recorder_hands_on_what_the_bus_says_and_is_asked)
+{
+    static struct black_box box;
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    struct can_bus_status status = {0};
+    fill();
+    fake_bus_init(&fake);
+    fake.status.tx_error_count = 97;
+    const struct can_bus inner = fake_bus_interface(&fake);
+    bus_recorder_init(&recorder, &inner, &box, &source);
+    const struct can_bus bus = bus_recorder_interface(&recorder);
+    can_bus_get_status(&bus, &status);
+    ck_assert_uint_eq(status.tx_error_count, 97);
+    can_bus_recover(&bus);
+    ck_assert_uint_eq(fake.recoveries, 1);
+}
+END_TEST
+
+/* Somebody else's SYNC begins no tick; the own one does, until the next frame is asked for. */
+START_TEST(only_the_own_sync_begins_a_tick)
+{
+    static struct black_box box;
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    struct can_msg frame = {.id = FRAME_SYNC};
+    fake_bus_init(&fake);
+    memset(&task, 0, sizeof task);
+    const struct can_bus inner = fake_bus_interface(&fake);
+    black_box_start(&box, 1, 2);
+    bus_recorder_init(&recorder, &inner, &box, &source);
+    const struct can_bus bus = bus_recorder_interface(&recorder);
+    fake_bus_put(&fake, &frame);
+    frame.flags = CAN_FRAME_OWN;
+    fake_bus_put(&fake, &frame);
+    ck_assert_int_eq(can_bus_receive(&bus, &frame, NULL), CAN_OK);
+    ck_assert(!recorder.in_tick);
+    ck_assert_int_eq(can_bus_receive(&bus, &frame, NULL), CAN_OK);
+    ck_assert(recorder.in_tick);
+    ck_assert_int_ne(can_bus_receive(&bus, &frame, NULL), CAN_OK);
+    ck_assert(!recorder.in_tick);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("snapshot");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, a_size_that_does_not_fit_changes_nothing);
+    tcase_add_test(tests, where_it_is_put_makes_no_difference);
+    tcase_add_test(tests, the_recorder_hands_on_what_the_bus_says_and_is_asked);
+    tcase_add_test(tests, only_the_own_sync_begins_a_tick);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
