@@ -232,8 +232,10 @@ static void compute_slice(void *context, int i)
     const size_t all = (size_t)study->options.points * (size_t)study->options.points;
     struct basin_start *starts = calloc(PORTION, sizeof *starts);
     struct basin_end *ends = calloc(PORTION, sizeof *ends);
-    study->lines[i].has_failed = starts == NULL || ends == NULL;
-    for (size_t first = 0; first < all && !study->lines[i].has_failed; first += PORTION) {
+    const int has_room = starts != NULL && ends != NULL;
+    study->lines[i].has_failed = !has_room;
+    for (size_t first = 0; has_room && first < all && !study->lines[i].has_failed;
+         first += PORTION) {
         compute_portion(study, i, first, all - first < PORTION ? all - first : PORTION, starts,
                         ends);
     }

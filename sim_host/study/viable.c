@@ -293,7 +293,10 @@ static bool is_cell(const struct viable_range *r, int node)
 int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigned char *set)
 {
     int *sum = malloc((size_t)grid->nodes * sizeof *sum);
-    int rounds = 0, taken = sum != NULL ? 1 : 0;
+    int rounds = 0, taken = 1;
+    if (sum == NULL) {
+        return 0;
+    }
     for (int node = 0; node < grid->nodes; node++) {
         set[node] = side == VIABLE_INNER || is_cell(&grid->range, node);
     }
