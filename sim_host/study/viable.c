@@ -294,11 +294,11 @@ int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigne
 {
     int *sum = malloc((size_t)grid->nodes * sizeof *sum);
     int rounds = 0, taken = 1;
-    if (sum == NULL) {
-        return 0;
-    }
     for (int node = 0; node < grid->nodes; node++) {
         set[node] = side == VIABLE_INNER || is_cell(&grid->range, node);
+    }
+    if (sum == NULL) {
+        return 0;
     }
     while (taken > 0) {
         taken = 0;
