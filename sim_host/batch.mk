@@ -1,3 +1,6 @@
+# The kernels inline into functions so large that gcc gives up on tracking their variables, and says so.
+$(BUILD)/f64/sim_host/batch/kernel_%.o: private CFLAGS_ALL += $(if $(findstring gcc,$(CC)),-fno-var-tracking-assignments)
+
 # The speed measurements' comparisons use libraries where they are installed; without them they say so.
 HAVE_HEADER = $(shell printf '\043include <$(1)>\n' | $(CC) -E -x c - >/dev/null 2>&1 && echo yes)
 $(BUILD)/afo-bench-cvode: private LDLIBS_SIM += $(if $(call HAVE_HEADER,cvode/cvode.h),\

@@ -70,7 +70,7 @@ START_TEST(a_wearers_mean_begins_with_a_number)
 {
     params.law = (real)LAW_WEARER;
     step_law_init(&law, &params);
-    ck_assert(step(NAN, 1.0) == params.start_r0_m);
+    ck_assert(step((double)NAN, 1.0) == params.start_r0_m);
     assert_close(step(1.4, 1.0), params.start_r0_m, 1e-7, 0);
     assert_close(law.command_rad_s, 1.4, 0, 1e-6);
 }
@@ -91,9 +91,9 @@ START_TEST(what_is_no_number_leaves_the_last_answer)
     const struct apex_estimate no_rate = {-0.45f, 0.3f, INFINITY, 1.0f};
     const real last = law.r0_m;
     ck_assert(isfinite(r0) && isfinite(last));
-    ck_assert(step(NAN, 0.45) == last);
-    ck_assert(step(INFINITY, 0.45) == last);
-    ck_assert(step(0.45, NAN) == last);
+    ck_assert(step((double)NAN, 0.45) == last);
+    ck_assert(step((double)INFINITY, 0.45) == last);
+    ck_assert(step(0.45, (double)NAN) == last);
     ck_assert(law.is_final);
     ck_assert(!whole || step_law_update(&law, &params, &no_angle, 0.45f) == last);
     ck_assert(!whole || step_law_update(&law, &params, &no_rate, 0.45f) == last);
