@@ -494,7 +494,8 @@ static void follow_clock(struct socketcan_bus *bus, uint64_t now_ns)
     }
 }
 
-/* When to look again although nothing came. */
+/* When to look again although nothing came: from now_ns to deadline_ns, which must not lie
+ * before it. The next try of an interface that is down may have fallen due meanwhile. */
 static uint64_t look_again_ns(const struct socketcan_bus *bus, uint64_t now_ns,
                               uint64_t deadline_ns)
 {
@@ -503,6 +504,9 @@ static uint64_t look_again_ns(const struct socketcan_bus *bus, uint64_t now_ns,
         until_ns = bus->next_retry_ns;
     } else if (bus->tx_count > 0) {
         until_ns = now_ns + RETRY_FULL_NS; /* POLLOUT does not tell of a full device queue */
+    }
+    if (until_ns < now_ns) {
+        return now_ns;
     }
     return until_ns < deadline_ns ? until_ns : deadline_ns;
 }

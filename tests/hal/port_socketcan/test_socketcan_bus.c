@@ -255,6 +255,21 @@ START_TEST(an_interface_may_go_down_and_come_back)
 }
 END_TEST
 
+/* The next look at an interface that is down falls due at any moment, also between two looks at
+ * the clock inside one wait: it must end at its deadline all the same. */
+START_TEST(a_wait_ends_at_its_deadline_while_the_interface_is_down)
+{
+    struct can_msg message;
+    run("ip link set vcan0 down");
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_DOWN);
+    for (unsigned k = 0; k < 800; k++) {
+        const uint64_t now_ns = socketcan_now_ns();
+        bus.next_retry_ns = now_ns + 25u * k;
+        ck_assert_int_eq(socketcan_bus_wait(&bus, now_ns + 50000), 0);
+    }
+}
+END_TEST
+
 START_TEST(an_interface_may_be_removed_and_made_again)
 {
     struct can_msg message = {.id = 0x201};
@@ -336,6 +351,7 @@ int main(int argc, char **argv)
     tcase_add_test(tcase, an_interface_may_go_down_and_come_back);
     tcase_add_test(tcase, a_full_kernel_queue_keeps_frames_in_order_of_identifiers);
     tcase_add_test(tcase, opening_says_what_is_wrong);
+    tcase_add_test(tcase, a_wait_ends_at_its_deadline_while_the_interface_is_down);
     tcase_add_test(tcase, an_interface_may_be_removed_and_made_again);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
