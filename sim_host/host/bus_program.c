@@ -9,7 +9,7 @@
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The bus:", 2},
     {"can", 'c', "INTERFACE", 0, "CAN interface, such as can0 or vcan0 (must be given)", 0},
-    {"steps", 'n', "N", 0, "end after N steps (default: at SIGINT or SIGTERM)", 0},
+    {"steps", 'n', "N", 0, "end after N steps (default: at SIGINT, SIGTERM or SIGHUP)", 0},
     {0, 0, 0, 0, "What comes out:", 4},
     {"json", 'j', 0, 0, "one JSON object on standard output at the end, nothing else", 0},
     {"quiet", 'q', 0, 0, "only errors", 0},
@@ -60,6 +60,11 @@ void bus_program_catch_signals(void)
     const struct sigaction action = {.sa_handler = on_signal}; /* without SA_RESTART */
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    struct sigaction inherited;
+    if (sigaction(SIGHUP, NULL, &inherited) == 0 && inherited.sa_handler != SIG_IGN) {
+        sigaction(SIGHUP, &action, NULL); /* under nohup(1) it stays without effect */
+    }
+    signal(SIGPIPE, SIG_IGN); /* a reader that went away is a write error like others */
 }
 
 bool bus_program_is_to_end(void)

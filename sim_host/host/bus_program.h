@@ -22,7 +22,8 @@ struct bus_options {
 /* Child parser: its input is a struct bus_options, zero at the start. --can must be given. */
 extern const struct argp bus_options_parser;
 
-/* SIGINT and SIGTERM end a wait in the kernel and are remembered. */
+/* SIGINT, SIGTERM and SIGHUP (unless it was ignored at the start, as nohup(1) does) end a
+ * wait in the kernel and are remembered. SIGPIPE is ignored: who writes sees the error. */
 void bus_program_catch_signals(void);
 
 /* Whether one of them has come. */

@@ -107,9 +107,12 @@ static void parse(struct options *options, int argc, char **argv)
         option_list,
         take,
         0,
-        "Runs the control task on a CAN interface. An interrupt (Ctrl-C) unloads the springs, "
-        "switches the drives off and ends.\v"
-        "Exit status: 0 walked, 1 stopped by a fault, 2 wrong usage, input or interface.",
+        "Runs the control task on a CAN interface. An interrupt (Ctrl-C), SIGTERM, a hangup or a "
+        "reader of the output that went away unloads the springs, switches the drives off and "
+        "ends. So does a latched fault with --steps; without, an operator may clear it over the "
+        "bus.\v"
+        "Exit status: 0 walked, 1 stopped by a fault, 2 wrong usage, input or interface, or the "
+        "output could not be written.",
         children,
         0,
         0};
@@ -264,10 +267,36 @@ static void run_cycle(struct host *host)
     }
 }
 
+/* Without torque by their own word, or out of our reach. */
+static bool drives_are_off(const struct control_task *task)
+{
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct sea_drive_reading drive;
+        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        if (drive.age_ticks <= SILENT_CYCLES && drive.state != SEA_DRIVE_DISABLED &&
+            drive.state != SEA_DRIVE_FAULT) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool has_stopped(const struct control_task *task)
 {
     const enum supervisor_state state = task->output.state;
-    return !supervisor_may_enable(state) && !supervisor_may_assist(state);
+    return !supervisor_may_enable(state) && !supervisor_may_assist(state) && drives_are_off(task);
+}
+
+static bool nobody_answers(const struct control_task *task)
+{
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct sea_drive_reading drive;
+        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        if (task->sensors.reading[leg].age_ticks == 0 || drive.age_ticks == 0) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* What an operator would ask for now. */
@@ -295,9 +324,15 @@ static void operate(struct host *host, bool stop)
 
 static bool wants_to_end(const struct host *host)
 {
+    const struct control_task *task = &host->rig.task;
     const uint32_t steps = host->options.bus.steps;
-    return bus_program_is_to_end() || (steps > 0 && host->steps >= steps &&
-                                       host->rig.task.tick - host->step_tick >= LAST_FRAMES_TICKS);
+    if (bus_program_is_to_end() || ferror(stdout)) {
+        return true;
+    }
+    /* A walk of so many steps has nobody who would clear a fault. */
+    const bool failed = task->output.state == SUPERVISOR_FAULT && !host->options.auto_reset;
+    const bool walked = host->steps >= steps && task->tick - host->step_tick >= LAST_FRAMES_TICKS;
+    return steps > 0 && (failed || walked);
 }
 
 static void run(struct host *host)
@@ -313,7 +348,7 @@ static void run(struct host *host)
             (void)pacer_wait(&host->pacer);
         }
         run_cycle(host);
-        silent_cycles = control_task_cycle_complete(task) ? 0 : silent_cycles + 1;
+        silent_cycles = nobody_answers(task) ? silent_cycles + 1 : 0;
         tell(host);
         const bool stop = stop_ticks > 0 || wants_to_end(host);
         operate(host, stop);
@@ -404,7 +439,11 @@ int main(int argc, char **argv)
     } else if (!host.options.bus.quiet) {
         report_text(&host);
     }
-    const bool faulty = host.rig.task.output.fault != SUPERVISOR_FAULT_NONE || host.refusal_told;
+    const enum supervisor_fault fault = host.rig.task.output.fault;
+    if (fault != SUPERVISOR_FAULT_NONE) {
+        fprintf(stderr, "afo-host: stopped by a fault: %s\n", supervisor_fault_name(fault));
+    }
+    const bool faulty = fault != SUPERVISOR_FAULT_NONE || host.refusal_told;
     close_bus(&host);
     if (output_standard_done("afo-host") != 0) {
         return EXIT_USAGE;

@@ -21,3 +21,66 @@ def test_an_interface_name_that_is_too_long_is_called_that(program):
     done = subprocess.run([BUILD / program, "--can", "a-name-of-too-many-letters"], capture_output=True, text=True)
     assert done.returncode == 2
     assert "a-name-of-too-many-letters: File name too long" in done.stderr
+
+
+BEGIN = f"""
+begin() {{ # begin NAME HOST-OPTIONS...: a walk with its record; the host's lines in NAME.out
+    name=$1; shift
+    candump -L -r 67108864 vcan0,181:7FF,182:7FF,7FF:7FF >$name.log & dump=$!
+    "{BUILD}/afo-walker" --can vcan0 --silence 60000 --quiet & walker=$!
+    sleep 0.3
+    "{BUILD}/afo-host" --can vcan0 --speed 0.45 --patience 3000 "$@" >$name.out 2>$name.err & host=$!
+}}
+until_walking() {{ until grep -q walking $name.out; do sleep 0.05; done; }}
+ended() {{
+    wait $host; echo $name $?
+    cansend vcan0 7FF# # candump may lie behind: it is done when it has written this
+    for i in {{1..100}}; do tail -n 2 $name.log | grep -q 7FF && break; sleep 0.1; cansend vcan0 7FF#; done
+    kill -TERM $walker $dump; wait $walker $dump 2>/dev/null
+}}
+"""
+
+
+def in_guest(tmp_path, script):
+    script = f"cd {tmp_path}; {BEGIN} {script}"
+    done = subprocess.run([ROOT / "scripts" / "vcan-guest", "--timeout", "150", "--", "bash", "-c", script], cwd=ROOT,
+                          capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return dict(line.split(" ") for line in done.stdout.splitlines())
+
+
+def drives_left_off(log):
+    """Whether both drives were enabled once, and neither was when they last spoke (CiA 402 statuswords)."""
+    enabled = {}
+    for line in log.read_text().splitlines():
+        identifier, data = line.split(" ")[2].split("#")
+        if identifier == "7FF":
+            continue
+        is_enabled = int.from_bytes(bytes.fromhex(data)[:2], "little") & 0x6F == 0x27
+        was, _ = enabled.get(identifier, (False, False))
+        enabled[identifier] = (was or is_enabled, is_enabled)
+    return enabled == {"181": (True, False), "182": (True, False)}
+
+
+def test_a_hangup_or_a_reader_that_went_away_unloads_and_ends(tmp_path):
+    # The reader leaves at the line before "walking", so that this line is the one that is lost.
+    status = in_guest(tmp_path, """
+        mkfifo pipe.out
+        sed -u '/engaging/q' <pipe.out >/dev/null & begin pipe; ended
+        begin hangup; until_walking; kill -HUP $host; ended""")
+    assert status == {"pipe": "2", "hangup": "0"}
+    assert (tmp_path / "pipe.err").read_text() == "afo-host: cannot write to standard output: Broken pipe\n"
+    assert (tmp_path / "hangup.err").read_text() == ""
+    for name in status:
+        assert drives_left_off(tmp_path / f"{name}.log"), name
+
+
+def test_a_walk_of_so_many_steps_ends_with_a_latched_fault(tmp_path):
+    # A stranger who speaks as the controller; and a walker that is gone for good.
+    status = in_guest(tmp_path, """
+        begin stranger --steps 1000; until_walking; cansend vcan0 201#0000000000000000; ended
+        begin gone --steps 1000; until_walking; kill -KILL $walker; ended""")
+    assert status == {"stranger": "1", "gone": "1"}
+    for name, fault in (("stranger", "foreign node on the bus"), ("gone", "silent")):
+        told = (tmp_path / f"{name}.err").read_text()
+        assert told.startswith("afo-host: stopped by a fault: ") and fault in told, told
