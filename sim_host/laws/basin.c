@@ -147,11 +147,12 @@ int laws_basin(const struct laws_options *options)
     struct basin basin = {.options = options,
                           .samples = options->samples > 0 ? options->samples : DEFAULT_SAMPLES};
     basin.chunk = calloc((size_t)(basin.samples + CHUNK - 1) / CHUNK, sizeof *basin.chunk);
-    failed = failed || basin.chunk == NULL || !find_viable(&basin);
     printf(
         "  box: stance rate %g..%g rad/s, swing angle %g..%g rad, swing rate %g..%g rad/s; %d states\n",
         laws_box_low[0], laws_box_high[0], laws_box_low[1], laws_box_high[1], laws_box_low[2],
         laws_box_high[2], basin.samples);
+    fflush(stdout); /* what can be walked on from takes its time */
+    failed = failed || basin.chunk == NULL || !find_viable(&basin);
     for (int e = 0; e < ENTRANTS && !failed; e++) {
         if (!options->entrant[e] || e == ENTRANT_RAMP) { /* from the gait's own command: no ramp */
             continue;
