@@ -84,6 +84,16 @@ def test_a_report_that_cannot_be_written_is_no_success(log):
     assert done.returncode == 2 and "cannot write to standard output" in done.stderr
 
 
+def identifier(line):
+    return line.split(" ")[2].split("#")[0]
+
+
+def tells_of_the_build(line):
+    """The 29-bit frames at a log's beginning: which build and parameters wrote it. They were on no bus, and
+    another build may replay the log: nothing follows from them."""
+    return len(identifier(line)) == 8
+
+
 def flip(line, bit):
     head, data = line.rsplit("#", 1)
     raw = bytearray.fromhex(data)
@@ -96,7 +106,7 @@ def test_one_changed_bit_is_found(log, tmp_path, seed):
     generator = random.Random(seed)
     lines = log.read_text().splitlines()
     # Not in the last tenth of a second, after which the controller had nothing more to say.
-    candidates = [i for i in range(len(lines) - 1500) if not lines[i].endswith("#")]
+    candidates = [i for i in range(len(lines) - 1500) if not lines[i].endswith("#") and not tells_of_the_build(lines[i])]
     chosen = generator.choice(candidates)
     bits = 4 * len(lines[chosen].rsplit("#", 1)[1])
     lines[chosen] = flip(lines[chosen], generator.randrange(bits))
@@ -107,16 +117,14 @@ def test_one_changed_bit_is_found(log, tmp_path, seed):
     assert "tick" in done.stdout and "line" in done.stdout
 
 
-def identifier(line):
-    return line.split(" ")[2].split("#")[0]
-
 
 def test_every_field_of_every_frame_is_watched(short_log, tmp_path):
     """One bit of each byte of each kind of frame, of its identifier and of its length."""
     lines = short_log.read_text().splitlines()
     kinds = {}
     for i, line in enumerate(lines[:-1500]):
-        kinds.setdefault(identifier(line), []).append(i)
+        if not tells_of_the_build(line):
+            kinds.setdefault(identifier(line), []).append(i)
     kinds.pop("080")
     assert {"181", "182", "201", "283", "284", "290", "301", "302", "381", "382", "390", "581",
             "584", "601", "604", "701", "704", "710", "000"} <= set(kinds)
