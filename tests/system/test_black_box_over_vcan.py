@@ -16,7 +16,7 @@ fetch() {{ {build}/afo-blackbox vcan0 $2 --out {out}/$1.log 2>{out}/$1.txt || st
 status=0
 {build}/afo-walker --can vcan0 --silence 60000 --quiet --json >{out}/walker.json & walker=$!
 sleep 0.5
-{build}/afo-host --can vcan0 --steps 4000 --speed 0.45 --quiet --json >{out}/host.json & host=$!
+{build}/afo-host --can vcan0 --speed 0.45 --quiet --json >{out}/host.json & host=$!
 cycles 1800
 fetch walking "--freeze --release"
 cycles 1200
