@@ -158,7 +158,8 @@ static void force_stop(struct control_task *task)
 }
 
 /* Sets up the nodes one after the other, as they appear, and keeps the bits of
- * those that may be started. A node that is silent or boots again starts over. */
+ * those that may be started. A node that is silent or boots again starts over; one that is
+ * stopped answers no SDO, and waits. */
 static void configure_nodes(struct control_task *task)
 {
     struct node_setup *setup = &task->setup;
@@ -168,17 +169,19 @@ static void configure_nodes(struct control_task *task)
     }
     for (unsigned i = 0; i < NETWORK_NODES; i++) {
         const struct network_node *node = &task->network.node[i];
-        if (node->state == NMT_UNKNOWN || node->booted) {
+        const bool is_new = node->state == NMT_UNKNOWN || node->booted;
+        if (is_new) {
             task->configured = (uint8_t)(task->configured & ~(1u << i));
-            if (setup->node == node->id) {
-                setup->node = 0;
-            }
+        }
+        if ((is_new || node->held) && setup->node == node->id) {
+            setup->node = 0;
         }
     }
     network_clear_booted(&task->network);
     for (unsigned i = 0; i < NETWORK_NODES && setup->node == 0; i++) {
-        if (task->network.node[i].state != NMT_UNKNOWN && (task->configured & (1u << i)) == 0) {
-            node_setup_start(setup, &task->config.setup, task->network.node[i].id, task->now_ns);
+        const struct network_node *node = &task->network.node[i];
+        if (node->state != NMT_UNKNOWN && !node->held && (task->configured & (1u << i)) == 0) {
+            node_setup_start(setup, &task->config.setup, node->id, task->now_ns);
             network_command(&task->config.bus, NMT_ENTER_PRE_OPERATIONAL, setup->node);
         }
     }

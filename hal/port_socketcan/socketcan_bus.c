@@ -461,6 +461,16 @@ static enum can_result port_receive(void *context, struct can_msg *message, uint
     return CAN_OK;
 }
 
+bool socketcan_bus_has_fetched(const struct socketcan_bus *bus, uint32_t id)
+{
+    for (unsigned i = bus->rx_next; i < bus->rx_count; i++) {
+        if (bus->rx[i].message.id == id && bus->rx[i].message.flags == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void port_get_status(void *context, struct can_bus_status *status)
 {
     const struct socketcan_bus *bus = context;

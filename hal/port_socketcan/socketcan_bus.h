@@ -91,6 +91,10 @@ struct can_bus socketcan_bus_interface(struct socketcan_bus *bus);
  * there is something to receive, 0 at the deadline, negative errno (-EINTR: a signal). */
 int socketcan_bus_wait(struct socketcan_bus *bus, uint64_t deadline_ns);
 
+/* Whether a data frame with this identifier is among those that were fetched from the kernel
+ * and wait to be received. At most SOCKETCAN_RX_BATCH of them do. */
+bool socketcan_bus_has_fetched(const struct socketcan_bus *bus, uint32_t id);
+
 /* Hands what waits to the kernel now. */
 void socketcan_bus_flush(struct socketcan_bus *bus);
 

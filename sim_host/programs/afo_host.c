@@ -20,6 +20,7 @@
 enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
+#define LISTEN_NS UINT64_C(1000000000)
 /* A stop that was asked for must have unloaded the springs by then; what the bus does not
  * take is set directly. */
 enum { STOP_TICKS = 3000, STOP_ASK_TICKS = 100, SILENT_CYCLES = 40 };
@@ -335,6 +336,19 @@ static bool wants_to_end(const struct host *host)
     return steps > 0 && (failed || walked);
 }
 
+/* Before the first SYNC: who is there, and in which state. Nodes tell it ten times a second. */
+static void listen(struct host *host)
+{
+    const uint64_t limit_ns =
+        host->options.patience_ns < LISTEN_NS ? host->options.patience_ns : LISTEN_NS;
+    const uint64_t end_ns = socketcan_now_ns() + limit_ns;
+    do {
+        (void)control_task_poll(&host->rig.task);
+        (void)socketcan_bus_wait(&host->socket, end_ns);
+    } while (!lock_step_knows_all(&host->rig.task) && socketcan_now_ns() < end_ns &&
+             !bus_program_is_to_end());
+}
+
 static void run(struct host *host)
 {
     struct control_task *task = &host->rig.task;
@@ -342,6 +356,8 @@ static void run(struct host *host)
     uint32_t silent_cycles = 0;
     if (host->options.real_time) {
         pacer_start(&host->pacer, TICK_NS);
+    } else {
+        listen(host);
     }
     while (stop_ticks < STOP_TICKS) {
         if (host->options.real_time) {

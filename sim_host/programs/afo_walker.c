@@ -3,6 +3,8 @@
  * Its time advances one tick per SYNC, so a controller may pace it in real time or
  * run it in lock-step. When the SYNC stays away it goes on by the clock: the drives
  * notice that their master is gone and unload, the walker falls, the hand picks it up.
+ * A SYNC that another one has followed already is answered no more, as no device answers one
+ * that passed while it was busy: the answers would come in a bunch.
  */
 #include <argp.h>
 #include <stdio.h>
@@ -102,6 +104,9 @@ struct session {
     struct options options;
     struct loop_config config;
     struct socketcan_bus bus;
+    struct can_bus port; /* the same, as it is without the answers that are too late */
+    bool is_late;
+    uint64_t unanswered;
     struct walker_nodes nodes;
     uint32_t sdo_requests; /* when the filters were last set */
     uint64_t start_ns;     /* CLOCK_MONOTONIC */
@@ -115,6 +120,41 @@ struct session {
     unsigned apexes;
     double apex_speed_rad_s[APEXES_MAX];
 };
+
+static bool is_answer(uint32_t id)
+{
+    return id == FRAME_DRIVE_STATE_LEFT || id == FRAME_DRIVE_STATE_RIGHT ||
+           id == FRAME_LEG_STATE_LEFT || id == FRAME_LEG_STATE_RIGHT;
+}
+
+static enum can_result node_send(void *context, const struct can_msg *message)
+{
+    struct session *session = context;
+    if (session->is_late && message->flags == 0 && is_answer(message->id)) {
+        return CAN_OK;
+    }
+    return can_bus_send(&session->port, message);
+}
+
+static enum can_result node_receive(void *context, struct can_msg *message, uint64_t *time_ns)
+{
+    struct session *session = context;
+    return can_bus_receive(&session->port, message, time_ns);
+}
+
+static void node_get_status(void *context, struct can_bus_status *status)
+{
+    struct session *session = context;
+    can_bus_get_status(&session->port, status);
+}
+
+static void node_recover(void *context)
+{
+    struct session *session = context;
+    can_bus_recover(&session->port);
+}
+
+static const struct can_bus_ops node_ops = {node_send, node_receive, node_get_status, node_recover};
 
 static void complain(const char *message)
 {
@@ -156,9 +196,10 @@ static int prepare(struct session *session)
         return -1;
     }
     session->start_ns = socketcan_now_ns();
+    session->port = socketcan_bus_interface(&session->bus);
     struct can_bus bus[WALKER_NODES];
     for (int i = 0; i < WALKER_NODES; i++) {
-        bus[i] = socketcan_bus_interface(&session->bus);
+        bus[i] = (struct can_bus){&node_ops, session};
     }
     const struct walker_drives drives = subject_drives(&session->config.subject);
     if (walker_nodes_init(&session->nodes, &session->config.plant, &drives, bus, 0, message) != 0) {
@@ -200,6 +241,8 @@ static void take_frame(struct session *session, const struct can_msg *message, u
         session->time_ns += session->last_sync_ns != 0 ? NS_PER_MS : 0;
         session->last_sync_ns = stamp_ns;
         session->by_clock = false;
+        session->is_late = socketcan_bus_has_fetched(&session->bus, FRAME_SYNC);
+        session->unanswered += session->is_late ? 1 : 0;
     }
     (void)walker_nodes_receive(&session->nodes, message, session->time_ns);
     if (is_sync) {
@@ -207,6 +250,7 @@ static void take_frame(struct session *session, const struct can_msg *message, u
         walker_nodes_process(&session->nodes, session->time_ns);
         session->sync_ticks++;
         finish_tick(session);
+        session->is_late = false;
     } else if (walker_nodes_sdo_requests(&session->nodes) != session->sdo_requests) {
         listen_to_nodes_ids(session);
     }
@@ -267,14 +311,16 @@ static void report_json(const struct session *session)
 {
     const struct can_bus_status *status = &session->bus.status;
     printf("{\"steps\": %u, \"falls\": %u, \"last_fall\": \"%s\", \"sync_ticks\": %llu, "
-           "\"clock_ticks\": %llu, \"silences\": %llu, \"rx_frames\": %u, \"tx_frames\": %u, "
+           "\"clock_ticks\": %llu, \"silences\": %llu, \"unanswered\": %llu, "
+           "\"rx_frames\": %u, \"tx_frames\": %u, "
            "\"tx_refused\": %u, \"rx_overflow\": %u, \"error_frames\": %u, \"bus_off\": %u, "
            "\"kernel_full\": %u, \"went_down\": %u, \"apex_speed_rad_s\": [",
            session->apexes, session->falls, session->last_fall,
            (unsigned long long)session->sync_ticks, (unsigned long long)session->clock_ticks,
-           (unsigned long long)session->silences, status->rx_frames, status->tx_frames,
-           status->tx_refused, status->rx_overflow, status->error_frames, status->bus_off_count,
-           session->bus.counters.kernel_full, session->bus.counters.went_down);
+           (unsigned long long)session->silences, (unsigned long long)session->unanswered,
+           status->rx_frames, status->tx_frames, status->tx_refused, status->rx_overflow,
+           status->error_frames, status->bus_off_count, session->bus.counters.kernel_full,
+           session->bus.counters.went_down);
     for (unsigned i = 0; i < session->apexes; i++) {
         printf("%s%.9g", i > 0 ? ", " : "", session->apex_speed_rad_s[i]);
     }
@@ -289,9 +335,10 @@ static void report_text(const struct session *session)
     if (session->apexes > 0) {
         printf("last apex speed %.4f rad/s\n", session->apex_speed_rad_s[session->apexes - 1]);
     }
-    printf("%llu ticks by SYNC, %llu by the clock in %llu silences\n",
-           (unsigned long long)session->sync_ticks, (unsigned long long)session->clock_ticks,
-           (unsigned long long)session->silences);
+    printf("%llu ticks by SYNC (%llu heard too late to be answered), %llu by the clock in %llu "
+           "silences\n",
+           (unsigned long long)session->sync_ticks, (unsigned long long)session->unanswered,
+           (unsigned long long)session->clock_ticks, (unsigned long long)session->silences);
     printf("%s: %u frames received, %u sent, %u refused, %u lost in the queue, %u error frames, "
            "%u times bus-off, %u times down\n",
            session->options.bus.interface, status->rx_frames, status->tx_frames, status->tx_refused,

@@ -498,6 +498,26 @@ START_TEST(a_node_that_boots_during_its_set_up_starts_over)
 }
 END_TEST
 
+/* A stopped node answers no SDO (CiA 301): nothing is asked of it until it may be started. */
+START_TEST(a_node_that_is_stopped_is_set_up_later)
+{
+    struct bench b;
+    start(&b);
+    b.task.config.configure_nodes = true;
+    run_setup(&b, 2, true);
+    ck_assert_uint_eq(b.task.setup.node, 1);
+    ck_assert_int_eq(network_stop_all(&b.task.network, &b.task.config.bus), CAN_OK);
+    for (int tick = 1; tick < NETWORK_HOLD_TICKS; tick++) {
+        run_setup(&b, 1, false);
+        ck_assert_ptr_null(fake_bus_last(&b.fake, 0x601));
+    }
+    ck_assert_uint_eq(b.task.node.objects.refused_node, 0); /* it was not silent: not asked */
+    run_setup(&b, 2, false);
+    ck_assert_uint_eq(b.task.setup.node, 1);
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x601));
+}
+END_TEST
+
 START_TEST(a_poll_is_bounded)
 {
     struct bench b;
@@ -531,6 +551,7 @@ int main(void)
     tcase_add_test(tests, a_node_that_was_silent_at_set_up_is_asked_again);
     tcase_add_test(tests, error_frames_are_counted_and_used_for_nothing);
     tcase_add_test(tests, a_node_that_boots_during_its_set_up_starts_over);
+    tcase_add_test(tests, a_node_that_is_stopped_is_set_up_later);
     tcase_add_test(tests, a_poll_is_bounded);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

@@ -145,6 +145,27 @@ START_TEST(what_is_sent_at_once_leaves_in_order_of_identifiers)
 }
 END_TEST
 
+/* What came together is known together: a device sees that its SYNC is not the newest. */
+START_TEST(a_frame_that_was_fetched_and_waits_is_seen)
+{
+    struct can_msg message;
+    other_sends(0x181, 6);
+    other_sends(0x283, 5);
+    other_sends(0x181, 6);
+    usleep(20000);
+    ck_assert(wait_for_frame(200));
+    ck_assert(socketcan_bus_has_fetched(&bus, 0x181));
+    ck_assert(!socketcan_bus_has_fetched(&bus, 0x284));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert(socketcan_bus_has_fetched(&bus, 0x181));
+    ck_assert(socketcan_bus_has_fetched(&bus, 0x283));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(message.id, 0x181);
+    ck_assert(!socketcan_bus_has_fetched(&bus, 0x181));
+}
+END_TEST
+
 START_TEST(all_kinds_of_frames_go_out_as_they_are)
 {
     struct can_frame frame;
@@ -345,6 +366,7 @@ int main(int argc, char **argv)
     tcase_add_test(tcase, frames_pass_the_filters_or_are_not_seen_at_all);
     tcase_add_test(tcase, only_the_own_sync_is_heard_and_in_its_place);
     tcase_add_test(tcase, what_is_sent_at_once_leaves_in_order_of_identifiers);
+    tcase_add_test(tcase, a_frame_that_was_fetched_and_waits_is_seen);
     tcase_add_test(tcase, all_kinds_of_frames_go_out_as_they_are);
     tcase_add_test(tcase, error_frames_change_the_status);
     tcase_add_test(tcase, an_overflow_of_the_receive_queue_is_counted);
