@@ -15,7 +15,7 @@
 enum can_result {
     CAN_OK = 0,
     CAN_EMPTY = -1,   /* receive: nothing waits */
-    CAN_FULL = -2,    /* send: the queue has no room; the frame was NOT taken */
+    CAN_FULL = -2,    /* send: no room, and nothing less urgent waits; the frame was NOT taken */
     CAN_INVALID = -3, /* send: length above 8 or identifier out of range */
     CAN_DOWN = -4     /* the interface is down or bus-off; nothing was taken */
 };
@@ -35,7 +35,7 @@ struct can_bus_status {
     uint8_t rx_error_count;
     uint32_t tx_frames;
     uint32_t rx_frames;
-    uint32_t tx_refused;  /* send returned CAN_FULL */
+    uint32_t tx_refused;  /* send returned CAN_FULL, or gave up another frame for a new one */
     uint32_t rx_overflow; /* frames lost because nobody fetched them in time */
     uint32_t error_frames;
     uint32_t bus_off_count;
@@ -43,7 +43,10 @@ struct can_bus_status {
 
 struct can_bus_ops {
     /* Queues a copy of *message; never blocks. Waiting frames leave in the order
-     * of their identifiers, as arbitration would have it. Loop only, not ISR.
+     * of their identifiers, as arbitration would have it. A full queue gives up its
+     * least urgent frame for a more urgent one: however many old targets wait, an NMT
+     * stop goes out (not where frames leave as they are sent: pipes, slcan). Loop only,
+     * not ISR.
      * Returns CAN_OK, CAN_FULL, CAN_INVALID or CAN_DOWN. */
     enum can_result (*send)(void *context, const struct can_msg *message);
 

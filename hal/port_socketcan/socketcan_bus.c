@@ -291,7 +291,11 @@ static enum can_result port_send(void *context, const struct can_msg *message)
     }
     if (bus->tx_count == SOCKETCAN_TX_QUEUE) {
         count(&bus->status.tx_refused);
-        return CAN_FULL;
+        if (urgency(&bus->tx[0]) <= urgency(message)) {
+            return CAN_FULL;
+        }
+        bus->tx_count--; /* the least urgent is lost */
+        memmove(&bus->tx[0], &bus->tx[1], bus->tx_count * sizeof bus->tx[0]);
     }
     unsigned at = bus->tx_count;
     while (at > 0 && urgency(&bus->tx[at - 1]) <= urgency(message)) {

@@ -4,8 +4,9 @@
  * nothing; the own SYNC comes back as CAN_FRAME_OWN at its place in the bus's order,
  * other own frames do not; error frames update the status and arrive as
  * CAN_FRAME_ERROR; what is sent leaves, in order of identifiers, with the next
- * receive, wait or flush (one system call for all), or before a SYNC; when the kernel's queue is full (ENOBUFS, EAGAIN) frames go on
- * waiting and CAN_FULL comes when there is no room left;
+ * receive, wait or flush (one system call for all), or before a SYNC; when the kernel's
+ * queue is full (ENOBUFS, EAGAIN) frames go on waiting and CAN_FULL comes when there is no
+ * room left (in the kernel's own queue, `txqueuelen` frames long, none overtakes another);
  * receive overflow is counted from SO_RXQ_OVFL; times are the kernel's receive time
  * stamps, turned into CLOCK_MONOTONIC; an interface that is down or gone gives
  * CAN_DOWN and is taken up again when it is back.

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "hal/contract.h"
 #include "hal/frame_table.h"
 #include "hal/port_stm32g474/fdcan_registers.h"
 #include "hal/port_stm32g474/mmio.h"
@@ -173,6 +174,15 @@ static void queue_put_back(struct fdcan *can, const struct can_msg *message)
     can->queued++;
 }
 
+/* Takes the frame at place out of the queue. */
+static void queue_remove(struct fdcan *can, uint32_t place)
+{
+    can->queued--;
+    for (uint32_t i = place; i < can->queued; i++) {
+        can->queue[i] = can->queue[i + 1U];
+    }
+}
+
 static void load_buffer(struct fdcan *can, uint32_t buffer, const struct can_msg *message)
 {
     uint32_t address = FDCAN1_RAM_BASE + FDCAN_RAM_TX + buffer * FDCAN_ELEMENT_BYTES;
@@ -248,10 +258,7 @@ static void refill(struct fdcan *can)
             make_room(can, message.id);
             return;
         }
-        for (uint32_t i = place; i < can->queued; i++) {
-            can->queue[i - 1U] = can->queue[i];
-        }
-        can->queued--;
+        queue_remove(can, place - 1U);
         load_buffer(can, buffer, &message);
     }
 }
@@ -366,12 +373,15 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
     state = mmio_lock();
     if (!can->started || can->status.error_state == CAN_BUS_OFF) {
         result = CAN_DOWN;
-    } else if (can->queued >= FDCAN_TX_QUEUE) {
-        count(&can->status.tx_refused, 1);
-        result = CAN_FULL;
     } else {
+        HAL_ASSERT(can->queued <= FDCAN_TX_QUEUE); /* what came back was loaded again, or another */
         queue_put(can, message);
         refill(can);
+        if (can->queued > FDCAN_TX_QUEUE) { /* one too many: the newest of the least urgent */
+            count(&can->status.tx_refused, 1);
+            result = can->queue[0].id == message->id ? CAN_FULL : CAN_OK;
+            queue_remove(can, 0);
+        }
     }
     mmio_unlock(state);
     return result;

@@ -71,6 +71,11 @@ static enum can_result port_send(void *context, const struct can_msg *message)
     for (unsigned i = carried; i < CAN_FRAME_DATA_MAX; i++) {
         entry.message.data[i] = 0;
     }
+    while (port->tx_count >= SIM_BUS_TX_QUEUE && port->tx[0].key > entry.key) {
+        port->status.tx_refused++; /* the least urgent is lost */
+        port->tx_count--;
+        memmove(&port->tx[0], &port->tx[1], port->tx_count * sizeof port->tx[0]);
+    }
     if (!sim_bus_queue_insert(port, &entry, false)) {
         port->status.tx_refused++;
         return CAN_FULL;

@@ -155,6 +155,31 @@ START_TEST(refusals_are_told_and_counted)
 }
 END_TEST
 
+/* A node that babbles keeps the bus: what stops everything must still find room in the queue. */
+START_TEST(a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one)
+{
+    struct can_bus_status status;
+    const struct can_msg stop = {.id = 0x000, .length = 2, .data = {2, 0}};
+    const struct can_msg extended = {.id = 0x201 << 18, .flags = CAN_FRAME_EXTENDED};
+    send(0, 0x710, 0);
+    for (int i = 1; i < SIM_BUS_TX_QUEUE; i++) {
+        send(0, 0x201, 0);
+    }
+    ck_assert_int_eq(can_bus_send(&port[0], &stop), CAN_OK);
+    can_bus_get_status(&port[0], &status);
+    ck_assert_uint_eq(status.tx_refused, 1);
+    ck_assert_int_eq(can_bus_send(&port[0], &extended), CAN_FULL); /* loses against 0x201 */
+    sim_bus_run_until(&bus, 10000000);
+    can_bus_get_status(&port[0], &status);
+    ck_assert_uint_eq(status.tx_refused, 2);
+    ck_assert_uint_eq(status.tx_frames, SIM_BUS_TX_QUEUE);
+    ck_assert_uint_eq(seen[0].message.id, 0x000);
+    for (int i = 1; i < SIM_BUS_TX_QUEUE; i++) {
+        ck_assert_uint_eq(seen[i].message.id, 0x201);
+    }
+}
+END_TEST
+
 /* A hook with a script: which fault for which frame number. */
 struct script {
     unsigned frame;
@@ -408,6 +433,7 @@ int main(void)
     tcase_add_test(tcase, only_the_own_sync_comes_back_to_its_sender);
     tcase_add_test(tcase, extended_remote_and_data_frames_arbitrate_as_the_standard_says);
     tcase_add_test(tcase, refusals_are_told_and_counted);
+    tcase_add_test(tcase, a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one);
     tcase_add_test(tcase, a_destroyed_frame_is_repeated_and_counted);
     tcase_add_test(tcase, a_sender_which_always_fails_goes_passive_then_bus_off_and_recovers);
     tcase_add_test(tcase, recovery_counts_traffic_of_others_too);

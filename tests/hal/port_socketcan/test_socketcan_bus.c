@@ -349,12 +349,51 @@ START_TEST(wrong_arguments_are_refused)
 }
 END_TEST
 
+/* A socket that takes no more stands for the kernel's full queue. */
+START_TEST(a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one)
+{
+    struct socketcan_bus full = {.name = "full"};
+    const struct can_bus port = socketcan_bus_interface(&full);
+    const struct can_msg stop = {.id = 0x000}, slow = {.id = 0x301}, last = {.id = 0x710};
+    int ends[2];
+    struct can_frame frame = {.can_id = 0x7FF};
+    ck_assert_int_eq(socketpair(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0, ends), 0);
+    while (send(ends[0], &frame, sizeof frame, 0) == (ssize_t)sizeof frame) {
+    }
+    full.fd = ends[0];
+    ck_assert_int_eq(can_bus_send(&port, &last), CAN_OK);
+    for (unsigned i = 1; i < SOCKETCAN_TX_QUEUE; i++) {
+        const struct can_msg message = {.id = 0x201, .length = 1, .data = {(uint8_t)i}};
+        ck_assert_int_eq(can_bus_send(&port, &message), CAN_OK);
+    }
+    ck_assert_int_eq(can_bus_send(&port, &stop), CAN_OK);
+    ck_assert_int_eq(can_bus_send(&port, &slow), CAN_FULL);
+    ck_assert_uint_eq(full.status.tx_refused, 2);
+    ck_assert_uint_gt(full.counters.kernel_full, 0);
+    do { /* it empties: the filling, and then what waited */
+        ck_assert_int_eq(recv(ends[1], &frame, sizeof frame, 0), (ssize_t)sizeof frame);
+        socketcan_bus_flush(&full);
+    } while (frame.can_id == 0x7FF);
+    ck_assert_uint_eq(frame.can_id, 0x000);
+    for (unsigned i = 1; i < SOCKETCAN_TX_QUEUE; i++) {
+        ck_assert_int_eq(recv(ends[1], &frame, sizeof frame, 0), (ssize_t)sizeof frame);
+        ck_assert_uint_eq(frame.can_id, 0x201);
+        ck_assert_uint_eq(frame.data[0], i);
+        socketcan_bus_flush(&full);
+    }
+    ck_assert_int_lt(recv(ends[1], &frame, sizeof frame, 0), 0);
+    socketcan_bus_close(&full);
+    close(ends[1]);
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
     (void)argc;
     Suite *suite = suite_create("socketcan_bus");
     TCase *anywhere = tcase_create("anywhere");
     tcase_add_test(anywhere, wrong_arguments_are_refused);
+    tcase_add_test(anywhere, a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one);
     suite_add_tcase(suite, anywhere);
     if (!in_vcan_is_possible()) {
         return run_suite(suite);

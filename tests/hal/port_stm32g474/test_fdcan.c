@@ -403,16 +403,51 @@ START_TEST(what_is_no_standard_data_frame_is_refused)
 }
 END_TEST
 
-START_TEST(random_traffic_loses_nothing_and_keeps_priorities)
+/* The bus lets nothing through for a while: what stops everything must still find room. */
+START_TEST(a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one)
 {
-    uint32_t state = 12345, accepted = 0;
+    struct can_bus_status status;
+    uint32_t targets = 0;
+
+    ck_assert_int_eq(send(0x710, 1, 0), CAN_OK); /* the least urgent, but in buffers */
+    ck_assert_int_eq(send(0x711, 1, 0), CAN_OK);
+    while (send(0x201, 1, (uint8_t)targets) == CAN_OK) {
+        targets++;
+    }
+    ck_assert_int_eq(targets, FDCAN_TX_QUEUE + 1);
+    ck_assert_int_eq(send(0x000, 2, 0x77), CAN_OK); /* for the newest target */
+    can_bus_get_status(&bus, &status);
+    ck_assert_uint_eq(status.tx_refused, 2); /* one was not taken, one was given up */
+    interrupts();
+    ck_assert_int_eq(send(0x301, 1, 0), CAN_OK); /* for 0x711, which is back from its buffer */
+    ck_assert_int_eq(send(0x7FF, 1, 0), CAN_FULL);
+    can_bus_get_status(&bus, &status);
+    ck_assert_uint_eq(status.tx_refused, 4);
+    drain();
+    ck_assert_uint_eq(model.sent_count, targets + 2);
+    ck_assert_uint_eq(model.sent[0].id, 0x000);
+    ck_assert_uint_eq(model.sent[0].data[0], 0x77);
+    for (uint32_t i = 1; i < targets; i++) {
+        ck_assert_uint_eq(model.sent[i].id, 0x201);
+        ck_assert_uint_eq(model.sent[i].data[0], i - 1);
+    }
+    ck_assert_uint_eq(model.sent[targets].id, 0x301);
+    ck_assert_uint_eq(model.sent[targets + 1].id, 0x710);
+}
+END_TEST
+
+/* Each frame is sent once, or counted once as refused. */
+START_TEST(random_traffic_is_sent_or_counted_and_keeps_priorities)
+{
+    uint32_t state = 12345, tried = 0;
+    struct can_bus_status status;
 
     for (int i = 0; i < 20000; i++) {
         state = state * 1664525u + 1013904223u;
         switch ((state >> 16) % 6) {
         case 0:
         case 1:
-            accepted += send((state >> 8) & 0x7FF, 1, (uint8_t)accepted) == CAN_OK;
+            (void)send((state >> 8) & 0x7FF, 1, (uint8_t)tried++);
             break;
         case 2:
             fdcan_model_begin(&model);
@@ -439,8 +474,9 @@ START_TEST(random_traffic_loses_nothing_and_keeps_priorities)
         interrupts();
     }
     drain();
-    ck_assert_uint_eq(model.sent_count, accepted);
-    ck_assert_uint_gt(accepted, 2000);
+    can_bus_get_status(&bus, &status);
+    ck_assert_uint_eq(model.sent_count + status.tx_refused, tried);
+    ck_assert_uint_gt(model.sent_count, 2000);
 }
 END_TEST
 
@@ -597,8 +633,9 @@ int main(void)
     tcase_add_test(tcase, a_cancelled_frame_that_was_disturbed_is_sent_later_not_lost_or_doubled);
     tcase_add_test(tcase, frames_of_one_identifier_keep_their_order);
     tcase_add_test(tcase, a_full_queue_refuses_and_says_so);
+    tcase_add_test(tcase, a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one);
     tcase_add_test(tcase, what_is_no_standard_data_frame_is_refused);
-    tcase_add_test(tcase, random_traffic_loses_nothing_and_keeps_priorities);
+    tcase_add_test(tcase, random_traffic_is_sent_or_counted_and_keeps_priorities);
     tcase_add_test(tcase, error_states_follow_the_counters);
     tcase_add_test(tcase, a_disturbed_bus_does_not_push_frames_out);
     tcase_add_test(tcase, bus_off_drops_what_waits_and_recovers_when_asked);
