@@ -292,6 +292,26 @@ START_TEST(force_against_spring)
 }
 END_TEST
 
+/* A spring that stays unexplained stays a fault, however long that lasts: the count ends at its
+ * limit. Force samples in every tick, 600 of them. */
+START_TEST(a_wrong_force_is_never_forgotten)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    start(&rig, SUPERVISOR_UNLOADING);
+    load(&rig, REAL(0.1), REAL(0.0));
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        rig.input.sea[side].force_age_ticks = 0;
+    }
+    ck_assert_int_lt(ticks_until(&rig, 300, true, &fault), 300);
+    for (int i = 0; i < 600; i++) {
+        swing(&rig);
+        ck_assert_int_eq(tick(&rig), fault);
+    }
+    ck_assert_int_eq(fault, SUPERVISOR_FAULT_SPRING);
+}
+END_TEST
+
 START_TEST(ankle_against_latch)
 {
     struct rig rig;
@@ -398,6 +418,7 @@ int main(void)
     tcase_add_test(tests, a_lost_angle_does_not_run_away);
     tcase_add_test(tests, a_stuck_angle);
     tcase_add_test(tests, force_against_spring);
+    tcase_add_test(tests, a_wrong_force_is_never_forgotten);
     tcase_add_test(tests, ankle_against_latch);
     tcase_add_test(tests, a_released_spring_must_move_the_ankle);
     tcase_add_test(tests, following_error);

@@ -108,6 +108,29 @@ START_TEST(a_law_is_one_that_there_is_and_has_what_it_needs)
 }
 END_TEST
 
+/* The table's speeds at r0_min and at 95 % of r0_max; a law that knows a branch of gaits walks none
+ * outside it. */
+START_TEST(a_law_serves_the_speeds_whose_gaits_it_knows)
+{
+    real low, high, table_low, table_high;
+    control_params_speeds(&params, &table_low, &table_high);
+    assert_close(table_low, speed_table_speed(&params.table, params.r0_min_m), 0, 1e-6);
+    assert_close(table_high, speed_table_speed(&params.table, 0.95f * params.r0_max_m), 0, 1e-6);
+    params.law = (real)LAW_PREDICTIVE;
+    params.branch = &branch;
+    branch.count = 4;
+    branch.speed_min_rad_s = 0.5f * table_low; /* beyond the table at either end */
+    branch.speed_step_rad_s = table_high;
+    control_params_speeds(&params, &low, &high);
+    ck_assert(low == table_low && high == table_high);
+    branch.speed_min_rad_s = table_low + 0.1f; /* within it */
+    branch.speed_step_rad_s = 0.02f;
+    control_params_speeds(&params, &low, &high);
+    assert_close(low, table_low + 0.1f, 0, 1e-6);
+    assert_close(high, table_low + 0.1f + 3 * 0.02f, 0, 1e-6);
+}
+END_TEST
+
 START_TEST(a_speed_table_is_checked)
 {
     struct speed_table *table = &params.table;
@@ -235,6 +258,7 @@ int main(void)
     tcase_add_test(tests, fields_are_held_to_each_other);
     tcase_add_test(tests, an_open_loop_push_off_is_held_to_the_limits_of_all_others);
     tcase_add_test(tests, a_law_is_one_that_there_is_and_has_what_it_needs);
+    tcase_add_test(tests, a_law_serves_the_speeds_whose_gaits_it_knows);
     tcase_add_test(tests, a_speed_table_is_checked);
     tcase_add_test(tests, the_head_of_a_branch_is_checked);
     tcase_add_test(tests, each_gait_of_a_branch_is_checked);

@@ -121,6 +121,97 @@ START_TEST(a_lift_off_that_the_motion_does_not_explain_loses_it)
 }
 END_TEST
 
+/* A sample that is no number, in single and in double support: what it has spoiled is not kept. */
+START_TEST(a_sample_that_is_no_number_loses_it)
+{
+    struct controller_input input = {.tick = TICK};
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        reset();
+        begin();
+        input.tick = TICK + 1;
+        input.leg[side].leg_angle_rad = NAN;
+        model_observer_advance(&observer, &input);
+        ck_assert_int_eq(observer.phase, MODEL_LOST);
+        input.leg[side].leg_angle_rad = 0.0f;
+    }
+    reset();
+    begin();
+    model_observer_strike(&observer, WELL_INTO, 0.001f, 0.05f);
+    ck_assert_int_eq(observer.phase, MODEL_DOUBLE);
+    input.tick = WELL_INTO + 1;
+    input.leg[SIDE_LEFT].ankle_extension_m = NAN;
+    model_observer_advance(&observer, &input);
+    ck_assert_int_eq(observer.phase, MODEL_LOST);
+}
+END_TEST
+
+/* Feet 2 l sin 0.2 apart: no ankle is longer than that beyond its leg, or the hip's triangle does
+ * not close. Gross, but no number is wrong: a loose strap, or a foot that has slipped. */
+START_TEST(an_ankle_that_no_triangle_explains_loses_it)
+{
+    struct controller_input input = {.tick = WELL_INTO + 1};
+    const real apart_m = 2.0f * params.leg_length_m * sinf(0.2f);
+    for (int beyond = 0; beyond < 2; beyond++) {
+        reset();
+        begin();
+        model_observer_strike(&observer, WELL_INTO, 0.001f, 0.05f);
+        ck_assert_int_eq(observer.phase, MODEL_DOUBLE);
+        observer.ankle[ANKLE] = 0.98f * apart_m;
+        observer.ankle[ANKLE_RATE] = 0.0f;
+        observer.behind_s = -0.001f; /* no time goes by: only the sample moves it, by 5.6 % */
+        input.leg[SIDE_LEFT].ankle_extension_m = apart_m * (beyond != 0 ? 2.0f : 0.99f);
+        model_observer_advance(&observer, &input);
+        ck_assert(isfinite(observer.ankle[ANKLE]));
+        ck_assert_int_eq(observer.phase, beyond != 0 ? MODEL_LOST : MODEL_DOUBLE);
+    }
+    reset();
+    begin();
+    model_observer_strike(&observer, WELL_INTO, 0.001f, 0.05f);
+    observer.ankle[ANKLE_RATE] = 0.5f;
+    model_observer_lift_off(&observer, WELL_INTO + 100,
+                            1.02f * apart_m); /* nor does it end there */
+    ck_assert_int_eq(observer.phase, MODEL_LOST);
+}
+END_TEST
+
+/* Both feet in one place: there is no chord to stand on. */
+START_TEST(a_strike_beside_the_other_foot_loses_it)
+{
+    reset();
+    begin();
+    for (int i = 0; i < MODEL_HISTORY; i++) {
+        observer.history[i][STANCE_ANGLE] = observer.history[i][SWING_ANGLE] = 0.0f;
+        observer.history[i][STANCE_RATE] = observer.history[i][SWING_RATE] = 0.0f;
+    }
+    model_observer_strike(&observer, WELL_INTO, 0.0f, 0.05f);
+    ck_assert_int_eq(observer.phase, MODEL_LOST);
+}
+END_TEST
+
+/* On level ground the strike is where theta_s + theta_n falls through 0; where the sum rises there is
+ * no such moment near, and the detection's own counts. */
+START_TEST(a_strike_of_a_rising_sum_is_when_it_was_detected)
+{
+    static const struct {
+        real swing_rate_rad_s;
+        double age_s;
+    } cases[] = {{0.5f, 0.001 - 0.005}, /* 1 ms ago 1.5 mrad above 0, falling by 0.3 rad/s */
+                 {0.9f, 0.0015},        /* rising */
+                 {0.8f, 0.0015}};       /* or neither */
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        reset();
+        begin();
+        for (int k = 0; k < MODEL_HISTORY; k++) {
+            observer.history[k][SWING_ANGLE] = 0.2015f;
+            observer.history[k][SWING_RATE] = cases[i].swing_rate_rad_s;
+        }
+        model_observer_strike(&observer, WELL_INTO, 0.0015f, 0.05f);
+        ck_assert_int_eq(observer.phase, MODEL_DOUBLE);
+        assert_close(observer.behind_s, cases[i].age_s, 1e-5, 0.0);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("model_observer_edges");
@@ -131,6 +222,10 @@ int main(void)
     tcase_add_test(tests, no_number_begins_nothing);
     tcase_add_test(tests, a_strike_that_cannot_be_recalled_loses_it);
     tcase_add_test(tests, a_lift_off_that_the_motion_does_not_explain_loses_it);
+    tcase_add_test(tests, a_sample_that_is_no_number_loses_it);
+    tcase_add_test(tests, an_ankle_that_no_triangle_explains_loses_it);
+    tcase_add_test(tests, a_strike_beside_the_other_foot_loses_it);
+    tcase_add_test(tests, a_strike_of_a_rising_sum_is_when_it_was_detected);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -112,6 +112,20 @@ START_TEST(the_legs_may_limp_by_a_third_not_more)
 }
 END_TEST
 
+/* Each step is like the one before, and the walk slows down all the same. */
+START_TEST(a_step_is_held_to_the_two_before)
+{
+    struct walk walk;
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 440);
+    ck_assert_uint_eq(walk.monitor.steady, 1);
+    step(&walk, SIDE_RIGHT, 330); /* three quarters of the last, but half of the one before */
+    ck_assert_uint_eq(walk.monitor.steady, 0);
+    ck_assert_uint_eq(walk.monitor.unsteady, 1);
+}
+END_TEST
+
 /* Counters end at their limit, they do not begin again. */
 START_TEST(counters_saturate)
 {
@@ -154,6 +168,7 @@ int main(void)
                         (int)(sizeof breaks / sizeof breaks[0]));
     tcase_add_test(tests, a_step_without_heel_strike_is_none);
     tcase_add_test(tests, the_legs_may_limp_by_a_third_not_more);
+    tcase_add_test(tests, a_step_is_held_to_the_two_before);
     tcase_add_test(tests, counters_saturate);
     tcase_add_test(tests, steps_across_the_end_of_the_clock);
     suite_add_tcase(suite, tests);
