@@ -136,6 +136,29 @@ START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
     run(rig, 200); /* and are verified anew */
     ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
     assert_close((double)controller_of(rig)->share, 0.0, 0.0, 0.0);
+    const struct step_record before = controller_of(rig)->last_step;
+    ck_assert_uint_gt(before.number, 20);
+    ck_assert(before.r0_m > REAL(0.02));
+    walk(rig, 2); /* the first steps give nothing, however much the last walk's steps had given */
+    ck_assert_uint_le(controller_of(rig)->last_step.number, 2);
+    assert_close((double)controller_of(rig)->last_step.r0_m, 0.0, 0.0, 0.0);
+    free(rig);
+}
+END_TEST
+
+/* One step unlike the others is borne, but the share does not rise with it. */
+START_TEST(an_unsteady_step_does_not_raise_the_share)
+{
+    struct rig *rig = start(0.45, 4);
+    walk(rig, 9);
+    const real share = controller_of(rig)->share;
+    ck_assert(share > REAL(0.0) && share < REAL(1.0));
+    controller_of(rig)->steps.step_ticks[0] *= 2;
+    walk(rig, 10);
+    run(rig, 1);
+    ck_assert_uint_eq(controller_of(rig)->steps.unsteady, 1);
+    ck_assert(controller_of(rig)->share == share);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
     free(rig);
 }
 END_TEST
@@ -274,6 +297,7 @@ int main(void)
     tcase_add_test(tests, the_bench_walks_and_stops_when_asked);
     tcase_add_test(tests, the_bench_does_not_load_again_by_itself);
     tcase_add_test(tests, a_wearer_is_engaged_step_by_step_and_let_go);
+    tcase_add_test(tests, an_unsteady_step_does_not_raise_the_share);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);
     tcase_add_loop_test(tests, a_reset_does_not_start_a_walk, 0, 2);

@@ -276,6 +276,116 @@ START_TEST(a_stop_begins_at_a_motor_that_was_left_behind)
 }
 END_TEST
 
+/* ---- With power on ------------------------------------------------------------------------ */
+
+/* The drives do as they are told at once, the legs sway without a step. */
+static void run_powered(int ticks)
+{
+    for (int i = 0; i < ticks; i++) {
+        const float sway = 0.04f * sinf(0.006f * (float)input.tick);
+        input.leg[SIDE_LEFT].leg_angle_rad = 0.2f + sway;
+        input.leg[SIDE_RIGHT].leg_angle_rad = -0.2f + sway;
+        run(1);
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            const struct sea_request *request = &output.sea[side];
+            input.sea[side].state = request->enable ? DRIVE_ENABLED : DRIVE_DISABLED;
+            input.sea[side].precompression_m = request->enable ? request->precompression_m : 0.0f;
+        }
+    }
+}
+
+static void engage(void)
+{
+    run(100);
+    ck_assert_int_eq(output.state, SUPERVISOR_STANDBY);
+    input.walk_requested = true;
+    run_powered(60);
+    ck_assert_int_eq(output.state, SUPERVISOR_ENGAGING);
+    ck_assert(output.sea[SIDE_LEFT].enable && output.sea[SIDE_RIGHT].enable);
+}
+
+/* On the bench the leg in front is loaded at once, but with the legs side by side there is none. */
+START_TEST(nothing_is_loaded_before_it_is_known_which_leg_stands)
+{
+    input.leg[SIDE_LEFT].leg_angle_rad = input.leg[SIDE_RIGHT].leg_angle_rad = 0.0f;
+    run(100);
+    input.walk_requested = true;
+    for (int i = 0; i < 200; i++) {
+        run(1);
+        input.sea[SIDE_LEFT].state = input.sea[SIDE_RIGHT].state = DRIVE_ENABLED;
+        ck_assert(output.sea[SIDE_LEFT].precompression_m == 0.0f);
+        ck_assert(output.sea[SIDE_RIGHT].precompression_m == 0.0f);
+    }
+    ck_assert_int_eq(output.state, SUPERVISOR_ENGAGING);
+    input.leg[SIDE_RIGHT].leg_angle_rad = 0.02f;
+    run(20);
+    ck_assert(output.sea[SIDE_LEFT].precompression_m == 0.0f);
+    ck_assert(output.sea[SIDE_RIGHT].precompression_m > 0.0f);
+}
+END_TEST
+
+/* A drive that is not heard while it is to unload does it by itself; the other goes on being told. */
+START_TEST(a_silent_drive_unloads_by_itself)
+{
+    engage();
+    run_powered(100);
+    const float loaded_m = output.sea[SIDE_LEFT].precompression_m;
+    ck_assert(loaded_m > 0.02f);
+    const uint16_t limit = (uint16_t)(params.sensor_age_max_s * 1000.0f + 0.5f);
+    input.walk_requested = false;
+    input.sea[_i].age_ticks = limit;
+    run(1);
+    ck_assert_int_eq(output.state, SUPERVISOR_UNLOADING);
+    ck_assert(output.sea[_i].enable); /* a lost telegram or two */
+    input.sea[_i].age_ticks = (uint16_t)(limit + 1);
+    run(1);
+    ck_assert_int_eq(output.state, SUPERVISOR_UNLOADING);
+    ck_assert(!output.sea[_i].enable);
+    ck_assert(output.sea[1 - _i].enable);
+    input.sea[_i].age_ticks = 0; /* and is heard again */
+    run(1);
+    ck_assert(output.sea[_i].enable);
+}
+END_TEST
+
+/* A compass' legs take turns, and two apexes of one leg are a fault; a person may shuffle. */
+START_TEST(only_a_compass_leg_that_steps_twice_is_a_fault)
+{
+    params.body = (real)(_i == 0 ? BODY_COMPASS : BODY_PERSON);
+    engage();
+    controller.steps.same_side = true;
+    run_powered(1);
+    ck_assert_int_eq(output.fault, _i == 0 ? SUPERVISOR_FAULT_LEGS : SUPERVISOR_FAULT_NONE);
+    ck_assert_int_eq(output.state, _i == 0 ? SUPERVISOR_UNLOADING : SUPERVISOR_ENGAGING);
+}
+END_TEST
+
+/* A wearer has stopped when twice their last step has gone by, or step_timeout_s if that is sooner. */
+START_TEST(a_wearer_s_patience_ends_with_the_timeout)
+{
+    static const struct {
+        double last_step_s;
+        bool by_timeout;
+    } cases[] = {{0.4, false}, {0.7, false}, {5.0, true}, {0.0, true}}; /* 0: no whole step yet */
+    params.engage_steps = 4.0f;
+    params.step_timeout_s = 1.5f;
+    engage();
+    controller.supervisor.state = SUPERVISOR_WALKING;
+    controller.steps = (struct step_monitor){
+        .seen = true,
+        .known_tick = input.tick,
+        .steady = 5,
+        .step_ticks = {(uint32_t)(1000.0 * cases[_i].last_step_s + 0.5), 600}};
+    const uint32_t begin = input.tick;
+    while (output.state != SUPERVISOR_UNLOADING && input.tick - begin < 5000) {
+        run_powered(1);
+    }
+    const double patience_s = cases[_i].by_timeout ? 1.5 : 2.0 * cases[_i].last_step_s;
+    assert_close(input.tick - begin, 1000.0 * patience_s, 1.5, 0.0);
+    ck_assert_int_eq(output.fault, SUPERVISOR_FAULT_NONE); /* stopping is no fault */
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("controller edges");
@@ -291,6 +401,10 @@ int main(void)
     tcase_add_test(tests, an_ankle_and_a_motor_may_move_so_much_and_no_more);
     tcase_add_test(tests, a_stop_is_faster_than_a_step);
     tcase_add_test(tests, a_stop_begins_at_a_motor_that_was_left_behind);
+    tcase_add_test(tests, nothing_is_loaded_before_it_is_known_which_leg_stands);
+    tcase_add_loop_test(tests, a_silent_drive_unloads_by_itself, 0, 2);
+    tcase_add_loop_test(tests, only_a_compass_leg_that_steps_twice_is_a_fault, 0, 2);
+    tcase_add_loop_test(tests, a_wearer_s_patience_ends_with_the_timeout, 0, 4);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -48,15 +48,20 @@ static void take(const struct can_msg *message)
     }
 }
 
+static void tick(const struct can_bus *tool)
+{
+    struct can_msg message;
+    loop_tick(&loop);
+    while (can_bus_receive(tool, &message, NULL) == CAN_OK) {
+        take(&message);
+    }
+}
+
 /* Walks until so many steps have been told. */
 static void walk(const struct can_bus *tool, unsigned steps)
 {
-    struct can_msg message;
     for (int i = 0; i < 60000 && told[steps].number == 0; i++) {
-        loop_tick(&loop);
-        while (can_bus_receive(tool, &message, NULL) == CAN_OK) {
-            take(&message);
-        }
+        tick(tool);
     }
     ck_assert_uint_eq(told[steps].number, steps);
 }
@@ -102,6 +107,34 @@ START_TEST(the_bus_tells_of_the_hand_over_and_of_its_end)
 }
 END_TEST
 
+/* The foot lands while the search is still under way (150 ms after a crossing that no spring answered):
+ * the step is given then and there, by eq. (16), whose answer the search began with. */
+START_TEST(a_foot_that_lands_early_ends_the_search)
+{
+    start();
+    const struct can_bus tool =
+        sim_bus_port(&loop.bus, sim_bus_attach(&loop.bus, "tool", NULL, NULL));
+    struct controller *controller = &loop.rig.task.controller;
+    walk(&tool, BEFORE);
+    for (int i = 0; i < 2000 && controller->law.is_final; i++) {
+        tick(&tool);
+    }
+    ck_assert(!controller->law.is_final);
+    ck_assert_uint_eq(controller->last_step.number, BEFORE); /* the next is not given yet */
+    controller->observer.compass.crossed = true;
+    controller->observer.compass.crossing_tick = loop.rig.task.tick - 151;
+    tick(&tool);
+    ck_assert(controller->observer.state.event[GAIT_HEEL_STRIKE].happened);
+    ck_assert(controller->law.is_final);
+    ck_assert_uint_eq(controller->last_step.number, BEFORE + 1);
+    walk(&tool, BEFORE + 1);
+    ck_assert(told[BEFORE + 1].fell_back);
+    assert_close(told[BEFORE + 1].r0_m, equation_16(&told[BEFORE + 1], told[BEFORE].r0_m), 1.5e-5,
+                 0);
+    loop_free(&loop);
+}
+END_TEST
+
 /* No other law has anything to fall back from. */
 START_TEST(equation_16_itself_tells_of_none)
 {
@@ -126,6 +159,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_set_timeout(tests, 120);
     tcase_add_test(tests, the_bus_tells_of_the_hand_over_and_of_its_end);
+    tcase_add_test(tests, a_foot_that_lands_early_ends_the_search);
     tcase_add_test(tests, equation_16_itself_tells_of_none);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

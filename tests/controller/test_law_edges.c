@@ -120,6 +120,90 @@ START_TEST(without_a_model_the_predictive_law_is_eq_16)
 }
 END_TEST
 
+/* ---- the predictive law alone ------------------------------------------------------------- */
+
+static struct predictive_law search;
+
+/* From the steady gait of 0.45 rad/s a faster one is wanted; the motor stands at that gait's r0. */
+static struct predictive_request faster(void)
+{
+    const struct walker_params body = {params.torso_mass_kg, params.leg_mass_kg,
+                                       params.leg_length_m, params.spring_stiffness_n_m,
+                                       params.gravity_m_s2};
+    struct gait_branch_point gait;
+    ck_assert_int_eq(predictive_law_init(&search, &body), 0);
+    (void)gait_branch_at(params.branch, 0.45f, &gait);
+    return (struct predictive_request){
+        .apex = {-0.45f, gait.swing_angle_rad, gait.swing_rate_rad_s},
+        .target_speed_rad_s = 0.55f,
+        .r0_first_m = gait.r0_m + 0.01f,
+        .r0_low_m = gait.r0_m - 0.02f,
+        .r0_high_m = gait.r0_m + 0.02f,
+        .r0_from_m = gait.r0_m,
+        .motor_speed_m_s = params.sea_speed_max_m_s,
+        .motor_acceleration_m_s2 = params.sea_acceleration_m_s2,
+        .report_delay_s = 0.03f,
+        .tick_s = 0.001f};
+}
+
+static int search_on(void)
+{
+    int units = 0;
+    while (search.stage != PREDICTIVE_IDLE && units <= PREDICTIVE_UNITS) {
+        (void)predictive_law_work(&search, params.branch);
+        units++;
+    }
+    ck_assert_int_le(units, PREDICTIVE_UNITS);
+    return units;
+}
+
+/* Told of the apex too late for the motor to move, it keeps where the motor is, and foretells that. */
+START_TEST(without_time_to_move_the_motor_stays)
+{
+    struct predictive_request request = faster();
+    predictive_law_begin(&search, params.branch, &request);
+    (void)search_on();
+    ck_assert(search.answered && search.r0_m > request.r0_from_m + 0.001f); /* in time it moves */
+    request.report_delay_s = 1.0f;                                          /* a step lasts less */
+    predictive_law_begin(&search, params.branch, &request);
+    (void)search_on();
+    ck_assert(search.answered && search.has_prediction);
+    ck_assert(search.r0_m == request.r0_from_m);
+    assert_close(search.predicted.stance_rate_rad_s, -0.45, 0, 0.01); /* the steady gait goes on */
+}
+END_TEST
+
+/* The answer is final: more work changes nothing of it, and it is counted once. */
+START_TEST(a_final_answer_stays)
+{
+    const struct predictive_request request = faster();
+    predictive_law_begin(&search, params.branch, &request);
+    predictive_law_finish(&search); /* before any work: the caller's own */
+    ck_assert_uint_eq(search.fallbacks, 1);
+    const struct predictive_law final = search;
+    for (int i = 0; i < 3; i++) {
+        ck_assert(!predictive_law_work(&search, params.branch));
+        predictive_law_finish(&search);
+    }
+    ck_assert_mem_eq(&search, &final, sizeof final);
+    ck_assert(search.r0_m == request.r0_first_m && !search.has_prediction);
+}
+END_TEST
+
+/* A step of which nothing was foretold is no wrong prediction: distrust wears off, down to none. */
+START_TEST(distrust_wears_off_where_nothing_was_foretold)
+{
+    const struct predictive_request request = faster();
+    search.surprises = PREDICTIVE_DISTRUST + 1;
+    for (int k = PREDICTIVE_DISTRUST; k >= -3; k--) {
+        ck_assert_int_eq(predictive_law_trusts_itself(&search), k + 1 < PREDICTIVE_DISTRUST);
+        predictive_law_begin(&search, params.branch, &request);
+        ck_assert_uint_eq(search.surprises, k > 0 ? (unsigned)k : 0u);
+        predictive_law_finish(&search);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("law edges");
@@ -130,6 +214,9 @@ int main(void)
     tcase_add_test(tests, a_wearers_mean_begins_with_a_number);
     tcase_add_loop_test(tests, what_is_no_number_leaves_the_last_answer, 0, 6);
     tcase_add_test(tests, without_a_model_the_predictive_law_is_eq_16);
+    tcase_add_test(tests, without_time_to_move_the_motor_stays);
+    tcase_add_test(tests, a_final_answer_stays);
+    tcase_add_test(tests, distrust_wears_off_where_nothing_was_foretold);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }
