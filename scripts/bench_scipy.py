@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """Time against error of the stride by SciPy's solve_ivp: DOP853 with events, one call a phase.
 
-The equations are written out from model.md's reduced form with Python's math module on plain floats,
-which is faster here than NumPy on vectors of four. Prints what sim_host/batch/bench.c prints:
+Single support is written twice: solved by hand on plain floats with Python's math module, the fastest found
+("SciPy DOP853"), and with a mass matrix and numpy.linalg.solve, as such models are mostly written ("SciPy
+DOP853; NumPy matrices"). Prints what sim_host/batch/bench.c prints:
 method,setting,largest error,median error,strides per second.
 
 Usage: bench_scipy.py REFERENCE.csv [EVERY]     (EVERY: take each n-th row; default 1)
@@ -13,6 +14,7 @@ import sys
 import time
 from math import acos, asin, cos, pi, sin, sqrt
 
+import numpy
 from scipy.integrate import solve_ivp
 
 LIMIT_S = 20.0
@@ -28,6 +30,18 @@ def single_support(M, m, l, g):
         f2 = -b * s * ws * ws - 0.5 * g * m * l * sin(tn)
         det = A * C - b * b * c * c
         return ws, wn, (C * f1 + b * c * f2) / det, (b * c * f1 + A * f2) / det
+    return rates
+
+
+def single_support_in_matrices(M, m, l, g):
+    def rates(_, y):
+        angle, rate = y[:2], y[2:]
+        s, c = numpy.sin(angle[0] - angle[1]), numpy.cos(angle[0] - angle[1])
+        mass = numpy.array([[(M + 1.25 * m) * l * l, -0.5 * m * l * l * c],
+                            [-0.5 * m * l * l * c, 0.25 * m * l * l]])
+        centrifugal = 0.5 * m * l * l * s * numpy.array([rate[1] ** 2, -rate[0] ** 2])
+        gravity = g * l * numpy.array([M + 1.5 * m, -0.5 * m]) * numpy.sin(angle)
+        return numpy.concatenate((rate, numpy.linalg.solve(mass, centrifugal + gravity)))
     return rates
 
 
@@ -71,9 +85,9 @@ def phase(rates, start, event, tolerance):
     return run.y_events[0][0]
 
 
-def stride(row, tolerance):
+def stride(row, tolerance, equations):
     M, m, l, k, g, ws, tn, wn, r0 = row[:9]
-    swing = single_support(M, m, l, g)
+    swing = equations(M, m, l, g)
     ts, tn, ws, wn = phase(swing, (0.0, tn, ws, wn), strike, tolerance)
     D = ts - tn
     d = 2 * l * sin(abs(D) / 2)
@@ -93,27 +107,32 @@ def stride(row, tolerance):
     return ws, tn, wn
 
 
-def stride_or_nothing(row, tolerance):
+def stride_or_nothing(row, tolerance, equations):
     try:
-        return stride(row, tolerance)
+        return stride(row, tolerance, equations)
     except ArithmeticError:
         return (float("inf"),) * 3
+
+
+def measure(name, equations, rows):
+    for tolerance in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14):
+        best, errors = float("inf"), []
+        for _ in range(2):
+            start = time.process_time()
+            answers = [stride_or_nothing(row, tolerance, equations) for row in rows]
+            best = min(best, time.process_time() - start)
+        for row, answer in zip(rows, answers):
+            errors.append(max(abs(a - b) for a, b in zip(answer, row[9:12])))
+        print(f"{name},{tolerance:g},{max(errors):.3e},{statistics.median(errors):.3e},"
+              f"{len(rows) / best:.6g}", flush=True)
 
 
 def main(arguments):
     with open(arguments[0], newline="") as file:
         table = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
     rows = table[::int(arguments[1]) if len(arguments) > 1 else 1]
-    for tolerance in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14):
-        best, errors = float("inf"), []
-        for _ in range(2):
-            start = time.process_time()
-            answers = [stride_or_nothing(row, tolerance) for row in rows]
-            best = min(best, time.process_time() - start)
-        for row, answer in zip(rows, answers):
-            errors.append(max(abs(a - b) for a, b in zip(answer, row[9:12])))
-        print(f"SciPy DOP853,{tolerance:g},{max(errors):.3e},{statistics.median(errors):.3e},"
-              f"{len(rows) / best:.6g}", flush=True)
+    measure("SciPy DOP853", single_support, rows)
+    measure("SciPy DOP853; NumPy matrices", single_support_in_matrices, rows)
 
 
 if __name__ == "__main__":

@@ -103,8 +103,8 @@ static int batch_strides(void *context, const struct bench_rows *rows, double se
 static void measure_methods(const struct bench_rows *rows, struct many *many)
 {
     for (int order = 8; order <= 28; order += 2) {
-        char name[40];
-        snprintf(name, sizeof name, "series of order %d", order);
+        char name[80];
+        snprintf(name, sizeof name, "series of order %d: %s", order, batch_lanes_name());
         for (int bits = 12; bits <= 54; bits += 2) {
             batch_use_method(order, -(double)bits);
             bench_measure(name, rows, batch_strides, many, 0.0, REPEATS);
@@ -214,11 +214,11 @@ static void measure_batch(const struct bench_rows *rows)
     for (int lanes = 2; lanes <= 8; lanes *= 2) {
         if (batch_use_lanes(lanes) == BATCH_OK) {
             measure_lanes(rows, &many);
+            measure_methods(rows, &many);
         }
     }
     batch_use_lanes(0);
     report_peak(rows, &many);
-    measure_methods(rows, &many);
 }
 
 int main(int argc, char **argv)
