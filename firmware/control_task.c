@@ -28,6 +28,26 @@ static void count(uint32_t *counter)
     }
 }
 
+static uint32_t saturating_sum(uint32_t a, uint32_t b)
+{
+    return a > UINT32_MAX - b ? UINT32_MAX : a + b;
+}
+
+static void show_counters(void *context)
+{
+    struct control_task *task = (struct control_task *)context;
+    struct controller_counters *counters = &task->node.objects.counters;
+    struct can_bus_status status;
+    can_bus_get_status(&task->config.bus, &status);
+    counters->ticks = task->tick;
+    counters->rx_malformed = saturating_sum(
+        saturating_sum(task->sensors.rx_malformed, *task->config.drives.rx_malformed),
+        task->node.device.counters.malformed);
+    counters->tx_refused = status.tx_refused;
+    counters->rx_overflow = status.rx_overflow;
+    counters->bus_off_count = status.bus_off_count;
+}
+
 int control_task_init(struct control_task *task, const struct control_task_config *config)
 {
     const int verdict = control_params_validate(config->params);
@@ -42,6 +62,8 @@ int control_task_init(struct control_task *task, const struct control_task_confi
                                           config->walk_requested, config->bus);
     HAL_ASSERT(node == 0); /* the dictionary is a constant of the build */
     (void)node;
+    task->node.show_counters = show_counters;
+    task->node.show_context = task;
     task->config.params = &task->node.objects.params;
     return controller_init(&task->controller, task->config.params);
 }
@@ -51,12 +73,13 @@ enum can_result control_task_start_cycle(struct control_task *task)
     const struct can_msg sync = {.id = FRAME_SYNC, .length = FRAME_BYTES_SYNC};
     if (task->sync_waits > 0 && task->sync_waits < CONTROL_TASK_SYNC_WAIT) {
         task->sync_waits++;
-        count(&task->counters.syncs_refused);
+        count(&task->node.objects.counters.syncs_refused);
         return CAN_FULL;
     }
     const enum can_result result = can_bus_send(&task->config.bus, &sync);
     task->sync_waits = result == CAN_OK ? 1 : 0;
-    count(result == CAN_OK ? &task->counters.syncs_sent : &task->counters.syncs_refused);
+    count(result == CAN_OK ? &task->node.objects.counters.syncs_sent
+                           : &task->node.objects.counters.syncs_refused);
     return result;
 }
 
@@ -91,7 +114,7 @@ static void collect_input(struct control_task *task, struct controller_input *in
                                      drive.age_ticks,        (enum latch_state)drive.latch,
                                      drive.force_N,          drive.force_age_ticks};
         if (reading->age_ticks != 0 || drive.age_ticks != 0) {
-            count(&task->counters.late_answers);
+            count(&task->node.objects.counters.late_answers);
         }
         task->foreign = task->foreign || drive.foreign || reading->surplus >= SAMPLE_SURPLUS_LIMIT;
     }
@@ -110,7 +133,7 @@ static bool send_commands(struct control_task *task)
     }
     const bool sent = sea_drives_command(&task->config.drives, wish, &task->config.bus) == CAN_OK;
     if (!sent) {
-        count(&task->counters.send_failures);
+        count(&task->node.objects.counters.send_failures);
     }
     return sent;
 }
@@ -140,7 +163,7 @@ static void force_stop(struct control_task *task)
         }
         if (task->disobeys[leg] >= FORCE_STOP_TICKS) {
             task->disobeys[leg] = 0;
-            count(&task->counters.forced_stops);
+            count(&task->node.objects.counters.forced_stops);
             (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
         }
     }
@@ -152,7 +175,7 @@ static void force_stop(struct control_task *task)
     /* Whoever speaks with our identifiers is heard by the drives as we are: no command of
      * ours could outdo theirs, and no answer be trusted. Stopped, a drive obeys no PDO. */
     if (task->foreign) {
-        count(&task->counters.forced_stops);
+        count(&task->node.objects.counters.forced_stops);
         (void)network_stop_all(&task->network, &task->config.bus);
     }
 }
@@ -201,17 +224,6 @@ static void configure_nodes(struct control_task *task)
     }
 }
 
-static void show_counters(struct control_task *task)
-{
-    struct controller_objects *objects = &task->node.objects;
-    objects->ticks = task->tick;
-    objects->syncs_refused = task->counters.syncs_refused;
-    objects->send_failures = task->counters.send_failures;
-    objects->error_frames = task->counters.error_frames;
-    objects->foreign_frames = task->counters.foreign_frames;
-    objects->late_answers = task->counters.late_answers;
-}
-
 static unsigned run_tick(struct control_task *task)
 {
     struct controller_input input;
@@ -228,7 +240,6 @@ static unsigned run_tick(struct control_task *task)
     task->node.objects.input_digest = task->node.objects.input_digest * UINT32_C(16777619) + 1u;
     configure_nodes(task);
     network_update(&task->network, &task->config.bus, task->configured);
-    show_counters(task);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);
     task->foreign = false;
@@ -263,7 +274,7 @@ static void take_frame(struct control_task *task, const struct can_msg *message)
         task->node.objects.input_digest += frame_hash(message);
         return;
     }
-    count(&task->counters.foreign_frames);
+    count(&task->node.objects.counters.foreign_frames);
     if (masters) {
         task->node.objects.input_digest += frame_hash(message);
     }
@@ -279,7 +290,7 @@ unsigned control_task_poll(struct control_task *task)
             break;
         }
         if (message.flags & CAN_FRAME_ERROR) {
-            count(&task->counters.error_frames);
+            count(&task->node.objects.counters.error_frames);
         } else if ((message.flags & CAN_FRAME_OWN) != 0) {
             if (message.id == FRAME_SYNC) {
                 progress |= CONTROL_TASK_BUS_ALIVE | run_tick(task);

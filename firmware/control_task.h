@@ -46,16 +46,6 @@ struct control_task_config {
     bool walk_requested;            /* at the start */
 };
 
-struct control_task_counters { /* all saturate */
-    uint32_t syncs_sent;
-    uint32_t syncs_refused; /* the bus took no SYNC: full or down */
-    uint32_t send_failures; /* command frames the bus did not take */
-    uint32_t error_frames;
-    uint32_t foreign_frames; /* received, nobody's */
-    uint32_t late_answers;   /* answers missing when their tick was processed */
-    uint32_t forced_stops;   /* NMT stops: a drive stayed enabled, or a foreign node spoke */
-};
-
 struct control_task {
     struct control_task_config config;
     struct network network;
@@ -64,7 +54,6 @@ struct control_task {
     struct controller_node node; /* commands, parameters and telemetry over CAN */
     struct controller controller;
     struct controller_output output; /* of the last tick */
-    struct control_task_counters counters;
     uint32_t tick;       /* number of the last own SYNC seen; 0 = none yet; wraps after 49 days */
     uint64_t now_ns;     /* since the task's start, in periods of SYNC; does not wrap */
     uint8_t configured;  /* bit i: node i of the network is set up */
@@ -100,6 +89,12 @@ enum { CONTROL_TASK_POLL_FRAMES = 64 };
  * been silent or under torque for longer than any unload by itself takes. */
 bool control_task_power_must_go(const struct control_task *task);
 enum { CONTROL_TASK_POWER_TICKS = 500 };
+
+/* How many ticks the main's clock has missed since the start, for object 0x2020. Loop only. */
+static inline void control_task_show_missed(struct control_task *task, uint32_t missed_ticks)
+{
+    task->node.objects.counters.missed_ticks = missed_ticks;
+}
 
 /* True when all four answers to the last SYNC have arrived: lock-step may start
  * the next cycle. */

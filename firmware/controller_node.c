@@ -17,6 +17,7 @@ enum {
     INDEX_RESTORE = 0x1011,
     INDEX_COMMANDS = 0x2000,
     INDEX_PARAMS = 0x2010,
+    INDEX_COUNTERS = 0x2020,
     INDEX_CRASH = 0x2032,
     INDEX_BLACK_BOX = 0x2040
 };
@@ -196,11 +197,14 @@ static void written(void *context, const struct co_entry *entry)
     }
 }
 
-/* The image may be read while nothing writes it any more. */
+/* Counters are fetched now; the image may be read while nothing writes it any more. */
 static void reading(void *context, const struct co_entry *entry)
 {
     struct controller_node *node = (struct controller_node *)context;
     struct controller_objects *objects = &node->objects;
+    if (entry->index == INDEX_COUNTERS && node->show_counters != NULL) {
+        node->show_counters(node->show_context);
+    }
     if (entry->index != INDEX_BLACK_BOX || node->black_box == NULL) {
         return;
     }
@@ -286,7 +290,7 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->step_count = 5;
     objects->record_count = 4;
     objects->param_count = CONTROL_PARAM_COUNT;
-    objects->counter_count = 6;
+    objects->counter_count = 12;
     objects->identity_count = 3;
     objects->setup_count = 6;
     objects->crash_count = 2;

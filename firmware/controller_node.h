@@ -21,6 +21,21 @@
 #include "hal/crash_record.h"
 #include "hal/node_setup.h"
 
+/* 0x2020: what was counted since the start; all saturate. */
+struct controller_counters {
+    /* The control task's. */
+    uint32_t syncs_sent;    /* not in the dictionary */
+    uint32_t syncs_refused; /* cycles whose SYNC the bus did not take: full or down */
+    uint32_t send_failures; /* ticks with command frames that the bus did not take */
+    uint32_t error_frames;
+    uint32_t foreign_frames; /* received, nobody's */
+    uint32_t late_answers;   /* legs whose answers were missing when their tick was processed */
+    uint32_t forced_stops;   /* NMT stops: a drive stayed enabled, or a foreign node spoke */
+    uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
+    /* Shown when they are asked for: the tick, and what others count. */
+    uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
+};
+
 /* Values of the dictionary's entries 0x2000 and above. */
 struct controller_objects {
     uint8_t command_count, state_count, step_count, record_count, param_count, counter_count;
@@ -48,7 +63,7 @@ struct controller_objects {
     /* 0x2010: the parameters, in the order of CONTROL_PARAM_TABLE */
     struct control_params params;
     /* 0x2020: counters */
-    uint32_t ticks, syncs_refused, send_failures, error_frames, foreign_frames, late_answers;
+    struct controller_counters counters;
     /* 0x2030: identity */
     char version[32];
     uint32_t build_id;
@@ -93,8 +108,10 @@ struct controller_node {
     bool standstill; /* both legs are still */
     const struct controller_keeper_ops *keeper; /* NULL: nobody keeps settings */
     void *keeper_context;
-    struct black_box *black_box; /* NULL: there is none */
-    struct crash_record *crash;  /* NULL: nobody leaves one */
+    struct black_box *black_box;          /* NULL: there is none */
+    struct crash_record *crash;           /* NULL: nobody leaves one */
+    void (*show_counters)(void *context); /* NULL: they are as they are */
+    void *show_context;
     uint8_t sent_state, sent_fault;
     /* The running check of the parameters' CRC. */
     uint32_t crc_so_far, crc_expected;

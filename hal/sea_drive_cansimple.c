@@ -177,5 +177,5 @@ static const struct sea_drives_ops cansimple_ops = {receive, read_axis, age, com
 
 struct sea_drives cansimple_drives_interface(struct cansimple_drives *drives)
 {
-    return (struct sea_drives){&cansimple_ops, drives};
+    return (struct sea_drives){&cansimple_ops, drives, &drives->rx_malformed};
 }

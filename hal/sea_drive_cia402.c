@@ -249,5 +249,5 @@ static const struct sea_drives_ops cia402_ops = {receive, read_axis, age, comman
 
 struct sea_drives cia402_drives_interface(struct cia402_drives *drives)
 {
-    return (struct sea_drives){&cia402_ops, drives};
+    return (struct sea_drives){&cia402_ops, drives, &drives->rx_malformed};
 }

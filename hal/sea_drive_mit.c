@@ -187,5 +187,5 @@ static const struct sea_drives_ops mit_ops = {receive, read_axis, age, command};
 
 struct sea_drives mit_drives_interface(struct mit_drives *drives)
 {
-    return (struct sea_drives){&mit_ops, drives};
+    return (struct sea_drives){&mit_ops, drives, &drives->rx_malformed};
 }

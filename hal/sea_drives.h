@@ -62,6 +62,7 @@ struct sea_drives_ops {
 struct sea_drives {
     const struct sea_drives_ops *ops;
     void *context;
+    const uint32_t *rx_malformed; /* frames of theirs that could not be read; saturates */
 };
 
 static inline bool sea_drives_receive(const struct sea_drives *drives,

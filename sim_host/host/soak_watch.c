@@ -12,7 +12,7 @@ enum { RESIDENT_PAGES_MORE = 256 }; /* 1 MB: what a program touches for the firs
 static unsigned list_counters(struct loop *loop, uint32_t *counter[SOAK_COUNTERS_MAX])
 {
     struct control_task *task = &loop->rig.task;
-    struct control_task_counters *counters = &task->counters;
+    struct controller_counters *counters = &task->node.objects.counters;
     struct co_device *device = &task->node.device;
     uint32_t *const all[] = {&counters->syncs_sent, /* first: this one has to rise every tick */
                              &counters->syncs_refused,

@@ -362,6 +362,7 @@ static void run(struct host *host)
     while (stop_ticks < STOP_TICKS) {
         if (host->options.real_time) {
             (void)pacer_wait(&host->pacer);
+            control_task_show_missed(task, (uint32_t)host->pacer.missed);
         }
         run_cycle(host);
         silent_cycles = nobody_answers(task) ? silent_cycles + 1 : 0;
@@ -394,7 +395,7 @@ static void report_text(const struct host *host)
            (double)task->controller.last_step.commanded_speed_rad_s,
            (double)task->controller.last_step.r0_m);
     printf("  ticks      %u; %llu cycles without all answers, %u answers late\n", task->tick,
-           (unsigned long long)host->lost_cycles, task->counters.late_answers);
+           (unsigned long long)host->lost_cycles, task->node.objects.counters.late_answers);
     printf("  bus        %u frames out, %u in, %u refused, %u lost on receive, %u error frames, "
            "bus-off %u times\n",
            status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
@@ -417,7 +418,8 @@ static void report_json(const struct host *host)
         "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
         "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
         "\"error_frames\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
-        host->steps, task->tick, (unsigned long long)host->lost_cycles, task->counters.late_answers,
+        host->steps, task->tick, (unsigned long long)host->lost_cycles,
+        task->node.objects.counters.late_answers,
         (double)task->controller.last_step.measured_speed_rad_s,
         (double)task->controller.last_step.r0_m, (int)task->output.state, (int)task->output.fault,
         host->faults, status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,

@@ -159,10 +159,10 @@ static void spoil(struct soak *soak, const struct options *options)
         soak->lost = now ? malloc(1) : soak->lost;
         break;
     case SPOIL_WRAP: /* as an addition that does not saturate */
-        task->counters.late_answers += now ? 3 : 0;
+        task->node.objects.counters.late_answers += now ? 3 : 0;
         break;
     case SPOIL_STUCK:
-        task->counters.syncs_sent -= now ? 1 : 0;
+        task->node.objects.counters.syncs_sent -= now ? 1 : 0;
         break;
     case SPOIL_CLOCK:
         task->tick += now ? 1 : 0;

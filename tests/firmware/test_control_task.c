@@ -142,7 +142,7 @@ START_TEST(start_cycle_sends_an_empty_sync)
     (void)control_task_poll(&b.task);
     b.fake.verdict = CAN_DOWN;
     ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_DOWN);
-    ck_assert_uint_eq(b.task.counters.syncs_refused, CONTROL_TASK_SYNC_WAIT);
+    ck_assert_uint_eq(b.task.node.objects.counters.syncs_refused, CONTROL_TASK_SYNC_WAIT);
 }
 END_TEST
 
@@ -171,11 +171,12 @@ START_TEST(frames_belong_to_the_tick_of_the_next_sync)
     put_answers(&b, 0x0240);
     (void)control_task_poll(&b.task);
     ck_assert(control_task_cycle_complete(&b.task));
-    ck_assert_uint_eq(b.task.counters.late_answers, 2); /* none had come before the first SYNC */
+    ck_assert_uint_eq(b.task.node.objects.counters.late_answers,
+                      2); /* none had come before the first SYNC */
     put_own_sync(&b);
     (void)control_task_poll(&b.task);
     ck_assert(!control_task_cycle_complete(&b.task));
-    ck_assert_uint_eq(b.task.counters.late_answers, 2);
+    ck_assert_uint_eq(b.task.node.objects.counters.late_answers, 2);
     put(&b, 0x283, 5, 0);
     put(&b, 0x284, 5, 0);
     put(&b, 0x181, 6, 0x0240);
@@ -275,7 +276,7 @@ START_TEST(somebody_elses_commands_are_a_fault)
     ck_assert_ptr_nonnull(stop);
     ck_assert_uint_eq(stop->data[0], 2);
     ck_assert_uint_eq(stop->data[1], 0);
-    ck_assert_uint_eq(b.task.counters.forced_stops, 1);
+    ck_assert_uint_eq(b.task.node.objects.counters.forced_stops, 1);
 }
 END_TEST
 
@@ -336,7 +337,7 @@ START_TEST(a_drive_that_stays_enabled_is_stopped)
         run_ticks(&b, 4, 0x1227);
         run_ticks(&b, 1, 0x0221);
     }
-    ck_assert_uint_gt(b.task.counters.forced_stops, 0);
+    ck_assert_uint_gt(b.task.node.objects.counters.forced_stops, 0);
     const struct can_msg *stop = fake_bus_last(&b.fake, 0x000);
     ck_assert_ptr_nonnull(stop);
     ck_assert_uint_eq(stop->data[0], 2);
@@ -347,13 +348,13 @@ START_TEST(a_drive_that_stays_enabled_is_stopped)
         (void)control_task_poll(&b.task);
         fake_bus_clear(&b.fake);
     }
-    const uint32_t stops = b.task.counters.forced_stops;
+    const uint32_t stops = b.task.node.objects.counters.forced_stops;
     for (int i = 0; i < 500; i++) {
         put_own_sync(&b);
         (void)control_task_poll(&b.task);
         fake_bus_clear(&b.fake);
     }
-    ck_assert_uint_eq(b.task.counters.forced_stops, stops);
+    ck_assert_uint_eq(b.task.node.objects.counters.forced_stops, stops);
 }
 END_TEST
 
@@ -472,12 +473,12 @@ START_TEST(error_frames_are_counted_and_used_for_nothing)
     fake_bus_put(&b.fake, &error);
     fake_bus_put(&b.fake, &own); /* its own, but no SYNC: no tick either */
     ck_assert_uint_eq(control_task_poll(&b.task) & CONTROL_TASK_TICKED, 0);
-    ck_assert_uint_eq(b.task.counters.error_frames, 1);
-    ck_assert_uint_eq(b.task.counters.foreign_frames, 0);
-    b.task.counters.error_frames = UINT32_MAX;
+    ck_assert_uint_eq(b.task.node.objects.counters.error_frames, 1);
+    ck_assert_uint_eq(b.task.node.objects.counters.foreign_frames, 0);
+    b.task.node.objects.counters.error_frames = UINT32_MAX;
     fake_bus_put(&b.fake, &error);
     (void)control_task_poll(&b.task);
-    ck_assert_uint_eq(b.task.counters.error_frames, UINT32_MAX);
+    ck_assert_uint_eq(b.task.node.objects.counters.error_frames, UINT32_MAX);
 }
 END_TEST
 
@@ -518,6 +519,57 @@ START_TEST(a_node_that_is_stopped_is_set_up_later)
 }
 END_TEST
 
+/* What 0x2020:sub says over SDO. */
+static uint32_t counter_of(struct bench *b, uint8_t sub)
+{
+    put(b, 0x610, 8, UINT64_C(0x00202040) | (uint64_t)sub << 24);
+    (void)control_task_poll(&b->task);
+    const struct can_msg *answer = fake_bus_last(&b->fake, 0x590);
+    ck_assert_ptr_nonnull(answer);
+    ck_assert_uint_eq(answer->data[0], sub == 0 ? 0x4F : 0x43); /* expedited, 1 or 4 bytes */
+    ck_assert_uint_eq(answer->data[3], sub);
+    uint32_t value;
+    memcpy(&value, answer->data + 4, sizeof value);
+    return value;
+}
+
+START_TEST(what_was_counted_can_be_read_over_the_bus)
+{
+    const struct can_msg error = {.id = 0x080, .length = 8, .flags = CAN_FRAME_ERROR};
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 3, 0x0240);
+    ck_assert_uint_eq(counter_of(&b, 0), 12);
+    ck_assert_uint_eq(counter_of(&b, 1), 3); /* ticks */
+    for (uint8_t sub = 2; sub <= 12; sub++) {
+        ck_assert_uint_eq(counter_of(&b, sub), 0);
+    }
+    fake_bus_put(&b.fake, &error);
+    put(&b, 0x7FF, 0, 0); /* nobody's */
+    put(&b, 0x181, 5, 0); /* too short: a drive's, */
+    put(&b, 0x283, 8, 0); /* too long: a sensor's, */
+    put(&b, 0x610, 3, 0); /* too short: to this node */
+    put(&b, 0x284, 4, 0);
+    put_own_sync(&b); /* without answers of both legs */
+    b.fake.status = (struct can_bus_status){.tx_refused = 5, .rx_overflow = 6, .bus_off_count = 7};
+    control_task_show_missed(&b.task, 8);
+    b.task.node.objects.counters.forced_stops = 9;
+    static const uint32_t expected[] = {4, 0, 0, 1, 1, 2, 9, 8, 4, 5, 6, 7};
+    for (uint8_t sub = 1; sub <= 12; sub++) {
+        ck_assert_uint_eq(counter_of(&b, sub), expected[sub - 1]);
+    }
+    b.fake.verdict = CAN_FULL; /* the bus takes neither commands nor the next SYNC */
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    (void)control_task_start_cycle(&b.task);
+    b.fake.verdict = CAN_OK;
+    ck_assert_uint_eq(counter_of(&b, 2), 1);
+    ck_assert_uint_eq(counter_of(&b, 3), 1);
+    b.task.sensors.rx_malformed = UINT32_MAX; /* the sum stays at its end, too */
+    ck_assert_uint_eq(counter_of(&b, 9), UINT32_MAX);
+}
+END_TEST
+
 START_TEST(a_poll_is_bounded)
 {
     struct bench b;
@@ -526,7 +578,7 @@ START_TEST(a_poll_is_bounded)
         put(&b, 0x7FF, 0, 0);
     }
     (void)control_task_poll(&b.task);
-    ck_assert_uint_eq(b.task.counters.foreign_frames, CONTROL_TASK_POLL_FRAMES);
+    ck_assert_uint_eq(b.task.node.objects.counters.foreign_frames, CONTROL_TASK_POLL_FRAMES);
 }
 END_TEST
 
@@ -552,6 +604,7 @@ int main(void)
     tcase_add_test(tests, error_frames_are_counted_and_used_for_nothing);
     tcase_add_test(tests, a_node_that_boots_during_its_set_up_starts_over);
     tcase_add_test(tests, a_node_that_is_stopped_is_set_up_later);
+    tcase_add_test(tests, what_was_counted_can_be_read_over_the_bus);
     tcase_add_test(tests, a_poll_is_bounded);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

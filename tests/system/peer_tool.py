@@ -60,16 +60,22 @@ def main():
         wait_for(lambda: node.sdo[0x2003][1].raw >= steps + 2, 120, "two more steps")
         assert node.sdo[0x2003][3].raw > before
         say("the desired speed is changed during the walk")
+        counters = node.sdo[0x2020]
+        assert counters["Ticks"].raw > 600
+        assert [counters[name].raw for name in ("Foreign frames", "Malformed frames", "Forced stops",
+                                                "Missed ticks", "Times bus-off")] == [0] * 5
         cansend("181#", "181#11223344556677", "283#01", "283#R", "00000181#112233445566",
                 "581#00", "601#2B4060", "000#81", "701#0505", "20000004#0000000000000000",
                 "082#1081110000000000")
         steps = node.sdo[0x2003][1].raw
         wait_for(lambda: node.sdo[0x2003][1].raw >= steps + 1, 120, "a step after bad frames")
         assert node.sdo[0x2001][2].raw == 0
+        assert counters["Malformed frames"].raw == 3    # 0x181 twice, 0x283: the others reach it not
         say("malformed frames do not end the walk")
         cansend("201#0000000000000000")
         wait_for(lambda: node.sdo[0x2001][2].raw == 18, 60, "a foreign node on the bus")
         wait_for(lambda: node.sdo[0x2001][1].raw & 0x7F == 6, 60, "unloaded and off")
+        assert counters["Foreign frames"].raw > 0 and counters["Forced stops"].raw > 0
         say("another node's targets end the walk")
     finally:
         network.disconnect()

@@ -144,6 +144,7 @@ int main(void)
     iwdg_start();
     for (;;) {
         if (clock_take_tick(&clock)) {
+            control_task_show_missed(&orthosis.task, clock_missed_ticks(&clock));
             orthosis_start_cycle(&orthosis);
         }
         (void)orthosis_poll(&orthosis);
