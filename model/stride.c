@@ -6,7 +6,7 @@
 
 #define MAX_STEPS_PER_PHASE 100000
 #define MAX_HALVINGS 12
-#define MAX_GROUND_LANDINGS 8
+#define MAX_GROUND_LANDINGS 40 /* about 8 are enough */
 
 static const struct ground level_ground = {REAL(0.0), REAL(0.0)};
 static const struct ode_event legs_closest = {{REAL(0.0), REAL(0.0), REAL(1.0), REAL(1.0)},
@@ -63,22 +63,36 @@ static real height_sign(const struct ground *ground, const real *state)
     return ode_event_value(&event, state);
 }
 
-/* Lands where the toe meets the ground between `state` (above) and `end` (not above). A rise of the ground
- * makes the event depend on the opening of the legs at the strike: landed again until that rests. */
+/* Lands where the toe meets the ground between `state` (above) and `end` (not above). A rise of the ground makes the
+ * event depend on the opening of the legs: no function that ode_land() knows, so it is searched between the two by
+ * regula falsi, the value of an end that stays being halved (Illinois). */
 static real land_on_ground(const struct ode *ode, ode_method *method, const struct ground *ground,
                            const real *state, real length, const real *end, real *landed)
 {
-    struct ode_event event = toe_on_ground(ground, end);
-    real step = ode_land(ode, method, &event, state, length, end, landed).step_s;
-    for (int i = 0; i < MAX_GROUND_LANDINGS && ground->height_rise != REAL(0.0); i++) {
-        const real offset = event.offset;
-        event = toe_on_ground(ground, landed);
-        if (real_abs(event.offset - offset) <= REAL(4.0) * REAL_EPSILON ||
-            !(ode_event_value(&event, end) <= REAL(0.0) &&
-              ode_event_value(&event, state) > REAL(0.0))) {
+    if (ground->height_rise == REAL(0.0)) {
+        const struct ode_event event = toe_on_ground(ground, end);
+        return ode_land(ode, method, &event, state, length, end, landed).step_s;
+    }
+    real low = REAL(0.0), high = length, step = length;
+    real above = height_sign(ground, state), below = height_sign(ground, end);
+    for (int i = 0, side = 0; i < MAX_GROUND_LANDINGS; i++) {
+        step = low + (high - low) * above / (above - below);
+        ode_step(ode, method, step, state, landed);
+        const real value = height_sign(ground, landed);
+        if (real_abs(value) <= REAL(4.0) * REAL_EPSILON) {
             break;
         }
-        step = ode_land(ode, method, &event, state, length, end, landed).step_s;
+        if (value > REAL(0.0)) {
+            low = step;
+            above = value;
+            below *= side > 0 ? REAL(0.5) : REAL(1.0);
+            side = 1;
+        } else {
+            high = step;
+            below = value;
+            above *= side < 0 ? REAL(0.5) : REAL(1.0);
+            side = -1;
+        }
     }
     return step;
 }
@@ -106,7 +120,7 @@ static int strike_within(const struct ode *ode, ode_method *method, const struct
     for (int i = 0; i < SINGLE_SUPPORT_STATES; i++) {
         end[i] = next[i];
     }
-    if (before <= REAL(0.0)) {
+    if (before <= REAL(0.0) || is_passing(ground, state)) {
         /* Up and down again within one step? Look at the highest point of g between. */
         real top[SINGLE_SUPPORT_STATES];
         if (!(ode_event_value(&legs_closest, state) > REAL(0.0) &&

@@ -67,38 +67,29 @@ static enum stride_fault scalar(const struct batch_item *from, struct stride_res
     return stride_on_ground(&walker, &settings, &apex, from->push_m, &ground, result);
 }
 
-static double off_the_ground(const struct batch_item *item, const struct stride_result *result)
-{
-    const struct ground ground = {item->slope_rad, item->height_rise};
-    return real_abs(result->strike[STANCE_ANGLE] + result->strike[SWING_ANGLE] -
-                    2.0 * ground_incline_rad(&ground, result->inter_leg_rad));
-}
-
 START_TEST(one_stride_is_that_of_the_scalar_map)
 {
     struct batch_item *from = make_items(), *got = make_items();
     const struct batch_job job = job_of(got, 1);
     const struct batch_settings settings = {.accuracy = 1e-12, .want_times = 1};
-    int whole[4] = {0}, faults = 0, missed = 0;
+    int whole[4] = {0}, faults = 0, grazes = 0;
     ck_assert_int_eq(batch_run(&settings, &job), BATCH_OK);
     for (int i = 0; i < COUNT; i++) {
         struct stride_result want;
         (void)scalar(&from[i], &want);
-        if (want.inter_leg_rad > 0.0 && off_the_ground(&from[i], &want) > 1e-9) {
-            missed++; /* the scalar map's corrections did not get there */
+        if (got[i].fault != (int)want.fault) {
+            ck_assert(from[i].height_rise != 0.0);
+            grazes++;
             continue;
         }
-        ck_assert_int_eq(got[i].fault, want.fault);
         if (want.fault != STRIDE_OK) {
             faults++;
             continue;
         }
         whole[i % 4]++;
-        /* Where the walker hardly moves, errors of a stride grow: 1e-10 at the pace of a gait. The scalar map
-         * lands on a rise by eight corrections: how far off the ground it ended counts, too. */
+        /* Where the walker hardly moves, errors of a stride grow: 1e-10 at the pace of a gait. */
         const double pace = real_abs(want.next.stance_rate_rad_s);
-        const double tolerance =
-            2e-10 / (pace < 0.2 ? pace * pace : 1.0) + 300.0 * off_the_ground(&from[i], &want);
+        const double tolerance = 2e-10 / (pace < 0.2 ? pace * pace : 1.0);
         assert_close(got[i].apex[0], want.next.stance_rate_rad_s, tolerance, 0.0);
         assert_close(got[i].apex[1], want.next.swing_angle_rad, tolerance, 0.0);
         assert_close(got[i].apex[2], want.next.swing_rate_rad_s, tolerance, 0.0);
@@ -111,7 +102,8 @@ START_TEST(one_stride_is_that_of_the_scalar_map)
         ck_assert_int_gt(whole[kind], COUNT / 16);
     }
     ck_assert_int_gt(faults, COUNT / 20);
-    ck_assert_int_lt(missed, COUNT / 20);
+    /* A toe that clears a rise for less than a step of either: only the one that looks there finds the strike. */
+    ck_assert_int_le(grazes, COUNT / 500);
     free(from);
     free(got);
 }

@@ -51,6 +51,38 @@ START_TEST(toe_lands_on_the_ground)
 }
 END_TEST
 
+static double next_random(uint64_t *seed)
+{
+    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*seed >> 11) * 0x1p-53;
+}
+
+/* However the toe comes down: fast or grazing, at a step's beginning or end, with any step. */
+START_TEST(toe_lands_on_any_ground)
+{
+    const struct walker walker = paper_walker();
+    uint64_t seed = 40;
+    int strikes = 0;
+    for (int i = 0; i < 4000; i++) {
+        const struct apex from = {-0.2 - 0.9 * next_random(&seed), -0.4 + 0.5 * next_random(&seed),
+                                  0.6 + 3.0 * next_random(&seed)};
+        const struct ground ground = {0.16 * (next_random(&seed) - 0.5),
+                                      0.06 * (next_random(&seed) - 0.5)};
+        const struct stride_settings settings =
+            stride_settings_fixed(&walker, i % 2 == 0 ? 0.03 : 0.002 + 0.05 * next_random(&seed));
+        struct stride_result r = {.fault = STRIDE_OK};
+        if (stride_to_strike_on_ground(&walker, &settings, &from, &ground, &r) != STRIDE_OK ||
+            r.strike[SWING_ANGLE] < r.strike[STANCE_ANGLE]) {
+            continue; /* no strike, or the legs cross again in a fall: a rise is one ahead */
+        }
+        const struct point toe = single_support_swing_toe(&walker, r.strike);
+        assert_close(toe.y_m, -toe.x_m * tan(ground.slope_rad) + ground.height_rise, 1e-14, 0.0);
+        strikes++;
+    }
+    ck_assert_int_gt(strikes, 2000);
+}
+END_TEST
+
 START_TEST(energy_of_an_inclined_double_support_is_kept)
 {
     const struct walker walker = paper_walker();
@@ -203,6 +235,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_add_test(tests, incline_is_geometry);
     tcase_add_test(tests, toe_lands_on_the_ground);
+    tcase_add_test(tests, toe_lands_on_any_ground);
     tcase_add_test(tests, energy_of_an_inclined_double_support_is_kept);
     tcase_add_test(tests, level_ground_keeps_every_bit);
     tcase_add_test(tests, a_lower_foothold_is_not_met_in_mid_swing);
