@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "sim_host/laws/laws.h"
+#include "sim_host/laws/walks.h"
 #include "sim_host/study/pool.h"
 
 enum { CHUNK = 250, STEPS = 80, DEFAULT_SAMPLES = 2000, MANY_SAMPLES = 100000 };
@@ -15,6 +16,7 @@ struct count {
     int reached, survived;
     int viable_inner, viable_outer; /* of the same states */
     int beyond; /* reached from outside the outer bound: none, or the bound is wrong */
+    bool failed;
 };
 
 struct basin {
@@ -27,54 +29,88 @@ struct basin {
     struct count *chunk;
 };
 
+/* The walks of one chunk. */
+struct chunk_walks {
+    const struct basin *basin;
+    struct laws_bench bench;
+    double gait[3];
+    struct laws_course course[CHUNK];
+    bool may[CHUNK]; /* begins within the outer bound */
+    struct count *count;
+};
+
 static bool arrived(const struct laws_walk *walk, const double gait[3])
 {
     return fabs(walk->apex[0] - gait[0]) < 0.002 * fabs(gait[0]) &&
            fabs(walk->apex[1] - gait[1]) < 0.002 && fabs(walk->apex[2] - gait[2]) < 0.002 * gait[2];
 }
 
-static void try_state(const struct basin *basin, const struct laws_bench *bench,
-                      const double apex[3], struct count *count)
+static void look(void *context, size_t i, struct laws_ahead *ahead)
 {
-    struct laws_walk walk;
+    const struct chunk_walks *walks = (const struct chunk_walks *)context;
+    (void)i;
+    ahead->desired_rad_s = walks->basin->speed_rad_s;
+}
+
+static int judge(void *context, size_t i, const struct laws_walk *walk)
+{
+    struct chunk_walks *walks = (struct chunk_walks *)context;
+    if (walk->stride.fault != 0) {
+        return 1;
+    }
+    const bool there = walk->steps > 4 && arrived(walk, walks->gait);
+    if (!there && walk->steps < STEPS) {
+        return 0;
+    }
+    walks->count->survived++;
+    if (fabs(walk->apex[0] - walks->gait[0]) < 0.01 * walks->basin->speed_rad_s) {
+        walks->count->reached++;
+        walks->count->beyond += walks->may[i] ? 0 : 1;
+    }
+    return 1;
+}
+
+/* Whether push-offs could keep it up from there, by both bounds. */
+static void bound(struct chunk_walks *walks, int i, const double apex[3])
+{
+    const struct basin *basin = walks->basin;
     struct viable_state state;
-    double gait[3];
-    const double r0_m = laws_bench_gait(bench, basin->speed_rad_s, gait);
-    const bool strikes = viable_after_apex(&bench->truth, apex, &state);
-    const bool may = strikes && viable_has(&basin->grid, VIABLE_OUTER, basin->outer, &state);
-    count->viable_outer += may ? 1 : 0;
-    count->viable_inner +=
+    const bool strikes = viable_after_apex(&walks->bench.truth, apex, &state);
+    walks->may[i] = strikes && viable_has(&basin->grid, VIABLE_OUTER, basin->outer, &state);
+    walks->count->viable_outer += walks->may[i] ? 1 : 0;
+    walks->count->viable_inner +=
         strikes && viable_has(&basin->grid, VIABLE_INNER, basin->inner, &state) ? 1 : 0;
-    laws_walk_start(bench, &walk, apex, r0_m, basin->speed_rad_s);
-    for (int k = 0; k < STEPS; k++) {
-        if (laws_walk_step(bench, &walk, basin->speed_rad_s, NULL, 0.0, 0.0) != 0) {
-            return;
-        }
-        if (k > 3 && arrived(&walk, gait)) {
-            break;
-        }
-    }
-    count->survived++;
-    if (fabs(walk.apex[0] - gait[0]) < 0.01 * basin->speed_rad_s) {
-        count->reached++;
-        count->beyond += may ? 0 : 1;
-    }
 }
 
 static void compute(void *context, int chunk)
 {
     struct basin *basin = (struct basin *)context;
-    const struct laws_bench bench = laws_entrant_bench(basin->options, basin->entrant);
+    struct chunk_walks *walks = calloc(1, sizeof *walks);
     struct rng rng;
+    int count = 0;
+    if (walks == NULL) {
+        basin->chunk[chunk].failed = true;
+        return;
+    }
+    walks->basin = basin;
+    walks->bench = laws_entrant_bench(basin->options, basin->entrant);
+    walks->count = &basin->chunk[chunk];
+    const double r0_m = laws_bench_gait(&walks->bench, basin->speed_rad_s, walks->gait);
     rng_init(&rng, basin->options->seed, (uint64_t)chunk); /* the same states for every law */
-    for (int i = 0; i < CHUNK && chunk * CHUNK + i < basin->samples; i++) {
+    for (; count < CHUNK && chunk * CHUNK + count < basin->samples; count++) {
+        struct laws_course *course = &walks->course[count];
         double apex[3];
         laws_draw_apex(basin->options, &rng, apex);
-        try_state(basin, &bench, apex, &basin->chunk[chunk]);
+        bound(walks, count, apex);
+        course->bench = &walks->bench;
+        laws_walk_start(&walks->bench, &course->walk, apex, r0_m, basin->speed_rad_s);
     }
+    basin->chunk[chunk].failed =
+        laws_walks_run(walks->course, (size_t)count, STEPS, look, judge, walks, 1) != 0;
+    free(walks);
 }
 
-static void print(const struct basin *basin, double paper_speed, FILE *csv)
+static struct count sum_up(const struct basin *basin)
 {
     const int chunks = (basin->samples + CHUNK - 1) / CHUNK;
     struct count sum = {0};
@@ -84,18 +120,24 @@ static void print(const struct basin *basin, double paper_speed, FILE *csv)
         sum.viable_inner += basin->chunk[i].viable_inner;
         sum.viable_outer += basin->chunk[i].viable_outer;
         sum.beyond += basin->chunk[i].beyond;
+        sum.failed = sum.failed || basin->chunk[i].failed;
     }
-    const double n = basin->samples, share = sum.reached / n;
+    return sum;
+}
+
+static void print(const struct basin *basin, const struct count *sum, double paper_speed, FILE *csv)
+{
+    const double n = basin->samples, share = sum->reached / n;
     const double error = sqrt(share * (1.0 - share) / n);
     printf("  %-13s %.1f rad/s: reached %7.3f %% +- %.3f, still walking %7.3f %%",
            laws_entrant_names[basin->entrant], paper_speed, 100.0 * share, 100.0 * error,
-           100.0 * sum.survived / n);
+           100.0 * sum->survived / n);
     printf("; of what can be walked on from at least %.2f %%\n",
-           100.0 * sum.reached / sum.viable_outer);
+           100.0 * sum->reached / sum->viable_outer);
     if (csv != NULL) {
         fprintf(csv, "%s,%.1f,%d,%d,%d,%d,%d,%d\n", laws_entrant_names[basin->entrant], paper_speed,
-                basin->samples, sum.reached, sum.survived, sum.viable_inner, sum.viable_outer,
-                sum.beyond);
+                basin->samples, sum->reached, sum->survived, sum->viable_inner, sum->viable_outer,
+                sum->beyond);
     }
     fflush(stdout);
 }
@@ -112,12 +154,9 @@ static bool find_viable(struct basin *basin)
     }
     basin->inner = malloc((size_t)basin->grid.nodes);
     basin->outer = malloc((size_t)basin->grid.nodes);
-    if (basin->inner == NULL || basin->outer == NULL) {
-        return false;
-    }
-    (void)viable_kernel(&basin->grid, VIABLE_INNER, basin->inner);
-    (void)viable_kernel(&basin->grid, VIABLE_OUTER, basin->outer);
-    return true;
+    return basin->inner != NULL && basin->outer != NULL &&
+           viable_kernel(&basin->grid, VIABLE_INNER, basin->inner) > 0 &&
+           viable_kernel(&basin->grid, VIABLE_OUTER, basin->outer) > 0;
 }
 
 static bool run(struct basin *basin, enum laws_entrant entrant, double speed, FILE *csv)
@@ -129,11 +168,14 @@ static bool run(struct basin *basin, enum laws_entrant entrant, double speed, FI
     for (int k = 0; k < chunks; k++) {
         basin->chunk[k] = (struct count){0};
     }
-    const bool done = pool_run(&jobs) == 1;
-    if (done) {
-        print(basin, speed, csv);
+    if (pool_run(&jobs) != 1) {
+        return false;
     }
-    return done;
+    const struct count sum = sum_up(basin);
+    if (!sum.failed) {
+        print(basin, &sum, speed, csv);
+    }
+    return !sum.failed;
 }
 
 int laws_basin(const struct laws_options *options)
@@ -152,7 +194,11 @@ int laws_basin(const struct laws_options *options)
         laws_box_low[0], laws_box_high[0], laws_box_low[1], laws_box_high[1], laws_box_low[2],
         laws_box_high[2], basin.samples);
     fflush(stdout); /* what can be walked on from takes its time */
-    failed = failed || basin.chunk == NULL || !find_viable(&basin);
+    if (!failed && (basin.chunk == NULL || !find_viable(&basin))) {
+        fprintf(stderr,
+                "afo-study laws: no memory for the grid of states that can be walked on from\n");
+        failed = true;
+    }
     for (int e = 0; e < ENTRANTS && !failed; e++) {
         if (!options->entrant[e] || e == ENTRANT_RAMP) { /* from the gait's own command: no ramp */
             continue;

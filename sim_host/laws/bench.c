@@ -23,6 +23,12 @@ double laws_bench_gait(const struct laws_bench *bench, double speed_rad_s, doubl
     return (double)gait.r0_m;
 }
 
+struct batch_walker laws_batch_walker(const struct gait_walker *walker)
+{
+    return (struct batch_walker){walker->hip_mass_kg, walker->leg_mass_kg, walker->leg_length_m,
+                                 walker->ankle_stiffness_N_m, walker->gravity_m_s2};
+}
+
 void laws_walk_start(const struct laws_bench *bench, struct laws_walk *walk, const double apex[3],
                      double r0_m, double speed_rad_s)
 {
@@ -36,17 +42,23 @@ void laws_walk_start(const struct laws_bench *bench, struct laws_walk *walk, con
     walk->steps = 0;
 }
 
-int laws_walk_step(const struct laws_bench *bench, struct laws_walk *walk, double desired_rad_s,
-                   const double seen[3], double slope_rad, double rise)
+double laws_walk_answer(const struct laws_bench *bench, struct laws_walk *walk,
+                        double desired_rad_s, const double seen[3])
 {
-    const double *x = seen != NULL ? seen : walk->apex;
-    const struct apex_estimate estimate = {(real)x[0], (real)x[1], (real)x[2], REAL(1.0)};
+    const struct apex_estimate estimate = {(real)seen[0], (real)seen[1], (real)seen[2], REAL(1.0)};
     (void)step_law_update(&walk->law, &bench->params, &estimate, (real)desired_rad_s);
     while (!walk->law.is_final) {
         (void)step_law_work(&walk->law, &bench->params);
     }
     walk->r0_m = (double)walk->law.r0_m;
     walk->steps++;
+    return walk->r0_m;
+}
+
+int laws_walk_step(const struct laws_bench *bench, struct laws_walk *walk, double desired_rad_s,
+                   const double seen[3], double slope_rad, double rise)
+{
+    (void)laws_walk_answer(bench, walk, desired_rad_s, seen != NULL ? seen : walk->apex);
     (void)laws_stride(&bench->truth, bench->accuracy, walk->apex, walk->r0_m, slope_rad, rise,
                       &walk->stride);
     for (int i = 0; i < 3; i++) {

@@ -7,6 +7,7 @@
 #define SIM_HOST_LAWS_BENCH_H
 
 #include "controller/step_law.h"
+#include "sim_host/batch/batch.h"
 #include "sim_host/host/subject.h"
 #include "sim_host/study/laws_map.h"
 
@@ -36,8 +37,15 @@ double laws_bench_gait(const struct laws_bench *bench, double speed_rad_s, doubl
 void laws_walk_start(const struct laws_bench *bench, struct laws_walk *walk, const double apex[3],
                      double r0_m, double speed_rad_s);
 
+/* The law's next push-off, m, when it sees seen[3]. */
+double laws_walk_answer(const struct laws_bench *bench, struct laws_walk *walk,
+                        double desired_rad_s, const double seen[3]);
+
 /* One stride: the law sees seen[3] (NULL: the true apex) and answers, the map walks. Returns the fault. */
 int laws_walk_step(const struct laws_bench *bench, struct laws_walk *walk, double desired_rad_s,
                    const double seen[3], double slope_rad, double rise);
+
+/* The same walker for the batch engine. */
+struct batch_walker laws_batch_walker(const struct gait_walker *walker);
 
 #endif

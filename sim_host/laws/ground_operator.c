@@ -7,6 +7,7 @@ enum {
     CELLS_MAX = 100000,
     TABLE_SIZE = 524288,
     DRAWS = 15,
+    CELLS_AT_ONCE = 1024,
     ITERATIONS = 800,
     FALLEN = -1,
     RISE_PUSHES = 400
@@ -76,26 +77,53 @@ static double answer(const struct mesh *mesh, const double apex[3])
     double gait[3];
     const double r0_m = laws_bench_gait(mesh->bench, mesh->speed_rad_s, gait);
     laws_walk_start(mesh->bench, &walk, apex, r0_m, mesh->speed_rad_s);
-    (void)laws_walk_step(mesh->bench, &walk, mesh->speed_rad_s, NULL, 0.0, 0.0);
-    return walk.r0_m;
+    return laws_walk_answer(mesh->bench, &walk, mesh->speed_rad_s, apex);
 }
 
-/* Every cell reached, its transitions computed. */
-static void explore(struct mesh *mesh)
+/* The strides of `count` cells from `first` on, over every draw of the ground. */
+static int stride_cells(const struct mesh *mesh, int first, int count, struct batch_item *items)
 {
-    double gait[3];
-    (void)laws_bench_gait(mesh->bench, mesh->speed_rad_s, gait);
-    (void)cell_of(mesh, gait);
-    for (int cell = 0; cell < mesh->cells; cell++) {
-        const double r0_m = answer(mesh, mesh->apex[cell]);
+    const struct batch_walker walker = laws_batch_walker(&mesh->bench->truth);
+    const struct batch_settings settings = {0};
+    const struct batch_job job = {.walkers = &walker,
+                                  .walker_count = 1,
+                                  .items = items,
+                                  .count = (size_t)count * DRAWS,
+                                  .strides = 1};
+    for (int c = 0; c < count; c++) {
+        const double *apex = mesh->apex[first + c];
+        const double r0_m = answer(mesh, apex);
         for (int i = 0; i < DRAWS; i++) {
-            struct laws_stride stride;
-            const int fault =
-                laws_stride(&mesh->bench->truth, mesh->bench->accuracy, mesh->apex[cell], r0_m,
-                            mesh->slope_rad[i], mesh->rise[i], &stride);
-            mesh->next[cell][i] = fault == 0 ? cell_of(mesh, stride.next) : FALLEN;
+            items[c * DRAWS + i] = (struct batch_item){.apex = {apex[0], apex[1], apex[2]},
+                                                       .push_m = r0_m,
+                                                       .slope_rad = mesh->slope_rad[i],
+                                                       .height_rise = mesh->rise[i]};
         }
     }
+    return batch_run(&settings, &job) == BATCH_OK ? 0 : -1;
+}
+
+/* Every cell reached, its transitions computed. Cells are made in the order in which they are reached, however
+ * many are walked from at a time. Returns 0, or -1 without memory. */
+static int explore(struct mesh *mesh)
+{
+    double gait[3];
+    struct batch_item *items = calloc((size_t)CELLS_AT_ONCE * DRAWS, sizeof *items);
+    int status = items == NULL ? -1 : 0;
+    (void)laws_bench_gait(mesh->bench, mesh->speed_rad_s, gait);
+    (void)cell_of(mesh, gait);
+    for (int first = 0; first < mesh->cells && status == 0;) {
+        const int left = mesh->cells - first;
+        const int count = left < CELLS_AT_ONCE ? left : CELLS_AT_ONCE;
+        status = stride_cells(mesh, first, count, items);
+        for (int i = 0; i < count * DRAWS && status == 0; i++) {
+            mesh->next[first + i / DRAWS][i % DRAWS] =
+                items[i].fault == 0 ? cell_of(mesh, items[i].apex) : FALLEN;
+        }
+        first += count;
+    }
+    free(items);
+    return status;
 }
 
 /* One step of the ground on the distribution p, by way of q: p becomes the distribution of those who are still
@@ -159,9 +187,9 @@ int ground_operator(const struct laws_bench *bench, double speed_rad_s, double r
     double *p = calloc(CELLS_MAX, sizeof *p), *q = calloc(CELLS_MAX, sizeof *q);
     const bool room = mesh.apex != NULL && mesh.next != NULL && mesh.key != NULL &&
                       mesh.slot != NULL && p != NULL && q != NULL;
-    if (room) {
-        set_draws(&mesh, rise_most, step_share, heights);
-        explore(&mesh);
+    set_draws(&mesh, rise_most, step_share, heights);
+    const bool explored = room && explore(&mesh) == 0;
+    if (explored) {
         count_steps(&mesh, p, q, result);
         result->cells = mesh.cells;
         result->full = mesh.full;
@@ -172,7 +200,7 @@ int ground_operator(const struct laws_bench *bench, double speed_rad_s, double r
     free(mesh.slot);
     free(p);
     free(q);
-    return room ? 0 : -1;
+    return explored ? 0 : -1;
 }
 
 static double largest_rise(const struct laws_bench *bench, const double apex[3], double r0_m)

@@ -16,20 +16,22 @@ static const double speeds[] = {0.4, 0.6, 0.8};
 enum {
     SIZES = sizeof sizes_mm / sizeof sizes_mm[0],
     SPEEDS = sizeof speeds / sizeof speeds[0],
-    KINDS = 2
+    KINDS = 2,
+    CELLS = KINDS * SPEEDS * SIZES /* of one law */
 };
 static const char *const kinds[KINDS] = {"straight", "heights"};
 
 struct cell_result {
     long steps;
-    int falls, failed;
+    int falls;
+    bool failed;
     struct ground_operator_result operator;
 };
 
 struct study {
     const struct laws_options *options;
     int walks;
-    struct cell_result cell[ENTRANTS][KINDS][SPEEDS][SIZES];
+    struct cell_result cell[ENTRANTS][CELLS]; /* by kind, then speed, then size */
 };
 
 /* The ramp makes no difference at one speed. */
@@ -38,49 +40,102 @@ static bool wanted(const struct study *study, int e)
     return study->options->entrant[e] && e != ENTRANT_RAMP;
 }
 
-static void compute(void *context, int i)
+/* What a cell is about. */
+struct ground_case {
+    bool heights;
+    double speed_rad_s, rise; /* at most, leg lengths */
+};
+
+static struct ground_case case_of(const struct study *study, int cell)
+{
+    const double unit = laws_speed_unit(study->options);
+    return (struct ground_case){cell / (SPEEDS * SIZES) == 1, speeds[cell / SIZES % SPEEDS] * unit,
+                                0.001 * sizes_mm[cell % SIZES]};
+}
+
+/* Walk w of every cell meets the ground of seed + w. */
+static struct session_config session_of(const struct study *study, int e, int cell, int w)
+{
+    const struct ground_case what = case_of(study, cell);
+    return (struct session_config){.entrant = (enum laws_entrant)e,
+                                   .from_rad_s = what.speed_rad_s,
+                                   .to_rad_s = what.speed_rad_s,
+                                   .steps = study->options->chain ? CHAIN_STEPS : MAP_STEPS,
+                                   .rise_most = what.rise,
+                                   .heights = what.heights,
+                                   .seed = study->options->seed + (uint64_t)w};
+}
+
+/* Counts the steps of all walks under one law. */
+static int count_walks(struct study *study, int e)
+{
+    const int count = CELLS * study->walks;
+    struct session_config *configs = calloc((size_t)count, sizeof *configs);
+    struct session_result *results = calloc((size_t)count, sizeof *results);
+    int status = -1;
+    if (configs == NULL || results == NULL) {
+        fprintf(stderr, "afo-study laws: out of memory; take fewer --samples\n");
+    } else {
+        for (int i = 0; i < count; i++) {
+            configs[i] = session_of(study, e, i / study->walks, i % study->walks);
+        }
+        status = session_run(study->options, configs, count, results);
+        for (int i = 0; i < count; i++) {
+            struct cell_result *cell = &study->cell[e][i / study->walks];
+            cell->steps += results[i].steps + (results[i].fell ? 1 : 0);
+            cell->falls += results[i].fell ? 1 : 0;
+        }
+    }
+    free(configs);
+    free(results);
+    return status;
+}
+
+static void compute_operator(void *context, int i)
 {
     struct study *study = (struct study *)context;
-    const int e = i / (KINDS * SPEEDS * SIZES), kind = i / (SPEEDS * SIZES) % KINDS,
-              v = i / SIZES % SPEEDS, s = i % SIZES;
-    struct cell_result *cell = &study->cell[e][kind][v][s];
-    const double speed = speeds[v] * laws_speed_unit(study->options), rise = 0.001 * sizes_mm[s];
-    struct session_result *result = malloc(sizeof *result);
-    if (result == NULL) {
-        cell->failed = 1;
+    const int e = i / CELLS;
+    struct cell_result *cell = &study->cell[e][i % CELLS];
+    if (!wanted(study, e)) {
         return;
     }
-    for (int w = 0; w < study->walks && wanted(study, e) && !cell->failed; w++) {
-        const struct session_config config = {.entrant = (enum laws_entrant)e,
-                                              .from_rad_s = speed,
-                                              .to_rad_s = speed,
-                                              .steps =
-                                                  study->options->chain ? CHAIN_STEPS : MAP_STEPS,
-                                              .rise_most = rise,
-                                              .heights = kind == 1,
-                                              .seed = study->options->seed + (uint64_t)w};
-        cell->failed = session_run(study->options, &config, result) != 0;
-        cell->steps += result->steps + (result->fell ? 1 : 0);
-        cell->falls += result->fell ? 1 : 0;
+    const struct laws_bench bench = laws_entrant_bench(study->options, (enum laws_entrant)e);
+    const struct ground_case what = case_of(study, i % CELLS);
+    struct laws_stride stride;
+    double apex[3];
+    const double r0_m = laws_bench_gait(&bench, what.speed_rad_s, apex);
+    (void)laws_stride(&bench.truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
+    cell->failed = ground_operator(&bench, what.speed_rad_s, what.rise,
+                                   stride.step_length_m / bench.truth.leg_length_m, what.heights,
+                                   &cell->operator) != 0;
+}
+
+/* All that is counted. Returns 0, or -1. */
+static int run(struct study *study)
+{
+    for (int e = 0; e < ENTRANTS; e++) {
+        if (wanted(study, e) && count_walks(study, e) != 0) {
+            return -1;
+        }
     }
-    if (wanted(study, e) && !study->options->chain && !cell->failed) {
-        const struct laws_bench bench = laws_entrant_bench(study->options, (enum laws_entrant)e);
-        struct laws_stride stride;
-        double apex[3];
-        const double r0_m = laws_bench_gait(&bench, speed, apex);
-        (void)laws_stride(&bench.truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
-        cell->failed =
-            ground_operator(&bench, speed, rise, stride.step_length_m / bench.truth.leg_length_m,
-                            kind == 1, &cell->operator) != 0;
+    const int operators = study->options->chain ? 0 : ENTRANTS * CELLS;
+    const struct pool_jobs jobs = {0,     operators,        study->options->threads,
+                                   study, compute_operator, laws_take};
+    int status = pool_run(&jobs) == 1 ? 0 : -1;
+    for (int i = 0; i < operators; i++) {
+        if (study->cell[i / CELLS][i % CELLS].failed) {
+            fprintf(stderr, "afo-study laws: out of memory\n");
+            status = -1;
+        }
     }
-    free(result);
+    return status;
 }
 
 static void print(const struct study *study, int e, int kind, int v, FILE *csv)
 {
     printf("  %-13s %-8s %.1f rad/s:", laws_entrant_names[e], kinds[kind], speeds[v]);
     for (int s = 0; s < SIZES; s++) {
-        const struct cell_result *c = &study->cell[e][kind][v][s];
+        const struct cell_result *c = &study->cell[e][(kind * SPEEDS + v) * SIZES + s];
         const double direct = c->falls > 0 ? (double)c->steps / c->falls : (double)INFINITY;
         if (c->falls > 0) {
             printf(" %9.1f", direct);
@@ -127,9 +182,9 @@ int laws_ground(const struct laws_options *options)
     if (!failed) {
         study->options = options;
         study->walks = options->samples > 0 ? options->samples : DEFAULT_WALKS;
-        const struct pool_jobs jobs = {
-            0, ENTRANTS * KINDS * SPEEDS * SIZES, options->threads, study, compute, laws_take};
-        failed = pool_run(&jobs) != 1;
+        failed = run(study) != 0;
+    }
+    if (!failed) {
         printf("  mean steps to failure on rises within +-5, 10, 20 mm on a leg of 1 m;\n"
                "  counted over %d walks of at most %d steps%s\n",
                study->walks, options->chain ? CHAIN_STEPS : MAP_STEPS,
@@ -142,9 +197,6 @@ int laws_ground(const struct laws_options *options)
     for (int e = 0; e < ENTRANTS && !failed; e++) {
         for (int i = 0; i < KINDS * SPEEDS && wanted(study, e); i++) {
             print(study, e, i / SPEEDS, i % SPEEDS, csv);
-            for (int s = 0; s < SIZES; s++) {
-                failed = failed || study->cell[e][i / SPEEDS][i % SPEEDS][s].failed;
-            }
         }
     }
     free(study);

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "sim_host/laws/session.h"
-#include "sim_host/study/pool.h"
 
 enum { SPEEDS = 3, CASES_MAX = 24, STEPS = 200, LAST = 50 };
 static const double speeds[SPEEDS] = {0.4, 0.6, 0.8};
@@ -16,7 +15,7 @@ struct hold_case {
 };
 
 struct hold_result {
-    bool failed, fell;
+    bool fell;
     int steps, fallbacks;
     double speed_share, spread, energy_J_per_m, cost_of_transport;
 };
@@ -37,11 +36,11 @@ static void judge(const struct hold *hold, const struct hold_case *item, double 
     r->steps = walk->steps;
     r->fallbacks = walk->fallbacks;
     for (int k = first; k < walk->steps; k++) {
-        const double v = walk->speed_rad_s[k];
-        least = v < least ? v : least;
-        most = v > most ? v : most;
-        energy_J += 0.5 * item->truth.spring_N_per_m * walk->r0_m[k] * walk->r0_m[k];
-        way_m += walk->step_length_m[k];
+        const struct session_step *step = &walk->step[k];
+        least = step->speed_rad_s < least ? step->speed_rad_s : least;
+        most = step->speed_rad_s > most ? step->speed_rad_s : most;
+        energy_J += 0.5 * item->truth.spring_N_per_m * step->r0_m * step->r0_m;
+        way_m += step->step_length_m;
     }
     const double weight_N = (item->truth.torso_mass_kg + 2.0 * item->truth.leg_mass_kg) *
                             hold->options->subject.gravity_m_s2;
@@ -51,31 +50,40 @@ static void judge(const struct hold *hold, const struct hold_case *item, double 
     r->cost_of_transport = r->energy_J_per_m / weight_N;
 }
 
-static void compute(void *context, int i)
+static struct session_config session_of(const struct hold *hold, int e,
+                                        const struct hold_case *item, int v)
 {
-    struct hold *hold = (struct hold *)context;
-    const int e = i / (hold->cases * SPEEDS), c = i / SPEEDS % hold->cases, v = i % SPEEDS;
-    const struct hold_case *item = &hold->item[c];
-    struct hold_result *r = &hold->result[e][c][v];
     const double speed = speeds[v] * laws_speed_unit(hold->options);
-    const struct session_config config = {.entrant = (enum laws_entrant)e,
-                                          .truth = &item->truth,
-                                          .from_rad_s = speed,
-                                          .to_rad_s = speed,
-                                          .steps = STEPS,
-                                          .slope_rad = item->slope_rad,
-                                          .slope_ramp_rad = 0.001, /* 0.06 degrees a step */
-                                          .noise_rms = item->noise_rms,
-                                          .seed = hold->options->seed};
-    if (!hold->options->entrant[e] || e == ENTRANT_RAMP) {
-        return;
+    return (struct session_config){.entrant = (enum laws_entrant)e,
+                                   .truth = &item->truth,
+                                   .from_rad_s = speed,
+                                   .to_rad_s = speed,
+                                   .steps = STEPS,
+                                   .slope_rad = item->slope_rad,
+                                   .slope_ramp_rad = 0.001, /* 0.06 degrees a step */
+                                   .noise_rms = item->noise_rms,
+                                   .seed = hold->options->seed};
+}
+
+/* All cases and speeds under one law. */
+static int walk_all(struct hold *hold, int e)
+{
+    struct session_config config[CASES_MAX * SPEEDS];
+    struct session_result result[CASES_MAX * SPEEDS];
+    const int count = hold->cases * SPEEDS;
+    for (int i = 0; i < count; i++) {
+        config[i] = session_of(hold, e, &hold->item[i / SPEEDS], i % SPEEDS);
     }
-    struct session_result *walk = malloc(sizeof *walk);
-    r->failed = walk == NULL || session_run(hold->options, &config, walk) != 0;
-    if (!r->failed) {
-        judge(hold, item, speed, walk, r);
+    if (session_records(config, count, result) != 0) {
+        return -1;
     }
-    free(walk);
+    const int status = session_run(hold->options, config, count, result);
+    for (int i = 0; i < count && status == 0; i++) {
+        judge(hold, &hold->item[i / SPEEDS], config[i].to_rad_s, &result[i],
+              &hold->result[e][i / SPEEDS][i % SPEEDS]);
+    }
+    session_records_free(result);
+    return status;
 }
 
 static void print(const struct hold *hold, int e, const char *what, bool energy, FILE *csv)
@@ -113,15 +121,12 @@ static int run(struct hold *hold, const char *study, const char *what, bool ener
                          "law,case,speed_rad_s,fell,steps,speed_share,spread,fallbacks,"
                          "energy_J_per_m,cost_of_transport",
                          &file, &failed);
-    const struct pool_jobs jobs = {
-        0, ENTRANTS * hold->cases * SPEEDS, hold->options->threads, hold, compute, laws_take};
-    failed = failed || pool_run(&jobs) != 1;
     for (int e = 0; e < ENTRANTS && !failed; e++) {
         if (hold->options->entrant[e] && e != ENTRANT_RAMP) {
-            print(hold, e, what, energy, csv);
-        }
-        for (int i = 0; i < hold->cases * SPEEDS; i++) {
-            failed = failed || hold->result[e][i / SPEEDS][i % SPEEDS].failed;
+            failed = walk_all(hold, e) != 0;
+            if (!failed) {
+                print(hold, e, what, energy, csv);
+            }
         }
     }
     return laws_csv_close(&file, failed);

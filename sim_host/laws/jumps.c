@@ -2,22 +2,21 @@
 #include <stdlib.h>
 
 #include "sim_host/laws/session.h"
-#include "sim_host/study/pool.h"
 
 enum { SPEEDS = 9, PAIRS = SPEEDS * SPEEDS, TAIL = 20, MAP_STEPS = 150, CHAIN_STEPS = 80 };
 #define SETTLED_SHARE 0.01
 
 struct jump {
-    bool failed, fell;
+    bool fell, settled;
     int steps; /* until settled, or walked until the fall */
-    bool settled;
-    const char *reason;
 };
 
 struct jumps {
     const struct laws_options *options;
     enum laws_entrant entrant;
     double unit; /* rad/s of this subject per rad/s of the paper's walker */
+    struct session_config config[PAIRS];
+    struct session_result result[PAIRS];
     struct jump jump[PAIRS];
 };
 
@@ -26,11 +25,8 @@ static double speed_of(int index)
     return 0.2 + 0.1 * index;
 }
 
-static void compute(void *context, int i)
+static struct session_config pair(const struct jumps *jumps, int i)
 {
-    struct jumps *jumps = (struct jumps *)context;
-    struct jump *jump = &jumps->jump[i];
-    struct session_result *result = malloc(sizeof *result);
     struct session_config config = {.entrant = jumps->entrant,
                                     .from_rad_s = speed_of(i / SPEEDS) * jumps->unit,
                                     .to_rad_s = speed_of(i % SPEEDS) * jumps->unit,
@@ -39,15 +35,32 @@ static void compute(void *context, int i)
     if (jumps->entrant == ENTRANT_RAMP) {
         config.steps += 200; /* the ramp itself takes up to 160 */
     }
-    jump->failed = result == NULL || session_run(jumps->options, &config, result) != 0;
-    if (!jump->failed) {
-        jump->fell = result->fell;
-        jump->steps = result->fell ? result->steps + 1
-                                   : session_settled(result, config.to_rad_s, SETTLED_SHARE);
-        jump->settled = !result->fell && jump->steps <= result->steps - TAIL;
-        jump->reason = result->reason;
+    return config;
+}
+
+static void judge(const struct session_config *config, const struct session_result *result,
+                  struct jump *jump)
+{
+    jump->fell = result->fell;
+    jump->steps =
+        result->fell ? result->steps + 1 : session_settled(result, config->to_rad_s, SETTLED_SHARE);
+    jump->settled = !result->fell && jump->steps <= result->steps - TAIL;
+}
+
+static int run(struct jumps *jumps)
+{
+    for (int i = 0; i < PAIRS; i++) {
+        jumps->config[i] = pair(jumps, i);
     }
-    free(result);
+    if (session_records(jumps->config, PAIRS, jumps->result) != 0) {
+        return -1;
+    }
+    const int status = session_run(jumps->options, jumps->config, PAIRS, jumps->result);
+    for (int i = 0; i < PAIRS && status == 0; i++) {
+        judge(&jumps->config[i], &jumps->result[i], &jumps->jump[i]);
+    }
+    session_records_free(jumps->result);
+    return status;
 }
 
 static void print(const struct jumps *jumps, FILE *csv)
@@ -104,11 +117,7 @@ int laws_jumps(const struct laws_options *options)
         }
         *jumps = (struct jumps){
             .options = options, .entrant = (enum laws_entrant)e, .unit = laws_speed_unit(options)};
-        const struct pool_jobs jobs = {0, PAIRS, options->threads, jumps, compute, laws_take};
-        failed = pool_run(&jobs) != 1;
-        for (int i = 0; i < PAIRS; i++) {
-            failed = failed || jumps->jump[i].failed;
-        }
+        failed = run(jumps) != 0;
         if (!failed) {
             print(jumps, csv);
         }

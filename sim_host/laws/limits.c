@@ -31,20 +31,13 @@ struct viable_range laws_viable_range(const struct laws_options *options, int fi
                                  .pushes = pushes};
 }
 
-static int survival_on(const struct laws_options *options, const struct viable_grid *grid,
-                       FILE *csv)
+/* Asks both sets about the box's states. */
+static void survival(const struct laws_options *options, const struct viable_grid *grid,
+                     const unsigned char *outer, const unsigned char *inner, int rounds, FILE *csv)
 {
-    unsigned char *outer = malloc((size_t)grid->nodes), *inner = malloc((size_t)grid->nodes);
     const int samples = options->samples > 0 ? options->samples : SAMPLES;
     int strikes = 0, can = 0, may = 0;
     struct rng rng;
-    if (outer == NULL || inner == NULL) {
-        free(outer);
-        free(inner);
-        return -1;
-    }
-    const int rounds = viable_kernel(grid, VIABLE_OUTER, outer);
-    (void)viable_kernel(grid, VIABLE_INNER, inner);
     rng_init(&rng, options->seed, 74);
     for (int i = 0; i < samples; i++) {
         double apex[3];
@@ -65,9 +58,21 @@ static int survival_on(const struct laws_options *options, const struct viable_g
         fprintf(csv, "%d,%d,%d,%d,%d,%d,%d\n", grid->range.legs, grid->range.rates,
                 grid->range.pushes, samples, strikes, can, may);
     }
+}
+
+static int survival_on(const struct laws_options *options, const struct viable_grid *grid,
+                       FILE *csv)
+{
+    unsigned char *outer = malloc((size_t)grid->nodes), *inner = malloc((size_t)grid->nodes);
+    const bool room = outer != NULL && inner != NULL;
+    const int rounds = room ? viable_kernel(grid, VIABLE_OUTER, outer) : 0;
+    const bool found = rounds > 0 && viable_kernel(grid, VIABLE_INNER, inner) > 0;
+    if (found) {
+        survival(options, grid, outer, inner, rounds, csv);
+    }
     free(outer);
     free(inner);
-    return 0;
+    return found ? 0 : -1;
 }
 
 int laws_limits(const struct laws_options *options)
@@ -86,6 +91,10 @@ int laws_limits(const struct laws_options *options)
             failed = survival_on(options, &grid, csv) != 0;
             (void)fflush(stdout);
             viable_free(&grid);
+        }
+        if (failed) {
+            fprintf(stderr, "afo-study laws: no memory for a grid of %d x %d states\n", range.legs,
+                    range.rates);
         }
     }
     return laws_csv_close(&file, failed);

@@ -19,7 +19,7 @@ struct push_study {
 
 static bool survives(struct push_study *study, int e, int v, double push_Ns, int phase)
 {
-    struct session_result *result = malloc(sizeof *result);
+    struct session_result result = {.step = NULL};
     const double speed = speeds[v] * laws_speed_unit(&study->options);
     const struct session_config config = {.entrant = (enum laws_entrant)e,
                                           .from_rad_s = speed,
@@ -29,14 +29,11 @@ static bool survives(struct push_study *study, int e, int v, double push_Ns, int
                                           .push_phase = (phase + 0.5) / PHASES,
                                           .push_step = PUSH_STEP,
                                           .seed = study->options.seed};
-    bool stands = false;
-    if (result == NULL || session_run(&study->options, &config, result) != 0) {
+    if (session_run(&study->options, &config, 1, &result) != 0) {
         study->failed[e] = true;
-    } else {
-        stands = !result->fell;
+        return false;
     }
-    free(result);
-    return stands;
+    return !result.fell;
 }
 
 /* Halves the ratio between a push survived and one not; survival is taken to end once. */

@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "sim_host/host/loop.h"
+#include "sim_host/laws/walks.h"
 #include "sim_host/plant/rng.h"
+#include "sim_host/study/pool.h"
 
 static double slope_at(const struct session_config *config, int step)
 {
@@ -40,54 +42,96 @@ static double draw_rise(struct terrain *terrain, const struct session_config *co
 
 /* ---- on the map ------------------------------------------------------------------------- */
 
-static int run_on_map(const struct laws_options *options, const struct session_config *config,
-                      struct session_result *result)
-{
-    struct laws_bench bench = laws_entrant_bench(options, config->entrant);
-    struct laws_walk walk;
+/* All walks of a call; a walk's bench is its own, for its body may be. */
+struct map_walk {
+    const struct session_config *config;
+    struct session_result *result;
+    struct laws_bench bench;
     struct terrain terrain;
     struct rng rng;
-    double apex[3];
-    if (config->truth != NULL) {
-        bench.truth = subject_gait_walker(config->truth);
+    int strides; /* answered */
+};
+
+static void look(void *context, size_t i, struct laws_ahead *ahead)
+{
+    struct map_walk *walk = (struct map_walk *)context + i;
+    const struct session_config *config = walk->config;
+    for (int k = 0; k < 3; k++) {
+        ahead->seen[k] *= 1.0 + config->noise_rms * rng_normal(&walk->rng);
     }
-    rng_init(&rng, config->seed, 72);
-    terrain_init(&terrain, &bench, config);
-    const double r0_m = laws_bench_gait(&bench, config->from_rad_s, apex);
+    const double rise = draw_rise(&walk->terrain, config);
+    const double incline = config->heights ? 0.0 : atan(rise / walk->terrain.step_share);
+    ahead->desired_rad_s = config->to_rad_s;
+    ahead->slope_rad = slope_at(config, walk->strides++) + incline;
+    ahead->rise = config->heights ? rise : 0.0;
+}
+
+static int judge(void *context, size_t i, const struct laws_walk *walk)
+{
+    const struct map_walk *mine = (const struct map_walk *)context + i;
+    struct session_result *result = mine->result;
+    result->fallbacks += walk->law.fell_back ? 1 : 0;
+    if (walk->stride.fault != 0) {
+        result->fell = true;
+        result->reason = laws_fault_name(walk->stride.fault);
+        return 1;
+    }
+    if (result->step != NULL) {
+        result->step[result->steps] =
+            (struct session_step){-walk->apex[0], walk->r0_m, walk->stride.step_length_m};
+    }
+    result->steps++;
+    return result->steps >= mine->config->steps;
+}
+
+static void start_on_map(const struct laws_options *options, struct map_walk *walk,
+                         struct laws_course *course)
+{
+    const struct session_config *config = walk->config;
+    double apex[3];
+    walk->bench = laws_entrant_bench(options, config->entrant);
+    if (config->truth != NULL) {
+        walk->bench.truth = subject_gait_walker(config->truth);
+    }
+    rng_init(&walk->rng, config->seed, 72);
+    terrain_init(&walk->terrain, &walk->bench, config);
+    const double r0_m = laws_bench_gait(&walk->bench, config->from_rad_s, apex);
     struct gait_point own; /* a body that differs starts in its own gait of this r0 */
     if (config->truth != NULL &&
-        gait_curve(&bench.truth, r0_m, 0.0, 1, &own, NULL) == GAIT_CURVE_OK) {
+        gait_curve(&walk->bench.truth, r0_m, 0.0, 1, &own, NULL) == GAIT_CURVE_OK) {
         memcpy(apex, own.apex, sizeof apex);
     }
-    laws_walk_start(&bench, &walk, apex, r0_m, config->from_rad_s);
-    for (int k = 0; k < config->steps; k++) {
-        double seen[3];
-        for (int i = 0; i < 3; i++) {
-            seen[i] = walk.apex[i] * (1.0 + config->noise_rms * rng_normal(&rng));
+    course->bench = &walk->bench;
+    laws_walk_start(&walk->bench, &course->walk, apex, r0_m, config->from_rad_s);
+}
+
+static int run_on_map(const struct laws_options *options, const struct session_config *configs,
+                      int count, struct session_result *results)
+{
+    struct map_walk *walks = calloc((size_t)count, sizeof *walks);
+    struct laws_course *courses = calloc((size_t)count, sizeof *courses);
+    int status = -1, strides = 0;
+    if (walks == NULL || courses == NULL) {
+        fprintf(stderr, "afo-study laws: out of memory\n");
+    } else {
+        for (int i = 0; i < count; i++) {
+            walks[i].config = &configs[i];
+            walks[i].result = &results[i];
+            start_on_map(options, &walks[i], &courses[i]);
+            strides = configs[i].steps > strides ? configs[i].steps : strides;
         }
-        const double rise = draw_rise(&terrain, config);
-        const double incline = config->heights ? 0.0 : atan(rise / terrain.step_share);
-        const int fault =
-            laws_walk_step(&bench, &walk, config->to_rad_s, seen, slope_at(config, k) + incline,
-                           config->heights ? rise : 0.0);
-        result->fallbacks += walk.law.fell_back ? 1 : 0;
-        if (fault != 0) {
-            result->fell = true;
-            result->reason = laws_fault_name(fault);
-            return 0;
-        }
-        result->speed_rad_s[k] = -walk.apex[0];
-        result->r0_m[k] = walk.r0_m;
-        result->step_length_m[k] = walk.stride.step_length_m;
-        result->steps = k + 1;
+        status =
+            laws_walks_run(courses, (size_t)count, strides, look, judge, walks, options->threads);
     }
-    return 0;
+    free(walks);
+    free(courses);
+    return status;
 }
 
 /* ---- through the chain ------------------------------------------------------------------ */
 
 /* What the last tick brought: the plant's apexes and finished steps. The first apex is the start. */
-static void take_events(struct loop *loop, struct session_result *result, int *apexes)
+static void take_events(struct loop *loop, int steps, struct session_result *result, int *apexes)
 {
     struct walk *walk = &loop->nodes.plant.walk;
     struct walk_event event;
@@ -97,8 +141,10 @@ static void take_events(struct loop *loop, struct session_result *result, int *a
             result->fell = true;
             result->reason = walk_fault_name(walk->fault);
         } else if (event.kind == WALK_EVENT_APEX) {
-            if (*apexes > 0 && *apexes <= SESSION_STEPS_MAX) {
-                result->speed_rad_s[*apexes - 1] = event.value;
+            if (*apexes > 0 && *apexes <= steps) {
+                if (result->step != NULL) {
+                    result->step[*apexes - 1].speed_rad_s = event.value;
+                }
                 result->steps = *apexes;
             }
             (*apexes)++;
@@ -106,9 +152,9 @@ static void take_events(struct loop *loop, struct session_result *result, int *a
     }
     while (walk_next_step(walk, &step)) {
         const int k = *apexes - 1;
-        if (k >= 0 && k < SESSION_STEPS_MAX) {
-            result->r0_m[k] = step.precompression_m;
-            result->step_length_m[k] = step.step_length_m;
+        if (k >= 0 && k < steps && result->step != NULL) {
+            result->step[k].r0_m = step.precompression_m;
+            result->step[k].step_length_m = step.step_length_m;
         }
     }
 }
@@ -185,7 +231,7 @@ static int run_on_chain(const struct laws_options *options, const struct session
         for (uint64_t t = 0; t < ticks_max && !result->fell && result->steps < config->steps; t++) {
             loop_tick(loop);
             const int before = apexes;
-            take_events(loop, result, &apexes);
+            take_events(loop, config->steps, result, &apexes);
             if (apexes != before && !config->heights) {
                 incline = atan(draw_rise(&terrain, config) / terrain.step_share);
             }
@@ -208,22 +254,68 @@ static int run_on_chain(const struct laws_options *options, const struct session
     return status;
 }
 
-int session_run(const struct laws_options *options, const struct session_config *config,
-                struct session_result *result)
+struct chain_jobs {
+    const struct laws_options *options;
+    const struct session_config *configs;
+    struct session_result *results;
+};
+
+static void compute_chain(void *context, int i)
 {
-    result->fell = false;
-    result->steps = 0;
-    result->fallbacks = 0;
-    result->reason = "";
-    return options->chain ? run_on_chain(options, config, result)
-                          : run_on_map(options, config, result);
+    const struct chain_jobs *jobs = (const struct chain_jobs *)context;
+    jobs->results[i].failed =
+        run_on_chain(jobs->options, &jobs->configs[i], &jobs->results[i]) != 0;
+}
+
+int session_run(const struct laws_options *options, const struct session_config *configs, int count,
+                struct session_result *results)
+{
+    for (int i = 0; i < count; i++) {
+        struct session_step *const step = results[i].step;
+        results[i] = (struct session_result){.reason = "", .step = step};
+    }
+    if (!options->chain) {
+        return run_on_map(options, configs, count, results);
+    }
+    struct chain_jobs all = {options, configs, results};
+    const int threads = count < options->threads ? count : options->threads;
+    const struct pool_jobs jobs = {0, count, threads, &all, compute_chain, laws_take};
+    int status = pool_run(&jobs) == 1 ? 0 : -1;
+    for (int i = 0; i < count; i++) {
+        status = results[i].failed ? -1 : status;
+    }
+    return status;
+}
+
+int session_records(const struct session_config *configs, int count, struct session_result *results)
+{
+    size_t steps = 0;
+    for (int i = 0; i < count; i++) {
+        steps += (size_t)configs[i].steps;
+    }
+    struct session_step *step = calloc(steps, sizeof *step);
+    if (step == NULL) {
+        fprintf(stderr, "afo-study laws: out of memory\n");
+        return -1;
+    }
+    for (int i = 0; i < count; i++) {
+        results[i].step = step;
+        step += configs[i].steps;
+    }
+    return 0;
+}
+
+void session_records_free(struct session_result *results)
+{
+    free(results[0].step);
+    results[0].step = NULL;
 }
 
 int session_settled(const struct session_result *result, double target_rad_s, double share)
 {
     int settled = 0;
     for (int k = 0; k < result->steps; k++) {
-        if (fabs(result->speed_rad_s[k] - target_rad_s) > share * target_rad_s) {
+        if (fabs(result->step[k].speed_rad_s - target_rad_s) > share * target_rad_s) {
             settled = k + 1;
         }
     }
@@ -235,7 +327,7 @@ double session_mean_speed(const struct session_result *result, int over)
     const int first = result->steps > over ? result->steps - over : 0;
     double sum = 0.0;
     for (int k = first; k < result->steps; k++) {
-        sum += result->speed_rad_s[k];
+        sum += result->step[k].speed_rad_s;
     }
     return result->steps > first ? sum / (result->steps - first) : 0.0;
 }

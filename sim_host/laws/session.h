@@ -1,4 +1,4 @@
-/* One walk under one law, on the return map or through the whole chain: the same question to both. */
+/* Walks under a law, on the return map or through the whole chain: the same question to both. */
 #ifndef SIM_HOST_LAWS_SESSION_H
 #define SIM_HOST_LAWS_SESSION_H
 
@@ -24,19 +24,32 @@ struct session_config {
     uint64_t seed;
 };
 
-struct session_result {
-    bool fell;
-    int steps;          /* apexes reached after the first */
-    int fallbacks;      /* steps at which the predictive law answered by eq. (16) */
-    const char *reason; /* of the fall */
-    double speed_rad_s[SESSION_STEPS_MAX];
-    double r0_m[SESSION_STEPS_MAX];
-    double step_length_m[SESSION_STEPS_MAX];
+/* One step of a walk. */
+struct session_step {
+    double speed_rad_s; /* at the apex it ends with */
+    double r0_m, step_length_m;
 };
 
-/* Runs it. Returns 0, or -1 after a message when the walk could not even be set up. */
-int session_run(const struct laws_options *options, const struct session_config *config,
-                struct session_result *result);
+struct session_result {
+    bool failed; /* could not even be set up, after a message */
+    bool fell;
+    int steps;                 /* apexes reached after the first */
+    int fallbacks;             /* steps at which the predictive law answered by eq. (16) */
+    const char *reason;        /* of the fall */
+    struct session_step *step; /* [config's steps], by session_records(), or NULL: not wanted */
+};
+
+/* Room for what every step of these walks is like, for results[count]. Release with session_records_free(). Returns 0,
+ * or -1 after a message. */
+int session_records(const struct session_config *configs, int count,
+                    struct session_result *results);
+void session_records_free(struct session_result *results);
+
+/* Runs `count` >= 1 walks on all of options->threads: those on the map side by side (walks.h), those through the chain
+ * one after the other on each thread. results[i].step is the caller's, all else is written; each depends on its own
+ * config alone. Returns 0, or -1 when one could not be set up, after a message. */
+int session_run(const struct laws_options *options, const struct session_config *configs, int count,
+                struct session_result *results);
 
 /* Steps until the speed stays within `share` of target to the end; result->steps + 1 if it never does. */
 int session_settled(const struct session_result *result, double target_rad_s, double share);
