@@ -157,7 +157,7 @@ ubsan: asan
 .PHONY: coverage-report
 coverage-report: coverage ## lines and branches that the C tests reach; fails on any that is neither reached nor excused
 	$(Q)find build/coverage -name '*.gcda' -delete
-	$(Q)scripts/run-tests --build build/coverage
+	$(Q)CK_TIMEOUT_MULTIPLIER=5 scripts/run-tests --build build/coverage
 	$(Q)scripts/coverage-report build/coverage
 
 # ---- What one asks for ---------------------------------------------------------

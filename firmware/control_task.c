@@ -167,7 +167,7 @@ static void force_stop(struct control_task *task)
             (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
         }
     }
-    if (off || !stops) {
+    if (off) {
         task->powered_ticks = 0;
     } else if (task->powered_ticks < CONTROL_TASK_POWER_TICKS) {
         task->powered_ticks++;

@@ -7,6 +7,8 @@
 
 static_assert(offsetof(struct control_params, table) == CONTROL_PARAM_COUNT * sizeof(real),
               "the fields of CONTROL_PARAM_TABLE come first, without gaps");
+static_assert(sizeof(struct settings_record) % NV_WORD_BYTES == 0,
+              "the record ends with a word: no byte behind it is asked for");
 
 void settings_default(struct settings *settings)
 {
@@ -194,7 +196,7 @@ static void give_word(const void *context, uint32_t offset, uint8_t *out)
     const struct piece *pieces = context;
 
     for (uint32_t i = 0; i < NV_WORD_BYTES; i++, offset++) {
-        out[i] = offset < sizeof(struct settings_record) ? 0x00 : 0xFF;
+        out[i] = 0x00;
         for (uint32_t piece = 0; piece < PIECES; piece++) {
             const uint32_t within = offset - pieces[piece].offset;
             if (within < pieces[piece].length && pieces[piece].bytes != NULL) {

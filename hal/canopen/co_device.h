@@ -62,8 +62,6 @@ struct co_device_ops {
     struct co_access_hooks access; /* application objects, 0x1010 and 0x1011 only */
     /* SYNC seen, synchronous RPDOs applied, TPDOs not yet packed: sample now. */
     void (*sync)(void *context, uint64_t now_ns);
-    /* An RPDO (0..3) was applied. */
-    void (*rpdo)(void *context, unsigned number, uint64_t now_ns);
     void (*state_changed)(void *context, enum co_nmt_state state, uint64_t now_ns);
     /* A consumed heartbeat failed or came back; an RPDO's event timer ran out or the
      * RPDO came again. */

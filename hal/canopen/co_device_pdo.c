@@ -4,8 +4,7 @@
 #include "hal/canopen/co_device_internal.h"
 #include "hal/contract.h"
 
-static void apply_rpdo(struct co_device *device, unsigned number, const uint8_t *data,
-                       uint64_t now_ns)
+static void apply_rpdo(struct co_device *device, unsigned number, const uint8_t *data)
 {
     const struct co_pdo *pdo = &device->comm.rpdo[number];
     unsigned at = 0;
@@ -17,9 +16,6 @@ static void apply_rpdo(struct co_device *device, unsigned number, const uint8_t 
                                   slot->size);
         }
         at += slot->size;
-    }
-    if (device->config.ops->rpdo != NULL) {
-        device->config.ops->rpdo(device->config.context, number, now_ns);
     }
 }
 
@@ -59,7 +55,7 @@ void co_device_take_rpdo(struct co_device *device, unsigned number, const struct
         memcpy(pdo->data, message->data, sizeof pdo->data);
         pdo->waiting = true;
     } else {
-        apply_rpdo(device, number, message->data, now_ns);
+        apply_rpdo(device, number, message->data);
     }
 }
 
@@ -83,7 +79,7 @@ void co_device_take_sync(struct co_device *device, uint64_t now_ns)
         struct co_pdo *pdo = &device->comm.rpdo[i];
         if (pdo->waiting && co_pdo_is_valid(pdo)) {
             pdo->waiting = false;
-            apply_rpdo(device, i, pdo->data, now_ns);
+            apply_rpdo(device, i, pdo->data);
         }
     }
     if (device->config.ops->sync != NULL) {

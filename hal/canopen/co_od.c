@@ -87,9 +87,6 @@ static uint32_t load_bits(const struct co_entry *entry, const uint8_t *value)
 unsigned co_od_load(const struct co_entry *entry, const void *base, uint8_t *out)
 {
     const uint8_t *value = (const uint8_t *)base + entry->offset;
-    if (entry->type == CO_DOMAIN) {
-        return 0;
-    }
     if (entry->type == CO_VISIBLE_STRING) {
         unsigned length = 0;
         while (length < entry->size && value[length] != 0) {

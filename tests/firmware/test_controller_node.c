@@ -334,6 +334,41 @@ START_TEST(found_offsets_become_parameters)
 }
 END_TEST
 
+static uint32_t write_u32(uint8_t command, uint16_t index, uint8_t sub, uint32_t value)
+{
+    const uint8_t *answer = ask(command, index, sub, value);
+    return answer[0] == 0x60 ? 0 : bytes_get_u32(answer + 4);
+}
+
+/* A node that keeps and records nothing (a host's) says so, and is asked in vain. */
+START_TEST(without_a_memory_nothing_is_kept)
+{
+    ck_assert_uint_eq(read_u32(0x1010, 1), 0);                             /* saves nothing */
+    ck_assert_uint_eq(write_u32(0x23, 0x1010, 1, 0x65766173), 0x08000020); /* "save" */
+    ck_assert_uint_eq(write_u32(0x23, 0x1011, 1, 0x64616F6C), 0x08000020); /* "load" */
+    ck_assert_uint_eq(write_u32(0x2F, 0x2032, 1, 0), DEVICE_STATE);        /* no crash record */
+    ck_assert_uint_eq(write_u32(0x2F, 0x2040, 1, 1), DEVICE_STATE);        /* no black box: */
+    ck_assert_uint_eq(read_u32(0x2040, 1) & 0xFFu, 0);                     /* no state of it, */
+    ck_assert_uint_eq(read_u32(0x2040, 3), DEVICE_STATE);                  /* and no image */
+}
+END_TEST
+
+/* 1 starts the recording, 3 freezes it; that it is closing is its own to say. */
+START_TEST(a_black_box_is_started_and_frozen)
+{
+    static struct black_box box;
+    controller_node_attach(&node, NULL, NULL, &box, NULL);
+    ck_assert_uint_eq(write_u32(0x2F, 0x2040, 1, BLACK_BOX_CLOSING), DEVICE_STATE);
+    ck_assert(!black_box_is_valid(&box));
+    ck_assert_uint_eq(write_u32(0x2F, 0x2040, 1, BLACK_BOX_RECORDING), 0);
+    ck_assert(black_box_is_valid(&box));
+    ck_assert_uint_eq(read_u32(0x2040, 1) & 0xFFu, BLACK_BOX_RECORDING);
+    ck_assert_uint_eq(write_u32(0x2F, 0x2040, 1, BLACK_BOX_FROZEN), 0);
+    ck_assert_uint_eq(read_u32(0x2040, 1) & 0xFFu, BLACK_BOX_FROZEN);
+    ck_assert_uint_eq(read_u32(0x2040, 3), sizeof box); /* its image's length */
+}
+END_TEST
+
 /* Nobody else is its master. */
 START_TEST(it_obeys_no_nmt_and_no_sync)
 {
@@ -362,6 +397,8 @@ int main(void)
     tcase_add_test(tests, a_fault_and_its_reset_are_told);
     tcase_add_test(tests, a_refused_node_is_told_until_it_is_set_up);
     tcase_add_test(tests, found_offsets_become_parameters);
+    tcase_add_test(tests, without_a_memory_nothing_is_kept);
+    tcase_add_test(tests, a_black_box_is_started_and_frozen);
     tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

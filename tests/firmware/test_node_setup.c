@@ -28,6 +28,7 @@ struct bench {
 };
 
 static struct bench b;
+static void (*spoil)(struct can_msg *answer); /* of the drive's SDO server, on its way; or NULL */
 
 static const struct node_setup_config as_the_drive_is = {
     .counts_per_m = {13107200, 13107200},
@@ -47,6 +48,7 @@ static void start(void)
                                             .following_error_m = 0.05,
                                             .unload_rate_m_per_s = 0.5};
     memset(&b, 0, sizeof b);
+    spoil = NULL;
     sim_bus_init(&b.bus, 1000000);
     b.master = sim_bus_port(&b.bus, sim_bus_attach(&b.bus, "master", NULL, NULL));
     const int port = sim_bus_attach(&b.bus, "drive", NULL, NULL);
@@ -82,6 +84,9 @@ static enum setup_verdict finish(bool drive_answers)
         }
         hand_over(NULL);
         while (can_bus_receive(&b.master, &message, NULL) == CAN_OK) {
+            if (spoil != NULL && message.id == 0x581) {
+                spoil(&message);
+            }
             hand_over(&message);
         }
         verdict = node_setup_poll(&b.setup, &b.master, b.now_ns);
@@ -113,6 +118,97 @@ START_TEST(another_scaling_is_refused_with_both_values)
     ck_assert_uint_eq(b.setup.failure.index, 0x6092);
     ck_assert_uint_eq(b.setup.failure.expected, 10000000);
     assert_close(b.setup.failure.found, 13107200.0, 2.0, 0.0);
+}
+END_TEST
+
+/* A drive without the object says so (0x06020000, CiA 301 table 22): not asked again. */
+static void knows_no_6060(struct can_msg *answer)
+{
+    if (answer->data[1] == 0x60 && answer->data[2] == 0x60) {
+        const uint8_t no_such_object[8] = {0x80, 0x60, 0x60, 0x00, 0x00, 0x00, 0x02, 0x06};
+        memcpy(answer->data, no_such_object, sizeof no_such_object);
+    }
+}
+
+START_TEST(a_drive_without_an_object_is_refused_with_its_abort_code)
+{
+    start();
+    ck_assert(!node_setup_is_waiting(&b.setup)); /* nothing is asked yet */
+    ck_assert_int_eq(node_setup_poll(&b.setup, &b.master, 0), SETUP_BUSY);
+    ck_assert(node_setup_is_waiting(&b.setup));
+    spoil = knows_no_6060;
+    ck_assert_int_eq(finish(true), SETUP_ABORTED);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6060);
+    ck_assert_uint_eq(b.setup.failure.found, 0x06020000);
+    ck_assert_uint_eq(b.setup.timeouts, 0);
+    ck_assert(!node_setup_is_waiting(&b.setup));
+}
+END_TEST
+
+/* Asked for its type, 4 bytes, it answers with 8 in two segments: its first four are looked at. */
+static unsigned segments;
+
+static void type_has_8_bytes(struct can_msg *answer)
+{
+    static const uint8_t answers[3][8] = {{0x41, 0x00, 0x10, 0x00, 8},
+                                          {0x00, 0x91, 0x01, 0x77, 0x77, 0x11, 0x22, 0x33},
+                                          {0x1D, 0x44}};
+    memcpy(answer->data, answers[segments], sizeof answers[segments]);
+    segments += segments < 2 ? 1 : 0;
+}
+
+START_TEST(more_than_was_asked_for_is_cut)
+{
+    segments = 0;
+    start();
+    spoil = type_has_8_bytes;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x1000);
+    ck_assert_uint_eq(b.setup.failure.found, 0x0191); /* 401, not 402 */
+    ck_assert_uint_eq(b.setup.failure.expected, 402);
+}
+END_TEST
+
+static struct scaling_answer {
+    uint8_t index, sub; /* of 60xxh */
+    uint32_t value;
+} case_of;
+
+static void another_scaling(struct can_msg *answer)
+{
+    if (answer->data[1] == case_of.index && answer->data[2] == 0x60 &&
+        answer->data[3] == case_of.sub) {
+        for (unsigned i = 0; i < 4; i++) {
+            answer->data[4 + i] = (uint8_t)(case_of.value >> (8 * i));
+        }
+    }
+}
+
+/* CiA 402-2: counts per turn (608Fh), gear ratio (6091h) and feed constant (6092h) are fractions; a
+ * drive that gives a zero below or above the line has no scaling, and none is made up. */
+START_TEST(a_scaling_of_nothing_is_refused)
+{
+    static const struct {
+        uint8_t index, sub;
+        uint32_t value, found;
+    } cases[] = {{0x8F, 2, 0, 0},
+                 {0x91, 2, 0, 0},
+                 {0x92, 1, 0, 0},
+                 {0x8F, 1, 0, 0},
+                 {0x8F, 1, 1000, 0},                 /* far too few counts */
+                 {0x8F, 1, UINT32_MAX, UINT32_MAX}}; /* more than fits 32 bits */
+    start();
+    case_of = (struct scaling_answer){cases[_i].index, cases[_i].sub, cases[_i].value};
+    spoil = another_scaling;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6092);
+    ck_assert_uint_eq(b.setup.failure.expected, 13107200);
+    if (cases[_i].value == 1000) {
+        ck_assert_uint_gt(b.setup.failure.found, 0);
+        ck_assert_uint_lt(b.setup.failure.found, 13107200);
+    } else {
+        ck_assert_uint_eq(b.setup.failure.found, cases[_i].found);
+    }
 }
 END_TEST
 
@@ -210,6 +306,9 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_add_test(tests, a_drive_as_expected_is_configured);
     tcase_add_test(tests, another_scaling_is_refused_with_both_values);
+    tcase_add_test(tests, a_drive_without_an_object_is_refused_with_its_abort_code);
+    tcase_add_test(tests, more_than_was_asked_for_is_cut);
+    tcase_add_loop_test(tests, a_scaling_of_nothing_is_refused, 0, 6);
     tcase_add_test(tests, another_rated_torque_is_refused_with_both_values);
     tcase_add_test(tests, another_kind_of_device_is_refused);
     tcase_add_test(tests, a_silent_node_is_named);

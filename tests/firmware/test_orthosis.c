@@ -142,6 +142,39 @@ START_TEST(what_is_saved_is_there_after_power_up)
 }
 END_TEST
 
+/* What was not changed is kept as well: that it walks at the start, and the branch of the laws, which
+ * is of the newer copy from then on. */
+START_TEST(what_was_not_changed_is_kept_as_well)
+{
+    struct settings settings;
+    struct param_store store;
+    static struct gait_branch branch;
+    deliver();
+    ck_assert_int_eq(settings_load(&settings, &store, &nv), PARAM_STORE_OK);
+    for (uint32_t i = 0; i < sizeof branch; i++) {
+        ((uint8_t *)&branch)[i] = (uint8_t)(37u * i + 11u);
+    }
+    branch.count = 9;
+    settings.control.branch = &branch;
+    settings.walk_at_start = 1;
+    ck_assert_int_eq(settings_save(&settings, &store, true), PARAM_STORE_OK);
+    power_up();
+    ck_assert(device.task.config.walk_requested);
+    const struct gait_branch *const before = device.task.node.objects.params.branch;
+    device.task.node.objects.walk_requested = 0; /* not now */
+    stand();
+    ck_assert_uint_eq(write_kp(0.05f), SDO_DONE);
+    ck_assert_uint_eq(write(0x1010, 1, SAVE, 4), SDO_DONE);
+    ck_assert_ptr_ne(device.task.node.objects.params.branch, before);
+    ck_assert_mem_eq(device.task.node.objects.params.branch, &branch, sizeof branch);
+    ck_assert(!controller_node_params_corrupt(&device.task.node));
+    power_up();
+    ck_assert(kp() == 0.05f);
+    ck_assert(device.task.config.walk_requested);
+    ck_assert_mem_eq(device.task.node.objects.params.branch, &branch, sizeof branch);
+}
+END_TEST
+
 START_TEST(only_at_standstill_and_with_the_signature)
 {
     deliver();
@@ -239,6 +272,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_set_timeout(tests, 60.0);
     tcase_add_test(tests, what_is_saved_is_there_after_power_up);
+    tcase_add_test(tests, what_was_not_changed_is_kept_as_well);
     tcase_add_test(tests, only_at_standstill_and_with_the_signature);
     tcase_add_test(tests, forgotten_settings_leave_a_device_that_does_not_walk);
     tcase_add_test(tests, power_may_fail_at_any_word);

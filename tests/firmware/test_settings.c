@@ -160,7 +160,41 @@ START_TEST(every_mounting_is_possible)
 }
 END_TEST
 
-/* The memory of the tests is too small for a branch of 40 gaits; the image is not. */
+/* What is kept with a branch comes back with it, read where it lies, from the newer copy. */
+START_TEST(a_branch_is_kept_and_read_in_place)
+{
+    const struct nv_store nv = nv_memory_store(&memory);
+    static struct gait_branch branch;
+    struct settings loaded;
+    struct param_store store;
+
+    for (uint32_t i = 0; i < sizeof branch; i++) {
+        ((uint8_t *)&branch)[i] = (uint8_t)(37u * i + 11u);
+    }
+    branch.count = 7;
+    ck_assert_int_eq(settings_load(&loaded, &store, &nv), PARAM_STORE_EMPTY);
+    for (int copy = 0; copy < 3; copy++) {
+        settings.control.branch = copy == 0 ? &branch : settings.control.branch;
+        ck_assert_int_eq(settings_save(&settings, &store, true), PARAM_STORE_OK);
+        ck_assert_ptr_ne(settings.control.branch, &branch); /* of the memory from now on */
+        ck_assert_ptr_eq(settings.control.branch, settings_branch(&store));
+        ck_assert_int_eq(settings_load(&loaded, &store, &nv), PARAM_STORE_OK);
+        ck_assert_ptr_eq(loaded.control.branch, settings.control.branch);
+        ck_assert_mem_eq(loaded.control.branch, &branch, sizeof branch);
+    }
+    const struct gait_branch *const kept = settings.control.branch;
+    memory.power_fails_at = memory.operations;
+    ck_assert_int_eq(settings_save(&settings, &store, true), PARAM_STORE_FAILED);
+    ck_assert_ptr_eq(settings.control.branch, kept); /* nothing new was kept */
+    nv_memory_power_up(&memory);
+    settings.control.branch = NULL;
+    ck_assert_int_eq(settings_save(&settings, &store, true), PARAM_STORE_OK);
+    ck_assert_ptr_null(settings.control.branch);
+    ck_assert_int_eq(settings_load(&loaded, &store, &nv), PARAM_STORE_OK);
+    ck_assert_ptr_null(loaded.control.branch);
+}
+END_TEST
+
 START_TEST(what_a_file_holds_is_what_was_set)
 {
     static uint8_t image[SETTINGS_IMAGE_BYTES];
@@ -206,6 +240,7 @@ int main(void)
     tcase_add_test(tcase, a_rated_force_is_a_number);
     tcase_add_test(tcase, the_drive_s_limits_hold_the_whole_stroke);
     tcase_add_test(tcase, every_mounting_is_possible);
+    tcase_add_test(tcase, a_branch_is_kept_and_read_in_place);
     tcase_add_test(tcase, what_a_file_holds_is_what_was_set);
     tcase_add_test(tcase, an_empty_or_too_small_memory_gives_the_default_ones);
     suite_add_tcase(suite, tcase);

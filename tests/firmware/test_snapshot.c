@@ -102,6 +102,42 @@ START_TEST(only_the_own_sync_begins_a_tick)
 }
 END_TEST
 
+/* A fault freezes the recording some ticks later; that it has gone is none. */
+START_TEST(only_a_fault_that_comes_freezes_the_recording)
+{
+    static struct black_box box;
+    static const enum supervisor_fault told[] = {SUPERVISOR_FAULT_NONE, SUPERVISOR_FAULT_DRIVE,
+                                                 SUPERVISOR_FAULT_DRIVE, SUPERVISOR_FAULT_NONE,
+                                                 SUPERVISOR_FAULT_NONE};
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    struct can_msg sync = {.id = FRAME_SYNC, .flags = CAN_FRAME_OWN};
+    memset(&task, 0, sizeof task);
+    fake_bus_init(&fake);
+    const struct can_bus inner = fake_bus_interface(&fake);
+    black_box_start(&box, 1, 2);
+    bus_recorder_init(&recorder, &inner, &box, &source);
+    const struct can_bus bus = bus_recorder_interface(&recorder);
+    for (unsigned i = 0; i < sizeof told / sizeof told[0]; i++) {
+        struct can_msg message;
+        fake_bus_put(&fake, &sync);
+        ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
+        task.tick++;
+        task.output.fault = told[i];
+        ck_assert_int_ne(can_bus_receive(&bus, &message, NULL), CAN_OK); /* the tick ends */
+        ck_assert_uint_eq(recorder.fault, told[i]);
+        ck_assert_uint_eq(box.header.reason, i == 0 ? 0u : 1u << SUPERVISOR_FAULT_DRIVE);
+        ck_assert_uint_eq(box.header.trigger_tick, i == 0 ? 0u : 2u);
+        if (i == 3) {
+            black_box_start(&box, 1, 2); /* fetched and started anew: what was is no reason again */
+            box.header.reason = 1u << SUPERVISOR_FAULT_DRIVE;
+            box.header.trigger_tick = 2;
+        }
+    }
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_RECORDING);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("snapshot");
@@ -110,6 +146,7 @@ int main(void)
     tcase_add_test(tests, where_it_is_put_makes_no_difference);
     tcase_add_test(tests, the_recorder_hands_on_what_the_bus_says_and_is_asked);
     tcase_add_test(tests, only_the_own_sync_begins_a_tick);
+    tcase_add_test(tests, only_a_fault_that_comes_freezes_the_recording);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

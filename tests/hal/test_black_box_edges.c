@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "hal/frame_table.h"
 #include "tests/support/assert_close.h"
 
 static struct black_box box;
@@ -36,6 +37,25 @@ static enum black_box_item first_item(void)
     ck_assert_int_eq(black_box_reader_next(&reader), BLACK_BOX_SNAPSHOT);
     return black_box_reader_next(&reader);
 }
+
+/* Every frame of the bus has a row, in the order of the frame table, if it has its length. */
+START_TEST(every_frame_of_the_bus_has_its_row)
+{
+    static const struct {
+        uint32_t id;
+        uint8_t bytes;
+    } frames[] = {
+#define FRAME(name, id, bytes, period_us, deadline_us, node, kind) {id, bytes},
+        FRAME_TABLE(FRAME)
+#undef FRAME
+    };
+    for (int i = 0; i < (int)(sizeof frames / sizeof frames[0]); i++) {
+        ck_assert_int_eq(black_box_row(frames[i].id, frames[i].bytes), i);
+        ck_assert_int_eq(black_box_row(frames[i].id, (uint8_t)(frames[i].bytes + 1)), -1);
+        ck_assert_int_eq(black_box_row(frames[i].id + 0x800, frames[i].bytes), -1);
+    }
+}
+END_TEST
 
 START_TEST(only_the_states_that_there_are_make_an_image)
 {
@@ -142,6 +162,7 @@ int main(void)
     Suite *suite = suite_create("black_box_edges");
     TCase *tests = tcase_create("all");
     tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_test(tests, every_frame_of_the_bus_has_its_row);
     tcase_add_test(tests, only_the_states_that_there_are_make_an_image);
     tcase_add_test(tests, the_first_reason_to_freeze_stays);
     tcase_add_test(tests, the_count_of_lost_frames_stays_at_its_end);

@@ -296,6 +296,34 @@ START_TEST(mit_gives_no_torque_that_nobody_watches)
 }
 END_TEST
 
+/* It has followed its targets and is then not heard for more than a minute: it is asked where it is,
+ * with a frame that moves nothing (kp, kd and torque zero), until it answers. */
+START_TEST(mit_that_fell_silent_is_asked_without_torque)
+{
+    wish[LEG_LEFT] = (struct sea_drive_wish){0.1f, true, false, false};
+    ck_assert(give(0x11, answer, 8, 0));
+    command();
+    ck_assert_uint_eq(special(), MIT_ENTER);
+    ck_assert(give(0x11, answer, 8, 0));
+    command();
+    ck_assert_uint_ne(fake_bus_last(&fake, 1)->data[4], 0); /* driven: kp */
+    for (int i = 0; i < 70000; i++) {
+        sea_drives_age(&drives);
+    }
+    command();
+    const uint8_t *frame = fake_bus_last(&fake, 1)->data;
+    ck_assert_uint_eq(special(), 0);
+    ck_assert_uint_eq(frame[3] & 0x0Fu, 0);
+    ck_assert_uint_eq(frame[4], 0);
+    ck_assert_uint_eq(frame[5], 0);
+    ck_assert_uint_eq((frame[6] & 0xF0u) >> 4, 0);
+    assert_close((frame[6] & 0x0Fu) << 8 | frame[7], 2047.5, 0.6, 0.0); /* no torque: the middle */
+    ck_assert(give(0x11, answer, 8, 0));
+    command();
+    ck_assert_uint_ne(fake_bus_last(&fake, 1)->data[4], 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("drive edges");
@@ -314,6 +342,7 @@ int main(void)
     tcase_add_test(other, mit_enters_and_leaves);
     tcase_add_test(other, mit_says_what_the_bus_refused);
     tcase_add_test(other, mit_gives_no_torque_that_nobody_watches);
+    tcase_add_test(other, mit_that_fell_silent_is_asked_without_torque);
     suite_add_tcase(suite, one);
     suite_add_tcase(suite, other);
     return run_suite(suite);

@@ -63,6 +63,31 @@ START_TEST(start_waits_for_permission_and_is_repeated)
 }
 END_TEST
 
+/* An emergency has eight bytes; what has fewer, or is a question, tells of no error and clears none. */
+START_TEST(an_emergency_that_is_none_changes_nothing)
+{
+    struct network network;
+    struct can_msg frame = {.id = 0x082, .length = 8, .data = {0x10, 0x23, 0x03}};
+    network_init(&network);
+    frame.length = 7;
+    ck_assert(network_receive(&network, &frame)); /* its identifier all the same */
+    frame.length = 8;
+    frame.flags = CAN_FRAME_REMOTE;
+    ck_assert(network_receive(&network, &frame));
+    ck_assert(!network_has_error(&network));
+    frame.flags = 0;
+    ck_assert(network_receive(&network, &frame));
+    ck_assert(network_has_error(&network));
+    frame.data[0] = frame.data[1] = 0; /* the error has gone */
+    frame.length = 2;
+    ck_assert(network_receive(&network, &frame));
+    ck_assert(network_has_error(&network));
+    frame.length = 8;
+    ck_assert(network_receive(&network, &frame));
+    ck_assert(!network_has_error(&network));
+}
+END_TEST
+
 START_TEST(silence_is_noticed_within_the_time_out)
 {
     struct fake_bus fake;
@@ -188,6 +213,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_add_test(tests, nodes_are_started_one_by_one_and_become_operational);
     tcase_add_test(tests, start_waits_for_permission_and_is_repeated);
+    tcase_add_test(tests, an_emergency_that_is_none_changes_nothing);
     tcase_add_test(tests, silence_is_noticed_within_the_time_out);
     tcase_add_test(tests, an_error_of_a_node_is_a_node_lost);
     tcase_add_test(tests, a_start_that_was_not_sent_is_sent_again);

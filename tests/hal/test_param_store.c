@@ -146,6 +146,105 @@ START_TEST(the_sequence_may_wrap)
 }
 END_TEST
 
+/* Number 0 is a number like the others: a copy of it is not taken for an empty memory. */
+START_TEST(a_wrapped_copy_of_another_version_is_not_an_empty_memory)
+{
+    struct payload payload = make_payload(1);
+
+    open_store();
+    store.sequence = UINT32_MAX;
+    save(1); /* number 0 */
+    ck_assert_int_eq(param_store_open(&store, &nv, VERSION + 1, sizeof payload),
+                     PARAM_STORE_VERSION);
+    ck_assert_uint_eq(store.sequence, 0);
+    ck_assert_int_eq(load_payload(&payload), PARAM_STORE_VERSION);
+}
+END_TEST
+
+/* A checksum of 0 is a checksum like the others: the copy it belongs to is not written over. */
+START_TEST(a_copy_whose_checksum_is_0_is_kept)
+{
+    struct payload payload = make_payload(3);
+
+    open_store();
+    save(1);
+    save(2);
+    const uint32_t bank = store.active_bank;
+    store.crc = 0;
+    memory.torn = NV_TORN_OLD;
+    memory.power_fails_at = memory.operations + 3;
+    ck_assert_int_eq(save_payload(&payload, true), PARAM_STORE_FAILED);
+    nv_memory_power_up(&memory);
+    assert_holds(2);
+    ck_assert_uint_eq(store.active_bank, bank);
+}
+END_TEST
+
+/* The same copy twice, as when one bank was made from the other: either will do. */
+START_TEST(two_copies_of_one_number_are_one)
+{
+    open_store();
+    save(1);
+    memcpy(memory.words[1], memory.words[0], sizeof memory.words[0]);
+    assert_holds(1);
+    save(2);
+    assert_holds(2);
+    save(3);
+    assert_holds(3);
+}
+END_TEST
+
+START_TEST(what_does_not_fit_is_not_begun)
+{
+    struct payload payload = make_payload(1);
+
+    open_store();
+    save(1);
+    const uint32_t operations = memory.operations;
+    ck_assert_int_eq(param_store_open(&store, &nv, VERSION, UINT16_MAX), PARAM_STORE_TOO_LARGE);
+    ck_assert_int_eq(save_payload(&payload, true), PARAM_STORE_TOO_LARGE);
+    ck_assert_uint_eq(memory.operations, operations);
+    assert_holds(1);
+}
+END_TEST
+
+static struct nv_store_ops deaf_ops; /* a write-protected memory: all goes well, nothing changes */
+
+static enum nv_result erase_nothing(void *context, uint32_t bank)
+{
+    (void)context;
+    (void)bank;
+    return NV_OK;
+}
+
+static enum nv_result write_nothing(void *context, uint32_t bank, uint32_t index,
+                                    const uint8_t *word)
+{
+    (void)context;
+    (void)bank;
+    (void)index;
+    (void)word;
+    return NV_OK;
+}
+
+/* It reads back whole, but it is an old copy: that is no success. */
+START_TEST(a_memory_that_keeps_its_old_copy_is_noticed)
+{
+    struct payload payload = make_payload(3);
+
+    open_store();
+    save(1);
+    save(2);
+    deaf_ops = *nv.ops;
+    deaf_ops.erase = erase_nothing;
+    deaf_ops.write_word = write_nothing;
+    store.nv.ops = &deaf_ops;
+    ck_assert_int_eq(save_payload(&payload, true), PARAM_STORE_FAILED);
+    ck_assert_uint_eq(store.sequence, 2);
+    assert_holds(2);
+}
+END_TEST
+
 /* One save: erase, header, 8 payload words of 61 bytes, commit. */
 enum { OPERATIONS_OF_A_SAVE = 1 + 1 + 8 + 1 };
 
@@ -324,6 +423,11 @@ int main(void)
     tcase_add_test(tcase, a_word_that_goes_bad_later_is_not_loaded);
     tcase_add_test(tcase, settings_are_forgotten_at_standstill_only_and_wholly);
     tcase_add_test(tcase, parts_are_loaded_and_found_in_place);
+    tcase_add_test(tcase, a_wrapped_copy_of_another_version_is_not_an_empty_memory);
+    tcase_add_test(tcase, a_copy_whose_checksum_is_0_is_kept);
+    tcase_add_test(tcase, two_copies_of_one_number_are_one);
+    tcase_add_test(tcase, what_does_not_fit_is_not_begun);
+    tcase_add_test(tcase, a_memory_that_keeps_its_old_copy_is_noticed);
     tcase_add_test(tcase, the_crc_names_the_set);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

@@ -283,6 +283,10 @@ START_TEST(force_and_latch)
     slow.length = 6;
     ck_assert(sea_drives_receive(&b.drives, &slow));
     ck_assert_uint_eq(b.cia402.rx_malformed, 1);
+    slow.length = 8;
+    slow.flags = CAN_FRAME_REMOTE; /* a question has no torque in it */
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    ck_assert_uint_eq(b.cia402.rx_malformed, 2);
     b.cia402.axis[LEG_LEFT].config.rated_force_N = 0.0f;
     sea_drives_read(&b.drives, LEG_LEFT, &reading);
     ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX);

@@ -162,6 +162,8 @@ START_TEST(mit_fields_at_their_ends_and_in_the_middle)
     ck_assert_uint_eq(mit_encode(0.0f, 5.0f, true, 12), 0);
     assert_close(mit_decode(65535, 12.5f, false, 16), 12.5, 1e-6, 0.0);
     assert_close(mit_decode(0, 12.5f, false, 16), -12.5, 1e-6, 0.0);
+    assert_close(mit_decode(0, 500.0f, true, 12), 0.0, 0.0, 0.0);
+    assert_close(mit_decode(4095, 500.0f, true, 12), 500.0, 0.0, 1e-6);
     for (uint32_t field = 0; field < 65536; field += 7) {
         ck_assert_uint_eq(mit_encode(mit_decode(field, 12.5f, false, 16), 12.5f, false, 16), field);
     }

@@ -31,7 +31,10 @@ static struct fake_bus fake;
 static struct values values;
 static struct co_pdo_four pdos;
 static struct co_device device;
-static uint32_t mapped; /* what the first RPDO is mapped to by default */
+static uint32_t mapped;     /* what the first RPDO is mapped to by default */
+static uint32_t mapped_out; /* and the second TPDO, which is cyclic; 0: to nothing */
+static uint8_t map_count;
+static uint16_t heartbeat_ms;
 static uint64_t now_ns;
 
 static void defaults(void *context, struct co_comm *comm)
@@ -40,7 +43,14 @@ static void defaults(void *context, struct co_comm *comm)
     comm->rpdo[0].cob_id = 0x205;
     comm->rpdo[0].event_ms = 20;
     comm->rpdo[0].map[0] = mapped;
-    comm->rpdo[0].map_count = 1;
+    comm->rpdo[0].map_count = map_count;
+    if (mapped_out != 0) {
+        comm->tpdo[1].cob_id = 0x285;
+        comm->tpdo[1].type = 1;
+        comm->tpdo[1].map[0] = mapped_out;
+        comm->tpdo[1].map_count = 1;
+    }
+    comm->heartbeat_ms = heartbeat_ms;
 }
 
 static int init(uint8_t node)
@@ -61,6 +71,9 @@ static void setup(void)
     memset(&values, 0, sizeof values);
     memset(&pdos, 0, sizeof pdos);
     mapped = 0x20000020;
+    mapped_out = 0;
+    map_count = 1;
+    heartbeat_ms = 0;
     now_ns = 1000 * (uint64_t)MS;
     ck_assert_int_eq(init(NODE), 0);
 }
@@ -111,6 +124,14 @@ START_TEST(an_unusable_configuration_is_refused)
     ck_assert_int_eq(init(NODE), -1);
     mapped = 0x21000020; /* no such object */
     ck_assert_int_eq(init(NODE), -1);
+    mapped = 0x20000020;
+    map_count = CO_PDO_MAP_MAX + 1;
+    ck_assert_int_eq(init(NODE), -1);
+    map_count = 1;
+    mapped_out = 0x21000020;
+    ck_assert_int_eq(init(NODE), -1);
+    mapped_out = 0x20000020;
+    ck_assert_int_eq(init(NODE), 0);
 }
 END_TEST
 
@@ -131,6 +152,43 @@ START_TEST(it_lives_without_a_profile)
     ck_assert_uint_eq(sdo(0x23, 0x2000, 0, 77), 0);
     ck_assert_uint_eq(sdo(0x40, 0x2000, 0, 0), 77);
     ck_assert_uint_eq(values.number, 77);
+}
+END_TEST
+
+/* A cyclic TPDO comes with the SYNC and with nothing else. */
+START_TEST(a_cyclic_pdo_is_not_triggered)
+{
+    mapped_out = 0x20000020;
+    ck_assert_int_eq(init(NODE), 0);
+    nmt(1);
+    fake_bus_clear(&fake);
+    co_device_trigger_tpdo(&device, 1);
+    run(5);
+    ck_assert_ptr_null(fake_bus_last(&fake, 0x285));
+    ck_assert(give(0x080, 0, 0));
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x285), 1);
+    ck_assert(give(0x080, 0, 0));
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x285), 2);
+}
+END_TEST
+
+/* Bit 31 of the identifier takes a PDO out of use (CiA 301 clause 7.5.2.35): what had come is not
+ * used at the next SYNC, and nobody waits for another. */
+START_TEST(a_pdo_that_was_switched_off_is_forgotten)
+{
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x80000205), 0);
+    ck_assert_uint_eq(sdo(0x2F, 0x1400, 2, 1), 0); /* taken at the SYNC */
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x205), 0);
+    nmt(1);
+    ck_assert(give(0x205, 4, 0x11));
+    ck_assert(give(0x080, 0, 0));
+    ck_assert_uint_eq(values.number, 0x11);
+    ck_assert(give(0x205, 4, 0x22));
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x80000205), 0);
+    ck_assert(give(0x080, 0, 0));
+    ck_assert_uint_eq(values.number, 0x11);
+    run(50); /* its event timer is 20 ms */
+    ck_assert(!co_device_has_error(&device, CO_EMCY_RPDO_TIMEOUT));
 }
 END_TEST
 
@@ -226,7 +284,8 @@ START_TEST(emergencies_wait_for_the_bus)
     for (unsigned i = 0; i < CO_EMCY_QUEUE; i++) {
         ck_assert_uint_eq(bytes_get_u16(fake.sent[i].data), 0x6100U + i);
     }
-    co_device_clear(&device, 0x1234); /* what was never raised is not cleared */
+    co_device_clear(&device, 0x1234);       /* what was never raised is not cleared, */
+    co_device_clear(&device, CO_EMCY_NONE); /* nor is what is no error */
     run(2);
     ck_assert_uint_eq(fake_bus_count(&fake, 0x085), CO_EMCY_QUEUE);
 }
@@ -271,6 +330,27 @@ START_TEST(the_boot_up_waits_for_the_bus)
 }
 END_TEST
 
+/* Nobody has heard yet that it is there: a heartbeat of 20 ms is no reason to let the boot-up wait
+ * for it, and none to be heard before it. */
+START_TEST(the_boot_up_comes_before_the_first_heartbeat)
+{
+    heartbeat_ms = 20;
+    fake.verdict = CAN_FULL;
+    ck_assert_int_eq(init(NODE), 0);
+    run(5);
+    fake.verdict = CAN_OK;
+    fake_bus_clear(&fake);
+    run(1);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x705), 1);
+    ck_assert_uint_eq(fake_bus_last(&fake, 0x705)->data[0], 0);
+    run(19);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x705), 1);
+    run(1);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x705), 2);
+    ck_assert_uint_eq(fake_bus_last(&fake, 0x705)->data[0], 127);
+}
+END_TEST
+
 START_TEST(sync_is_listened_to_and_never_made)
 {
     ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x40000080), REFUSED_VALUE);
@@ -310,6 +390,11 @@ START_TEST(heartbeat_consumers_are_one_a_node)
     ck_assert_uint_eq(sdo(0x23, 0x1016, 1, 0x00110000), 0);
     ck_assert_uint_eq(sdo(0x23, 0x1016, 3, 0x00110064), 0); /* the first one's is off now */
     ck_assert_uint_eq(sdo(0x23, 0x1016, 4, 0x00800064), REFUSED_VALUE); /* node 128 */
+    ck_assert_uint_eq(sdo(0x23, 0x1016, 3, 0), 0);
+    ck_assert(give(0x711, 8, 5)); /* node 17 has no consumer any more: not even malformed */
+    run(150);
+    ck_assert(!co_device_has_error(&device, CO_EMCY_HEARTBEAT));
+    ck_assert_uint_eq(device.counters.malformed, 0);
 }
 END_TEST
 
@@ -364,6 +449,9 @@ int main(void)
     tcase_add_checked_fixture(tcase, setup, NULL);
     tcase_add_test(tcase, an_unusable_configuration_is_refused);
     tcase_add_test(tcase, it_lives_without_a_profile);
+    tcase_add_test(tcase, a_cyclic_pdo_is_not_triggered);
+    tcase_add_test(tcase, a_pdo_that_was_switched_off_is_forgotten);
+    tcase_add_test(tcase, the_boot_up_comes_before_the_first_heartbeat);
     tcase_add_test(tcase, what_is_not_for_it_is_left_to_others);
     tcase_add_test(tcase, a_pdo_of_a_wrong_length);
     tcase_add_loop_test(tcase, the_error_behaviour_is_obeyed, 0, 3);

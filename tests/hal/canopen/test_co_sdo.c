@@ -163,6 +163,21 @@ START_TEST(segmented_download_by_the_figures)
 END_TEST
 
 /* More than announced, more than the object, and a value that its owner refuses. */
+/* The size need not be indicated (CiA 301, figure of SDO download initiate); an empty string is an
+ * upload of one segment without bytes. */
+START_TEST(a_size_may_be_unknown_or_nothing)
+{
+    exchange("2006200000000000", "6006200000000000");
+    exchange("0048656c6c6f2c20", "2000000000000000"); /* "Hello, " */
+    exchange("1549542100000000",
+             "3000000000000000"); /* "IT!", not the last bytes' place: 4 unused */
+    ck_assert_str_eq(values.label, "Hello, IT!");
+    memset(values.label, 0, sizeof values.label);
+    exchange("4006200000000000", "4106200000000000");
+    exchange("6000000000000000", "0f00000000000000"); /* 7 of 7 unused, the last */
+}
+END_TEST
+
 START_TEST(segmented_downloads_are_refused_like_expedited_ones)
 {
     exchange("2106200008000000", "6006200000000000"); /* 8 announced */
@@ -338,6 +353,7 @@ int main(void)
     tcase_add_test(tcase, abort_codes_of_cia_301);
     tcase_add_test(tcase, segmented_upload_by_the_figures);
     tcase_add_test(tcase, segmented_download_by_the_figures);
+    tcase_add_test(tcase, a_size_may_be_unknown_or_nothing);
     tcase_add_test(tcase, segmented_downloads_are_refused_like_expedited_ones);
     tcase_add_test(tcase, without_an_owner_the_dictionary_decides);
     tcase_add_test(tcase, toggle_and_overflow_end_a_transfer);
