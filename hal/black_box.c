@@ -36,6 +36,14 @@ static const uint8_t row_bytes[ROW_COUNT] = {
 #undef ROW_BYTES
 };
 
+/* Sent by us or received: what a row says of its frames without a byte. */
+static const uint8_t row_flags[ROW_COUNT] = {
+#define ROW_FLAGS(name, id, bytes, period_us, deadline_us, node, kind) \
+    (node) == NODE_CONTROLLER ? CAN_FRAME_OWN : 0,
+    FRAME_TABLE(ROW_FLAGS)
+#undef ROW_FLAGS
+};
+
 int black_box_row(uint32_t id, uint8_t length)
 {
     int row = row_of_id(id);
@@ -160,10 +168,8 @@ void black_box_record(struct black_box *box, const struct can_msg *message)
         }
         return;
     }
-    row = (message->flags & ~(uint32_t)CAN_FRAME_OWN) == 0U
-              ? black_box_row(message->id, message->length)
-              : -1;
-    if (row < 0) {
+    row = black_box_row(message->id, message->length);
+    if (row < 0 || row_flags[row] != message->flags) { /* a foreign node's with our identifier */
         set_used(block, block->used + put_raw(block->data + block->used, message));
     } else {
         set_used(block, block->used + put_difference(block->data + block->used,

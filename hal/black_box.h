@@ -4,7 +4,8 @@
  * The image is 64 KiB: a header and a ring of blocks. Each block begins with a
  * snapshot of the controller's state and can be read without any other block. In
  * a block, a frame takes one byte for its row in the frame table, one for the
- * mask of data bytes that differ from the last such frame, and those bytes.
+ * mask of data bytes that differ from the last such frame, and those bytes; one that comes
+ * from another than the table says is kept whole, with its flags.
  * black_box_reader.h reads an image.
  *
  * Only the order of frames is kept (it alone defines the controller's inputs),

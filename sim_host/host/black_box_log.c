@@ -6,6 +6,7 @@
 #include "hal/bytes.h"
 #include "hal/frame_table.h"
 #include "sim_host/bus/candump_log.h"
+#include "sim_host/host/replay.h"
 #include "sim_host/host/sdo_upload.h"
 
 enum {
@@ -36,7 +37,9 @@ static void put_note(struct writer *writer, uint32_t id, const uint8_t *bytes, s
     struct can_msg message = {.id = id, .flags = CAN_FRAME_EXTENDED};
 
     message.length = (uint8_t)(length < CAN_FRAME_DATA_MAX ? length : CAN_FRAME_DATA_MAX);
-    memcpy(message.data, bytes, message.length);
+    if (message.length > 0) {
+        memcpy(message.data, bytes, message.length);
+    }
     put(writer, &message);
 }
 
@@ -65,6 +68,9 @@ static void put_frame(struct writer *writer, const struct black_box_reader *read
     /* The order is kept, times inside a tick are not: a microsecond each. */
     const uint64_t tick_us = (uint64_t)reader->tick * TICK_PERIOD_US;
     writer->time_us = writer->time_us < tick_us ? tick_us : writer->time_us + 1;
+    if (message.flags == 0 && replay_is_controllers(message.id)) {
+        put_note(writer, BLACK_BOX_ID_FOREIGN, NULL, 0);
+    }
     message.flags &= (uint8_t)~CAN_FRAME_OWN;
     put(writer, &message);
 }

@@ -22,6 +22,8 @@ enum {
     BLACK_BOX_ID_IDENTITY = 0x1AB00000, /* build id u32, parameter CRC-32 u32 */
     BLACK_BOX_ID_VERSION = 0x1AB00100,  /* + i: eight characters of the version */
     BLACK_BOX_ID_BEGIN = 0x1AB00001,    /* tick of the snapshot u32, its bytes u32 */
+    BLACK_BOX_ID_FOREIGN = 0x1AB00002,  /* the next frame has an identifier of the controller, but
+                                           another node sent it */
     BLACK_BOX_ID_DATA = 0x1AB10000,     /* + i: bytes 8 i .. 8 i + 7 */
     BLACK_BOX_VERSION_MAX = 32
 };

@@ -11,26 +11,10 @@ enum { LATE_BOOT_TICKS = 100 };
 
 /* ---- the bus the task sees ------------------------------------------------- */
 
-static struct replay_queue *queue_of(struct replay *replay, uint32_t id)
-{
-    for (unsigned i = 0; i < replay->queue_count; i++) {
-        if (replay->queue[i].id == id) {
-            return &replay->queue[i];
-        }
-    }
-    if (replay->queue_count == REPLAY_IDS) {
-        return NULL;
-    }
-    struct replay_queue *queue = &replay->queue[replay->queue_count++];
-    queue->id = id;
-    queue->head = queue->count = 0;
-    return queue;
-}
-
 static enum can_result take_sent(void *context, const struct can_msg *message)
 {
     struct replay *replay = (struct replay *)context;
-    struct replay_queue *queue = queue_of(replay, message->id);
+    struct replay_queue *queue = replay_queue_of(replay, message->id);
     if (queue == NULL || queue->count == REPLAY_QUEUE) {
         return CAN_FULL;
     }
@@ -46,7 +30,7 @@ static enum can_result hand_out(void *context, struct can_msg *message, uint64_t
     struct replay *replay = (struct replay *)context;
     while (replay->next_fed < replay->cycle_count) {
         const struct replay_frame *frame = &replay->cycle[replay->next_fed++];
-        if (!replay_is_controllers(frame->message.id)) {
+        if (frame->foreign || !replay_is_controllers(frame->message.id)) {
             *message = frame->message;
             if (time_ns != NULL) {
                 *time_ns = frame->time_us * 1000u;
@@ -100,89 +84,6 @@ int replay_init(struct replay *replay, const struct subject *subject,
     return switch_on(replay);
 }
 
-/* ---- comparing ------------------------------------------------------------- */
-
-static void print_data(char *text, size_t size, const struct can_msg *message)
-{
-    size_t used = 0;
-    text[0] = '\0';
-    for (unsigned i = 0; i < message->length && used + 3 < size; i++) {
-        used += (size_t)snprintf(text + used, size - used, "%02X", message->data[i]);
-    }
-}
-
-static void differ(struct replay *replay, const struct replay_frame *frame,
-                   const struct can_msg *sent)
-{
-    char logged[20];
-    char made[20];
-    unsigned byte = 0;
-    replay->differs = true;
-    print_data(logged, sizeof logged, &frame->message);
-    if (sent == NULL) {
-        snprintf(replay->message, sizeof replay->message,
-                 "line %lu, tick %llu: the log has %03X#%s, the control task sent no such frame",
-                 frame->line, (unsigned long long)replay->ticks, frame->message.id, logged);
-        return;
-    }
-    print_data(made, sizeof made, sent);
-    while (byte < frame->message.length && byte < sent->length &&
-           frame->message.data[byte] == sent->data[byte]) {
-        byte++;
-    }
-    snprintf(replay->message, sizeof replay->message,
-             "line %lu, tick %llu: frame %03X differs in byte %u (%s): log %s, control task %s",
-             frame->line, (unsigned long long)replay->ticks, frame->message.id, byte,
-             replay_field_name(frame->message.id, byte), logged, made);
-}
-
-/* Bit s: 0x2020:s counts what happened between the controller and its port, or its clock:
- * no frame of the log tells of it. (Refused SYNCs, commands and frames, error frames, missed
- * ticks, frames lost on receive, times bus-off.) */
-enum { COUNTERS = 0x2020, PORTS_COUNTERS = 0x1D1C };
-
-static bool tells_of_the_port(const struct can_msg *message)
-{
-    return message->id == FRAME_SDO_ANSWER_CONTROLLER && message->length == 8 &&
-           bytes_get_u16(message->data + 1) == COUNTERS && message->data[3] < 16 &&
-           (PORTS_COUNTERS >> message->data[3] & 1) != 0;
-}
-
-static void compare(struct replay *replay, const struct replay_frame *frame)
-{
-    struct replay_queue *queue = queue_of(replay, frame->message.id);
-    if (queue == NULL || queue->count == 0) {
-        differ(replay, frame, NULL);
-        return;
-    }
-    const struct can_msg *sent = &queue->sent[queue->head];
-    const unsigned bytes = tells_of_the_port(sent) ? 4 : sent->length;
-    if (sent->length != frame->message.length ||
-        memcmp(sent->data, frame->message.data, bytes) != 0) {
-        differ(replay, frame, sent);
-        return;
-    }
-    queue->head = (queue->head + 1) % REPLAY_QUEUE;
-    queue->count--;
-    replay->compared++;
-}
-
-/* Frames the task sent some cycles ago must have been in the log by now. */
-static void check_missing(struct replay *replay)
-{
-    for (unsigned i = 0; i < replay->queue_count && !replay->differs; i++) {
-        const struct replay_queue *queue = &replay->queue[i];
-        if (queue->count > 0 && queue->tick[queue->head] + 2 < replay->ticks) {
-            char made[20];
-            print_data(made, sizeof made, &queue->sent[queue->head]);
-            snprintf(replay->message, sizeof replay->message,
-                     "tick %llu: the control task sent %03X#%s, the log has no such frame",
-                     (unsigned long long)queue->tick[queue->head], queue->id, made);
-            replay->differs = true;
-        }
-    }
-}
-
 /* ---- cycle by cycle -------------------------------------------------------- */
 
 /* The emergency stop as the task read it at the SYNC that began the cycle just read. */
@@ -230,9 +131,10 @@ static void first_tick(struct replay *replay)
     for (unsigned heard = count, tries = 0; tries <= count; heard = tries++) {
         (void)switch_on(replay);
         replay->compared = compared;
+        replay->suspects = 0;
         for (unsigned i = 0; i < count; i++) {
             if (replay_is_controllers(before[i].message.id)) {
-                compare(replay, &before[i]);
+                replay_compare(replay, &before[i]);
             }
         }
         replay->cycle_count = heard;
@@ -268,13 +170,13 @@ static void compare_cycle(struct replay *replay)
 {
     for (unsigned i = 0; i < replay->cycle_count && !replay->differs; i++) {
         if (is_answer(replay->cycle[i].message.id)) {
-            compare(replay, &replay->cycle[i]);
+            replay_compare(replay, &replay->cycle[i]);
         }
     }
     for (unsigned i = 0; i < replay->next_count && !replay->differs; i++) {
         if (replay_is_controllers(replay->next[i].message.id) &&
             !is_answer(replay->next[i].message.id)) {
-            compare(replay, &replay->next[i]);
+            replay_compare(replay, &replay->next[i]);
         }
     }
     memcpy(replay->cycle, replay->next, replay->next_count * sizeof replay->next[0]);
@@ -288,8 +190,9 @@ static void end_run(struct replay *replay)
 {
     run_tick(replay);
     compare_cycle(replay);
+    replay_end_suspicion(replay);
     for (unsigned i = 0; i < replay->cycle_count; i++) {
-        if (!replay_is_controllers(replay->cycle[i].message.id)) {
+        if (replay->cycle[i].foreign || !replay_is_controllers(replay->cycle[i].message.id)) {
             replay->next[replay->next_count++] = replay->cycle[i];
         }
     }
@@ -305,7 +208,10 @@ static bool is_boot(const struct can_msg *message)
 
 static void keep(struct replay *replay, const struct candump_record *record, unsigned long line)
 {
-    if (is_boot(&record->message)) {
+    const bool foreign = replay->next_is_foreign;
+    replay->next_is_foreign = false;
+    replay->foreign_frames += foreign ? 1 : 0;
+    if (is_boot(&record->message) && !foreign) {
         if (replay->running && replay->ticks > LATE_BOOT_TICKS) {
             end_run(replay);
         }
@@ -324,7 +230,7 @@ static void keep(struct replay *replay, const struct candump_record *record, uns
         replay->next_count--;
     }
     replay->next[replay->next_count++] =
-        (struct replay_frame){record->message, line, record->time_us};
+        (struct replay_frame){record->message, line, record->time_us, foreign};
 }
 
 /* A SYNC ends a cycle. Returns false where none can be. */
@@ -341,7 +247,7 @@ static bool take_sync(struct replay *replay, unsigned long line)
     }
     compare_cycle(replay);
     if (!replay->differs) {
-        check_missing(replay);
+        replay_check_missing(replay);
     }
     replay->running = true;
     return true;
@@ -372,7 +278,7 @@ static bool take(struct replay *replay, const struct candump_record *record, uns
     if (replay->snapshot_bytes > 0 && !replay_go_on_from_snapshot(replay, line)) {
         return false;
     }
-    if (record->message.id == FRAME_SYNC) {
+    if (record->message.id == FRAME_SYNC && !replay->next_is_foreign) {
         return take_sync(replay, line);
     }
     keep(replay, record, line);

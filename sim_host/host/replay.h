@@ -6,6 +6,11 @@
  * back from the controller's own state frames, which say what it was. A log of a black
  * box (black_box_log.h) begins in the middle of a walk, with a snapshot.
  *
+ * Another node may have sent with an identifier of the controller, which hears it and stops. A
+ * frame that the task did not make is taken for such a one: it is fed, the task's own must be
+ * in the log besides, and its next digest must agree; if not, that frame is the difference. A
+ * foreign SYNC cannot be told so from an own one; a black box knows which was which.
+ *
  * A log recorded on a bus may hold what others said before the controller was switched on,
  * and more than one run of it, each begun by a boot-up frame. How much the controller had
  * still heard of what lies before its first SYNC is not in the log's order; the first digest
@@ -35,6 +40,7 @@ struct replay_frame {
     struct can_msg message;
     unsigned long line; /* of the log */
     uint64_t time_us;
+    bool foreign; /* another node's, with an identifier of the controller that it hears */
 };
 
 /* What the task sent and the log has not shown yet, per identifier. */
@@ -63,10 +69,14 @@ struct replay {
     bool cut;     /* the last run ended in a silence that only a boot-up can end */
     bool boot_seen;
     unsigned runs;
-    uint64_t ticks;     /* of this run */
-    uint64_t all_ticks; /* of all runs */
-    uint64_t frames;    /* read from the log */
-    uint64_t compared;  /* command frames found equal */
+    uint64_t ticks;          /* of this run */
+    uint64_t all_ticks;      /* of all runs */
+    uint64_t frames;         /* read from the log */
+    uint64_t compared;       /* command frames found equal */
+    uint64_t foreign_frames; /* another node's, with the controller's identifiers */
+    uint32_t suspects;       /* the same, but the controller has told no digest since */
+    uint64_t suspected_tick; /* of the first of them */
+    bool next_is_foreign;    /* by a note of a black box */
     uint8_t snapshot[BLACK_BOX_SNAPSHOT_MAX];
     uint32_t snapshot_bytes, snapshot_tick; /* announced; 0 = none under way */
     uint32_t snapshots;                     /* gone on from */

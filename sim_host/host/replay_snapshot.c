@@ -12,6 +12,8 @@ void replay_take_note(struct replay *replay, const struct can_msg *message)
     if (message->id == BLACK_BOX_ID_IDENTITY) {
         replay->build_id = first;
         replay->parameter_crc = second;
+    } else if (message->id == BLACK_BOX_ID_FOREIGN) {
+        replay->next_is_foreign = true;
     } else if (message->id == BLACK_BOX_ID_BEGIN) {
         replay->snapshot_tick = first;
         replay->snapshot_bytes = second <= sizeof replay->snapshot ? second : 0;

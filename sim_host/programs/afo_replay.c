@@ -58,6 +58,10 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
                 printf(", in %u runs", replay->runs);
             }
             putchar('\n');
+            if (replay->foreign_frames > 0) {
+                printf("%llu frames of another node with identifiers of the controller\n",
+                       (unsigned long long)replay->foreign_frames);
+            }
             if (replay->build_id != 0) {
                 printf("recorded by build %08x, parameter CRC %08x\n", replay->build_id,
                        replay->parameter_crc);

@@ -122,6 +122,46 @@ START_TEST(a_fault_freezes_it_and_written_values_replay)
 }
 END_TEST
 
+/* Another node speaks with the controller's identifiers, in the middle between two SYNCs. */
+static void intrude(const struct can_msg *frames, unsigned count)
+{
+    const uint64_t us = 1000;
+    sim_bus_run_until(&loop.bus, sim_bus_now_ns(&loop.bus) + 500 * us);
+    for (unsigned i = 0; i < count; i++) {
+        ck_assert_int_eq(can_bus_send(&tool, &frames[i]), CAN_OK);
+    }
+    sim_bus_run_until(&loop.bus, sim_bus_now_ns(&loop.bus) + 400 * us);
+}
+
+/* The controller hears them, stops, and freezes its box; the replay hears them too. A SYNC of
+ * theirs is no tick of its own. */
+START_TEST(what_a_foreign_master_said_replays)
+{
+    static const struct can_msg all[] = {
+        {.id = 0x301, .length = 6, .data = {0x0F, 0, 0, 0, 1, 0}},
+        {.id = 0x201, .length = 8, .data = {1, 2, 3}},
+        {.id = 0x710, .length = 1, .data = {5}},
+        {.id = 0x080},
+    };
+    enum { ALL = sizeof all / sizeof all[0] };
+    for (unsigned first = 0; first < ALL; first++) {
+        start();
+        run(WALK_TICKS);
+        intrude(&all[first], 1);
+        run(20);
+        intrude(all, ALL);
+        run(1000);
+        ck_assert_uint_eq(box.header.state, BLACK_BOX_FROZEN);
+        fetch(false);
+        ck_assert_uint_eq(fetched.header.reason, 1u << SUPERVISOR_FAULT_FOREIGN);
+        ck_assert_msg(replay_box() == REPLAY_EQUAL, "%s", replay.message);
+        ck_assert_uint_eq(replay.foreign_frames, 1 + ALL);
+        ck_assert_uint_gt(summary.last_tick, summary.trigger_tick + 100);
+        ck_assert_int_eq(replay.rig.task.output.fault, SUPERVISOR_FAULT_FOREIGN);
+    }
+}
+END_TEST
+
 START_TEST(a_changed_bit_is_found)
 {
     start();
@@ -173,6 +213,7 @@ int main(void)
     tcase_set_timeout(tests, 120.0);
     tcase_add_test(tests, what_was_recorded_replays_from_the_middle);
     tcase_add_test(tests, a_fault_freezes_it_and_written_values_replay);
+    tcase_add_test(tests, what_a_foreign_master_said_replays);
     tcase_add_test(tests, a_changed_bit_is_found);
     tcase_add_test(tests, it_is_not_given_while_it_records);
     tcase_add_test(tests, who_does_not_answer_is_told);

@@ -188,7 +188,11 @@ START_TEST(frames_of_any_kind_come_back)
                             {FRAME_LEG_STATE_LEFT, 5, CAN_FRAME_REMOTE, {0}},
                             {FRAME_HEARTBEAT_DRIVE_LEFT, 1, 0, {5}},
                             {FRAME_HEARTBEAT_DRIVE_LEFT, 1, 0, {5}},
-                            {FRAME_HEARTBEAT_DRIVE_LEFT, 1, 0, {0}}};
+                            {FRAME_HEARTBEAT_DRIVE_LEFT, 1, 0, {0}},
+                            {FRAME_SYNC, 0, CAN_FRAME_OWN, {0}},
+                            {FRAME_DRIVE_TARGETS, 8, CAN_FRAME_OWN, {1}},
+                            {FRAME_DRIVE_TARGETS, 8, 0, {1}}, /* a foreign node's */
+                            {FRAME_SYNC, 0, 0, {0}}};         /* this, too: no tick of ours */
     uint32_t tick = 7;
 
     black_box_start(&box, 1, 2);
@@ -203,6 +207,7 @@ START_TEST(frames_of_any_kind_come_back)
         ck_assert_int_eq(black_box_reader_next(&reader), BLACK_BOX_FRAME);
         ck_assert_mem_eq(&reader.message, &odd[i], MESSAGE_BYTES);
     }
+    ck_assert_uint_eq(reader.tick, 8);
     ck_assert_int_eq(black_box_reader_next(&reader), BLACK_BOX_END);
 }
 END_TEST

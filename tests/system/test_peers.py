@@ -32,17 +32,27 @@ def test_canopen_is_master_of_the_virtual_nodes():
     assert out.count("\n") == 10, out
 
 
-def test_canopen_and_can_utils_during_a_walk():
+def test_canopen_and_can_utils_during_a_walk(tmp_path):
+    """What they said, and how the controller took it, is all in the log: it replays to its end, another
+    node's targets and an SDO client's questions about counters included."""
+    log = tmp_path / "walk.log"
     out = in_guest(f"""
+        candump -L -r 268435456 vcan0 >{log} & dump=$!
         {BUILD}/afo-walker --can vcan0 --silence 60000 --quiet & walker=$!
         sleep 0.3
         {BUILD}/afo-host --can vcan0 --speed 0.41 --quiet & host=$!
         {PYTHON} tests/system/peer_tool.py; status=$?
         kill -TERM $host; wait $host; [ $? = 1 ] || status=1 # it tells the fault
         kill -TERM $walker; wait $walker; [ $? -le 1 ] || status=1 # they may have fallen
+        cansend vcan0 1FFFFFFF#
+        for _ in {{1..600}}; do tail -n 2 {log} | grep -q '1FFFFFFF#' && break; sleep 0.1; done
+        kill -TERM $dump
         exit $status""", 400)
     assert out.rstrip().endswith("done"), out
     assert out.count("\n") == 6, out
+    done = run("--speed", "0.41", log, program=BUILD / "afo-replay")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "3 frames of another node" in done.stdout, done.stdout  # 0x000, 0x601, 0x201
 
 
 def told_steps(log):
