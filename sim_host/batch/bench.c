@@ -1,6 +1,7 @@
 #include "sim_host/batch/bench.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "model/real.h"
@@ -14,8 +15,16 @@ double bench_now_s(void)
 
 int bench_open(struct bench_rows *rows, int argc, char **argv)
 {
+    static const char usage[] =
+        "usage: %s REFERENCE.csv [SECONDS PER MEASUREMENT [MORE]]\n"
+        "Lines \"method,setting,largest error,median error,strides per second\" over the strides of\n"
+        "REFERENCE.csv (tests/batch/reference_strides.csv), whose ends are known.\n";
+    if (argc > 1 && strcmp(argv[1], "--help") == 0) {
+        printf(usage, argv[0]);
+        exit(fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE);
+    }
     if (argc < 2 || argc > 4) {
-        fprintf(stderr, "usage: %s REFERENCE.csv [SECONDS PER MEASUREMENT [MORE]]\n", argv[0]);
+        fprintf(stderr, usage, argv[0]);
         return 0;
     }
     rows->count = reference_read(argv[1], rows->row, BENCH_MAX_ROWS);

@@ -16,7 +16,8 @@ struct bench_rows {
     double patience_s; /* least time spent on one measurement */
 };
 
-/* Reads the rows named on the command line: PROGRAM FILE [SECONDS [MORE]]. 0, and a message on stderr, when it cannot. */
+/* Reads the rows named on the command line: PROGRAM FILE [SECONDS [MORE]]. 0, and a message on stderr, when it cannot.
+ * PROGRAM --help says so on stdout and ends the program. */
 int bench_open(struct bench_rows *rows, int argc, char **argv);
 
 /* Computes the next apex of every row; setting: what the ladder varies. Returns 0 when a stride failed. */

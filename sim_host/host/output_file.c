@@ -41,7 +41,7 @@ int output_file_open(struct output_file *file, const char *path, char *message, 
     return 0;
 }
 
-int output_file_commit(struct output_file *file, char *message, size_t size)
+static int complete(struct output_file *file, const char *path, char *message, size_t size)
 {
     const bool failed = fflush(file->stream) != 0 || ferror(file->stream) != 0;
     int reason = errno;
@@ -51,7 +51,7 @@ int output_file_commit(struct output_file *file, char *message, size_t size)
         reason = 0;
     }
     file->stream = NULL;
-    if (reason == 0 && !file->direct && rename(file->temporary, file->path) != 0) {
+    if (reason == 0 && !file->direct && rename(file->temporary, path) != 0) {
         reason = errno;
     }
     if (reason == 0) {
@@ -60,8 +60,20 @@ int output_file_commit(struct output_file *file, char *message, size_t size)
     if (!file->direct) {
         unlink(file->temporary);
     }
-    snprintf(message, size, "cannot write %s: %s", file->path, strerror(reason));
+    snprintf(message, size, "cannot write %s: %s", path, strerror(reason));
     return -1;
+}
+
+int output_file_commit(struct output_file *file, char *message, size_t size)
+{
+    return complete(file, file->path, message, size);
+}
+
+int output_file_keep_part(struct output_file *file, char *message, size_t size)
+{
+    char path[OUTPUT_PATH_MAX + OUTPUT_SUFFIX_MAX];
+    snprintf(path, sizeof path, "%s%s", file->path, file->direct ? "" : ".part");
+    return complete(file, path, message, size);
 }
 
 void output_file_discard(struct output_file *file)

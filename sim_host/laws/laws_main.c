@@ -201,16 +201,17 @@ int laws_csv_close(struct output_file *file, bool failed)
 
 int laws_main(int argc, char **argv)
 {
-    static const char doc[] =
+    static char name[] = "afo-study laws"; /* what argp calls the program in usage and errors */
+    static const char doc[] = /* argp wraps at column 79, and what it wraps begins at column 0 */
         "Compares the laws that choose the push-off. STUDY is one of:\v"
-        "  jumps        steps to settle after every jump of the command, 0.2 to 1.0 rad/s\n"
-        "  limits       the share of the box that any law can walk on from: exhaustive, two bounds\n"
+        "  jumps        steps to settle after every jump of the command, 0.2 to 1 rad/s\n"
+        "  limits       the share of the box that any law can walk on from, two bounds\n"
         "  basin        share of a box of apex states from which the gait is reached\n"
         "  ground       uneven ground: mean steps to failure\n"
         "  sensitivity  gait sensitivity norm to a step of the ground\n"
         "  slope        slopes of -4 to 4 degrees\n"
         "  mismatch     body and spring 10 % off what the law believes\n"
-        "  push         largest impulse on the torso survived, at eight phases (always the chain)\n"
+        "  push         largest impulse survived, at eight phases (always the chain)\n"
         "  energy       spring energy per metre, steady and with noisy sensing\n"
         "  timing       the push-off before, at and after heel strike\n"
         "  all          the quick ones, one after the other";
@@ -222,6 +223,7 @@ int laws_main(int argc, char **argv)
     }
     subject_default(&input.options.subject);
     argp_err_exit_status = 2;
+    argv[0] = name;
     argp_parse(&parser, argc, argv, 0, NULL, &input);
     char message[SUBJECT_MESSAGE_MAX];
     if (laws_bench_init(&input.options.bench, &input.options.subject, LAW_PREDICTIVE, message) !=

@@ -105,6 +105,10 @@ int main(int argc, char **argv)
         fputs(help, is_asked ? stdout : stderr);
         return is_asked ? EXIT_SUCCESS : EXIT_USAGE;
     }
+    if (argv[2][0] == '-') {
+        fprintf(stderr, "afo-atlas: %s: the name of a file comes first; see --help\n", argv[2]);
+        return EXIT_USAGE;
+    }
     for (int i = 3; i < argc; i += 2) {
         if (!take(&options, argv[i], i + 1 < argc ? argv[i + 1] : NULL)) {
             return EXIT_USAGE;

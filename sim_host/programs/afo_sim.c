@@ -240,7 +240,7 @@ static void name_controller_fault(struct session *session)
 
 /* ---- reporting ------------------------------------------------------------- */
 
-/* A walk that was broken off leaves no file that looks like a whole one. The file
+/* A walk that cannot be written leaves no file that looks like a whole one. The file
  * that cannot be written itself is left to its commit, which knows the reason. */
 static void discard_unfinished(struct output_file *file)
 {
@@ -249,6 +249,26 @@ static void discard_unfinished(struct output_file *file)
     }
     fprintf(stderr, "afo-sim: the walk was broken off, %s is not written\n", file->path);
     output_file_discard(file);
+}
+
+/* A whole walk's file takes its place; what an interrupted one has come to lies beside it.
+ * Returns 0, or -1 with a complaint. */
+static int complete_output(const struct session *session, struct output_file *file)
+{
+    char message[OUTPUT_PATH_MAX + 256];
+    const bool part = interrupted && !output_failed(session) && !file->direct;
+    if (file->stream == NULL) {
+        return 0;
+    }
+    if ((part ? output_file_keep_part : output_file_commit)(file, message, sizeof message) != 0) {
+        complain(message);
+        return -1;
+    }
+    if (part) {
+        fprintf(stderr, "afo-sim: the walk was broken off: its %u steps are in %s.part\n",
+                session->record.count, file->path);
+    }
+    return 0;
 }
 
 /* A disturbance that was asked for and never came must not pass for one that was survived. */
@@ -272,27 +292,19 @@ static int complain_of_what_never_came(const struct session *session, int status
 static int finish(struct session *session)
 {
     const struct sim_options *options = &session->options;
-    char message[OUTPUT_PATH_MAX + 256];
     int status =
         session->outcome.fell || session->outcome.fault[0] != '\0' ? EXIT_FELL : EXIT_WALKED;
 
-    if (interrupted || output_failed(session)) {
+    if (output_failed(session)) {
         discard_unfinished(&session->csv);
         discard_unfinished(&session->log);
     }
-    if (session->csv.stream != NULL) {
-        if (!options->ticks) {
-            sim_report_csv(session->csv.stream, &session->record,
-                           session->config.desired_speed_rad_s);
-        }
-        if (output_file_commit(&session->csv, message, sizeof message) != 0) {
-            complain(message);
-            status = EXIT_USAGE;
-        }
+    if (session->csv.stream != NULL && !options->ticks) {
+        sim_report_csv(session->csv.stream, &session->record, session->config.desired_speed_rad_s);
     }
-    if (session->log.stream != NULL &&
-        output_file_commit(&session->log, message, sizeof message) != 0) {
-        complain(message);
+    const int csv = complete_output(session, &session->csv);
+    const int log = complete_output(session, &session->log); /* whatever became of the other */
+    if (csv != 0 || log != 0) {
         status = EXIT_USAGE;
     }
     if (options->json) {

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "sim_host/host/output_file.h"
 #include "sim_host/laws/laws_main.h"
 #include "sim_host/observe/commands.h"
 #include "sim_host/study/command.h"
@@ -52,7 +53,8 @@ int study_main(int argc, char **argv, const char *version)
     }
     for (unsigned i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         if (strcmp(argv[1], commands[i].name) == 0) {
-            return commands[i].run(argc - 1, argv + 1);
+            const int status = commands[i].run(argc - 1, argv + 1);
+            return output_standard_done("afo-study") == 0 ? status : EXIT_USAGE;
         }
     }
     fprintf(stderr, "afo-study: no command \"%s\"\n\n", argv[1]);

@@ -104,5 +104,9 @@ def test_other_work_and_bad_options_are_refused(tmp_path):
         told = atlas("basin", tmp_path / "c", *wrong)
         assert told.returncode == 2 and said in told.stderr
     assert atlas("sphere").returncode == 2
+    for first in ("--points=8", "--points", "--threads"):
+        told = atlas("plane", first, "8")
+        assert told.returncode == 2 and f"{first}: the name of a file comes first" in told.stderr
+    assert not pathlib.Path("--points=8").exists()
     assert atlas("--version").stdout.startswith("afo-atlas ")
     assert "usage" in atlas("--help").stdout

@@ -47,3 +47,10 @@ def test_a_soak_compares_digests():
                           timeout=600)
     assert done.returncode == 0 and "the same bits, no growth" in done.stdout
     assert len(set(re.findall("digest ([0-9a-f]+)", done.stdout))) == 1
+
+
+def test_the_bench_tells_what_it_measures():
+    bench = ROOT / BUILD / "afo-bench"
+    done = subprocess.run([bench, "--help"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and done.stdout.startswith("usage: ") and "REFERENCE.csv" in done.stdout
+    assert subprocess.run([bench], capture_output=True, timeout=60).returncode == 1

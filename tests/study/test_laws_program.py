@@ -22,6 +22,15 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
+def test_help_fits_the_terminal_and_names_the_program():
+    lines = laws("--help").stdout.splitlines()
+    assert lines[0].startswith("Usage: afo-study laws ")
+    below = lines[lines.index("") + 1:]
+    assert sum(line.startswith("  ") for line in below) > 15
+    assert not [line for line in below if line and not line.startswith(" ")]
+    assert "afo-study laws" in laws("--colour", status=2).stderr
+
+
 def check_jumps(jumps):
     assert len(jumps) == 81
     for jump in jumps:

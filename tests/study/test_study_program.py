@@ -54,6 +54,17 @@ def test_the_papers_gait_and_eigenvalues():
                                                       rel=1e-12)
 
 
+@pytest.mark.parametrize("arguments", [("observer-gains",), ("fixed-point", "--r0", "0.05"),
+                                       ("map", "--r0", "0.05", "--strides", "3")])
+def test_a_full_disk_is_noticed(arguments):
+    """/dev/full takes the open and refuses the write."""
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run([PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
+                              check=False)
+    assert done.returncode not in (0, 1), done.stderr
+    assert done.stderr != ""
+
+
 def test_the_short_branch_and_a_doubled_gait():
     short = ask("fixed-point", "--r0", 0.05, "--branch", "short")
     assert short["x"] == pytest.approx([-0.521217, -0.205854, 1.416979], abs=1e-6)

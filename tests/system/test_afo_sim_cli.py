@@ -286,17 +286,29 @@ def test_a_full_disk_is_noticed():
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_an_interrupted_walk_leaves_no_partial_file(tmp_path, number):
+def test_an_interrupted_walk_keeps_its_steps_beside_the_old_file(tmp_path, number):
+    """Up to the step it has come to, the part is the longer walk's own beginning."""
     (tmp_path / "steps.csv").write_text("the old one\n")
+    (tmp_path / "steps.csv.part").write_text("an older part\n")
     with subprocess.Popen([SIM, "--steps", "1000000", "--quiet", "--csv", tmp_path / "steps.csv",
                            "--log", tmp_path / "walk.log"], stderr=subprocess.PIPE, text=True) as walk:
-        time.sleep(0.5)
+        while walk.poll() is None and sum(path.stat().st_size for path in tmp_path.glob("walk.log.*")) < 2_000_000:
+            time.sleep(0.05)  # some steps
         walk.send_signal(number)
         _, said = walk.communicate(timeout=30)
     assert walk.returncode == 1
-    assert "steps.csv" in said and "walk.log" in said
-    assert [path.name for path in tmp_path.iterdir()] == ["steps.csv"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["steps.csv", "steps.csv.part", "walk.log.part"]
     assert (tmp_path / "steps.csv").read_text() == "the old one\n"
+    kept = (tmp_path / "steps.csv.part").read_text().splitlines()
+    steps = int(re.search(r"broken off: its (\d+) steps are in \S+/steps\.csv\.part", said)[1])
+    assert steps > 3 and len(kept) == steps + 1 and f"its {steps} steps are in {tmp_path}/walk.log.part" in said
+    run("--steps", str(steps), "--quiet", "--csv", tmp_path / "whole.csv", "--log", tmp_path / "whole.log")
+    # The last step's record may still have been on its way.
+    assert (tmp_path / "whole.csv").read_text().splitlines()[:steps] == kept[:steps]
+    whole, part = ((tmp_path / name).read_text() for name in ("whole.log", "walk.log.part"))
+    assert part.endswith("\n")
+    common = min(len(whole), len(part)) - 1000
+    assert common > 10000 and whole[:common] == part[:common]
 
 
 def test_a_reader_that_goes_away_ends_the_walk(tmp_path):
