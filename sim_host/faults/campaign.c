@@ -294,22 +294,28 @@ void campaign_write(FILE *file, const struct campaign_result *result)
 
 bool campaign_read(const char *line, uint64_t seed, struct campaign_result *result)
 {
-    unsigned index, effect, noticed, unloaded, unsafe_at, unsafe;
-    int effective, late, fault, walk_fault, used = 0;
-    if (sscanf(line, "%u %d %d %u %u %u %u %d %d %u%n", &index, &effective, &late, &effect,
-               &noticed, &unloaded, &unsafe_at, &fault, &walk_fault, &unsafe, &used) != 10 ||
-        line[used] != '\n') {
+    enum { FIELDS = 10 }; /* as campaign_write has them */
+    long long field[FIELDS];
+    for (int i = 0; i < FIELDS; i++) {
+        char *end;
+        field[i] = strtoll(line, &end, 10);
+        if (end == line || field[i] < INT32_MIN || field[i] > (long long)UINT32_MAX) {
+            return false;
+        }
+        line = end;
+    }
+    if (*line != '\n') {
         return false;
     }
-    *result = (struct campaign_result){.effective = effective != 0,
-                                       .late = late != 0,
-                                       .effect_tick = effect,
-                                       .noticed_tick = noticed,
-                                       .unloaded_tick = unloaded,
-                                       .unsafe_tick = unsafe_at,
-                                       .fault = (enum supervisor_fault)fault,
-                                       .walk_fault = (enum walk_fault)walk_fault,
-                                       .unsafe = unsafe};
-    campaign_plan(seed, index, &result->plan);
+    *result = (struct campaign_result){.effective = field[1] != 0,
+                                       .late = field[2] != 0,
+                                       .effect_tick = (uint32_t)field[3],
+                                       .noticed_tick = (uint32_t)field[4],
+                                       .unloaded_tick = (uint32_t)field[5],
+                                       .unsafe_tick = (uint32_t)field[6],
+                                       .fault = (enum supervisor_fault)field[7],
+                                       .walk_fault = (enum walk_fault)field[8],
+                                       .unsafe = (unsigned)field[9]};
+    campaign_plan(seed, (uint32_t)field[0], &result->plan);
     return true;
 }

@@ -289,7 +289,7 @@ int session_run(const struct laws_options *options, const struct session_config 
 
 int session_records(const struct session_config *configs, int count, struct session_result *results)
 {
-    size_t steps = 0;
+    size_t steps = 1; /* of nothing calloc may give nothing */
     for (int i = 0; i < count; i++) {
         steps += (size_t)configs[i].steps;
     }
