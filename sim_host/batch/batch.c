@@ -49,6 +49,27 @@ static double push_of(const struct batch_item *item)
     return push < 0.0 ? 0.0 : push;
 }
 
+/* The fault that an item has before its next stride. */
+static int start_fault(const struct run *run, const struct batch_item *item, double push)
+{
+    const int is_level = item->slope_rad == 0.0 && item->height_rise == 0.0;
+    const int level_only = run->precision.want_slopes || run->precision.from_strike;
+    if (!real_is_finite(item->apex[0]) || !real_is_finite(item->apex[1]) ||
+        !real_is_finite(item->apex[2]) || !real_is_finite(push) || push < 0.0 ||
+        !(real_abs(item->slope_rad) < REAL_HALF_PI) || !real_is_finite(item->height_rise) ||
+        (level_only && !is_level)) {
+        return STRIDE_BAD_INPUT;
+    }
+    if (run->precision.from_strike) {
+        const int apart = item->apex[1] > 0.0 && item->apex[1] < REAL_HALF_PI;
+        return apart && !run->precision.want_slopes ? STRIDE_OK : STRIDE_BAD_INPUT;
+    }
+    if (item->apex[0] >= 0.0) {
+        return STRIDE_WALKING_BACKWARDS;
+    }
+    return real_abs(item->apex[1]) > REAL_PI ? STRIDE_INTER_LEG_ANGLE : STRIDE_OK;
+}
+
 /* Writes an item's next stride into a slot: its start, or the fault it has already. */
 static void load(struct run *run, int slot)
 {
@@ -59,7 +80,7 @@ static void load(struct run *run, int slot)
     b->mass_ratio[slot] = w->mass_ratio;
     b->stiffness[slot] = w->stiffness;
     b->push[slot] = push / w->length_m;
-    b->state[COLUMN_TS][slot] = 0.0;
+    b->state[COLUMN_TS][slot] = run->precision.from_strike ? -item->apex[1] : 0.0;
     b->state[COLUMN_WS][slot] = item->apex[0] * w->time_s;
     b->state[COLUMN_TN][slot] = item->apex[1];
     b->state[COLUMN_WN][slot] = item->apex[2] * w->time_s;
@@ -72,22 +93,7 @@ static void load(struct run *run, int slot)
     const int is_level = item->slope_rad == 0.0 && item->height_rise == 0.0;
     run->precision.has_ground |= !is_level;
 
-    int fault = STRIDE_OK;
-    if (real_abs(item->apex[1]) > REAL_PI) {
-        fault = STRIDE_INTER_LEG_ANGLE;
-    }
-    if (item->apex[0] >= 0.0) {
-        fault = STRIDE_WALKING_BACKWARDS;
-    }
-    if (!(real_abs(item->slope_rad) < REAL_HALF_PI) || !real_is_finite(item->height_rise) ||
-        (run->precision.want_slopes && !is_level)) {
-        fault = STRIDE_BAD_INPUT;
-    }
-    if (!real_is_finite(item->apex[0]) || !real_is_finite(item->apex[1]) ||
-        !real_is_finite(item->apex[2]) || !real_is_finite(push) || push < 0.0) {
-        fault = STRIDE_BAD_INPUT;
-    }
-    b->fault[slot] = fault;
+    b->fault[slot] = start_fault(run, item, push);
     if (run->precision.want_slopes) {
         for (int d = 0; d < BATCH_DIRECTIONS; d++) {
             for (int c = 0; c < COLUMN_COUNT; c++) {
@@ -233,6 +239,7 @@ static enum batch_error check_job(const struct batch_settings *settings,
         return BATCH_BAD_ACCURACY;
     }
     precision->want_slopes = job->slopes != NULL;
+    precision->from_strike = settings->from_strike;
     for (size_t i = 0; i < job->count; i++) {
         if (job->items[i].walker >= job->walker_count) {
             return BATCH_BAD_INDEX;

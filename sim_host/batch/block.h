@@ -41,6 +41,7 @@ struct block_precision {
     double log2_tolerance; /* of a step's last term */
     int want_times; /* the double support's duration too, a quadrature the map itself does not need */
     int want_slopes; /* the derivatives */
+    int from_strike; /* strides begin and end just before heel strike */
     int has_ground;  /* some walker of the block walks on ground that is not level */
 };
 

@@ -264,6 +264,13 @@ static void stride_with_slopes(struct block *block, const struct block_precision
     fly(block, precision, GOAL_APEX, block->time[2], BATCH_DIRECTIONS, 0);
 }
 
+static void stride_from_strike(struct block *block, const struct block_precision *precision)
+{
+    push_all(block, precision, 0, 0);
+    fly(block, precision, GOAL_APEX, block->time[2], 0, 0);
+    fly(block, precision, GOAL_STRIKE, block->time[0], 0, 0);
+}
+
 double BATCH_PEAK(long rounds)
 {
     /* Seven chains each: enough for a latency of three and two units of each kind, and all sixteen registers. */
@@ -292,7 +299,9 @@ double BATCH_PEAK(long rounds)
 
 void BATCH_STRIDE(struct block *block, const struct block_precision *precision)
 {
-    if (precision->want_slopes) {
+    if (precision->from_strike) {
+        stride_from_strike(block, precision);
+    } else if (precision->want_slopes) {
         stride_with_slopes(block, precision);
     } else if (precision->has_ground) {
         stride_rough(block, precision);

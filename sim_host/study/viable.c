@@ -7,16 +7,19 @@
 #include "model/collision.h"
 #include "model/stride.h"
 #include "model/trig.h"
+#include "sim_host/study/engine.h"
 #include "sim_host/study/pool.h"
 
 /* Between two push-offs of the grid so many more are looked at, by straight line. */
 enum { BETWEEN = 4, BOX_IMAGES = 8 };
 #define STEP_UNITS 0.08
+#define ACCURACY 1e-6 /* of the engine; the images are floats */
 
 struct making {
     struct viable_grid *grid;
     struct walker walker;
     struct stride_settings settings;
+    unsigned char *made; /* by row */
 };
 
 static int init_walker(const struct gait_walker *from, struct walker *walker,
@@ -75,54 +78,59 @@ bool viable_after_apex(const struct gait_walker *gait_walker, const double apex[
     return state->legs_rad > 0.0;
 }
 
-/* The push-off reads of the strike only the angles and what the impact makes of the rates: rates are chosen that
- * give the wanted ankle rate. */
-static struct viable_image image_of(const struct making *making, const struct viable_state *state,
-                                    double r0_m)
+/* A node as a strike. The push-off reads of it only the angles and what the impact makes of the rates: a swing rate
+ * is chosen that gives the wanted ankle rate. */
+static struct batch_item strike_of(const struct making *making, const struct viable_state *state,
+                                   double r0_m)
 {
-    struct viable_image image = {0.0f, 0.0f, -1.0f};
-    struct stride_result result = {.fault = STRIDE_OK};
     const double unit = rate_unit(&making->grid->walker), legs = state->legs_rad;
     const double per_swing_rate = collision_ankle_rate_m_s(&making->walker, -legs, 0.0, 1.0);
-    result.strike[STANCE_ANGLE] = -0.5 * legs;
-    result.strike[SWING_ANGLE] = 0.5 * legs;
-    result.strike[STANCE_RATE] = 0.0;
-    result.strike[SWING_RATE] = state->rate * legs * unit / per_swing_rate;
-    if (stride_push_off(&making->walker, &making->settings, r0_m, &result) != STRIDE_OK ||
-        stride_from_lift_off(&making->walker, &making->settings, &result) != STRIDE_OK) {
-        return image;
-    }
-    const struct apex apex = result.next;
-    if (stride_to_strike(&making->walker, &making->settings, &apex, &result) != STRIDE_OK) {
-        return image;
-    }
-    const struct viable_state next = after_strike(&making->walker, unit, result.strike);
-    if (next.legs_rad > 0.0) {
-        image = (struct viable_image){(float)log(next.legs_rad), (float)next.rate,
-                                      (float)-apex.stance_rate_rad_s};
-    }
-    return image;
+    return (struct batch_item){
+        .apex = {0.0, 0.5 * legs, state->rate * legs * unit / per_swing_rate}, .push_m = r0_m};
 }
 
+static struct viable_image image_of(const struct making *making, const struct batch_item *item)
+{
+    if (item->fault != 0) {
+        return (struct viable_image){VIABLE_NO_IMAGE, 0.0f};
+    }
+    const real strike[SINGLE_SUPPORT_STATES] = {-item->apex[1], item->apex[1], item->apex[0],
+                                                item->apex[2]};
+    const struct viable_state next =
+        after_strike(&making->walker, rate_unit(&making->grid->walker), strike);
+    return (struct viable_image){(float)log(next.legs_rad), (float)next.rate};
+}
+
+/* A row of nodes, each with every push-off, side by side on the batch engine. */
 static void compute(void *context, int row)
 {
     const struct making *making = (const struct making *)context;
     const struct viable_range *r = &making->grid->range;
-    for (int w = 0; w < r->rates; w++) {
-        const int node = row * r->rates + w;
-        const struct viable_state state = node_state(r, node);
-        for (int i = 0; i < r->pushes; i++) {
-            making->grid->image[(size_t)node * (size_t)r->pushes + (size_t)i] =
-                image_of(making, &state, spaced(r->r0_low_m, r->r0_high_m, i, r->pushes));
-        }
+    const size_t count = (size_t)r->rates * (size_t)r->pushes;
+    struct viable_image *image = &making->grid->image[(size_t)row * count];
+    struct batch_item *items = malloc(count * sizeof *items);
+    if (items == NULL) {
+        return;
     }
+    for (size_t i = 0; i < count; i++) {
+        const int w = (int)(i / (size_t)r->pushes), push = (int)(i % (size_t)r->pushes);
+        const struct viable_state state = node_state(r, row * r->rates + w);
+        items[i] = strike_of(making, &state, spaced(r->r0_low_m, r->r0_high_m, push, r->pushes));
+    }
+    const struct batch_walker walker = engine_walker(&making->walker.params);
+    const struct batch_settings settings = {.accuracy = ACCURACY, .from_strike = 1};
+    const struct batch_job job = {
+        .walkers = &walker, .walker_count = 1, .items = items, .count = count, .strides = 1};
+    making->made[row] = batch_run(&settings, &job) == BATCH_OK;
+    for (size_t i = 0; i < count; i++) {
+        image[i] = image_of(making, &items[i]);
+    }
+    free(items);
 }
 
 static int take(void *context, int row)
 {
-    (void)context;
-    (void)row;
-    return 1;
+    return ((const struct making *)context)->made[row];
 }
 
 int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
@@ -132,9 +140,13 @@ int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
     *grid = (struct viable_grid){
         .walker = *walker, .range = *range, .nodes = range->legs * range->rates};
     grid->image = malloc((size_t)grid->nodes * (size_t)range->pushes * sizeof *grid->image);
+    making.made = calloc((size_t)range->legs, 1);
     const struct pool_jobs jobs = {0, range->legs, threads, &making, compute, take};
-    if (grid->image == NULL || init_walker(walker, &making.walker, &making.settings) != 0 ||
-        pool_run(&jobs) != 1) {
+    const bool done = grid->image != NULL && making.made != NULL &&
+                      init_walker(walker, &making.walker, &making.settings) == 0 &&
+                      pool_run(&jobs) == 1;
+    free(making.made);
+    if (!done) {
         viable_free(grid);
         return -1;
     }
@@ -174,6 +186,11 @@ static int cell_of(const struct viable_range *r, const struct place *place)
     return (a < r->legs - 1 ? a : r->legs - 2) * r->rates + (w < r->rates - 1 ? w : r->rates - 2);
 }
 
+static bool has_image(const struct viable_image *image)
+{
+    return image->log_legs < VIABLE_NO_IMAGE;
+}
+
 /* ---- from inside: nodes ------------------------------------------------------------------- */
 
 static bool all_corners(const struct viable_grid *grid, const unsigned char *set, int cell)
@@ -189,10 +206,10 @@ static bool node_stays(const struct viable_grid *grid, const unsigned char *set,
     const int pushes = grid->range.pushes;
     const struct viable_image *image = &grid->image[(size_t)node * (size_t)pushes];
     for (int i = 0; i < pushes; i++) {
-        if (image[i].speed_rad_s < 0.0f) {
+        if (!has_image(&image[i])) {
             continue;
         }
-        const bool more = i + 1 < pushes && image[i + 1].speed_rad_s >= 0.0f;
+        const bool more = i + 1 < pushes && has_image(&image[i + 1]);
         const struct viable_image *next = &image[more ? i + 1 : i];
         for (int k = 0; k < (more ? BETWEEN : 1); k++) {
             const float share = (float)k / (float)BETWEEN;
@@ -235,7 +252,7 @@ struct box {
 static void take_in(const struct viable_grid *grid, const struct viable_image *image,
                     struct box *box)
 {
-    if (image->speed_rad_s < 0.0f) {
+    if (!has_image(image)) {
         return;
     }
     const struct place p = place_of(&grid->range, (double)image->log_legs, (double)image->rate);

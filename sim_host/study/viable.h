@@ -32,9 +32,10 @@ struct viable_range {
 
 /* What one push-off at a node leads to. */
 struct viable_image {
-    float log_legs, rate,
-        speed_rad_s; /* speed at the apex between; negative: the stride ends in a fault */
+    float log_legs; /* VIABLE_NO_IMAGE: the stride ends in a fault */
+    float rate;
 };
+#define VIABLE_NO_IMAGE 1e9f
 
 struct viable_grid {
     struct gait_walker walker;
@@ -43,7 +44,7 @@ struct viable_grid {
     int nodes;
 };
 
-/* Computes the grid's images on `threads` cores: about 10 us each. Returns 0, or -1 without memory. Release with
+/* Computes the grid's images on `threads` cores: about a microsecond each. Returns 0, or -1 without memory. Release with
  * viable_free(). */
 int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
                 const struct viable_range *range, int threads);
