@@ -36,9 +36,9 @@ static void put_note(struct writer *writer, uint32_t id, const uint8_t *bytes, s
 {
     struct can_msg message = {.id = id, .flags = CAN_FRAME_EXTENDED};
 
-    message.length = (uint8_t)(length < CAN_FRAME_DATA_MAX ? length : CAN_FRAME_DATA_MAX);
-    if (message.length > 0) {
-        memcpy(message.data, bytes, message.length);
+    while (message.length < CAN_FRAME_DATA_MAX && message.length < length) {
+        message.data[message.length] = bytes[message.length];
+        message.length++;
     }
     put(writer, &message);
 }

@@ -293,14 +293,13 @@ int session_records(const struct session_config *configs, int count, struct sess
     for (int i = 0; i < count; i++) {
         steps += (size_t)configs[i].steps;
     }
-    struct session_step *step = calloc(steps, sizeof *step);
-    if (step == NULL) {
+    results[0].step = calloc(steps, sizeof *results[0].step);
+    if (results[0].step == NULL) {
         fprintf(stderr, "afo-study laws: out of memory\n");
         return -1;
     }
-    for (int i = 0; i < count; i++) {
-        results[i].step = step;
-        step += configs[i].steps;
+    for (int i = 1; i < count; i++) {
+        results[i].step = results[i - 1].step + configs[i - 1].steps;
     }
     return 0;
 }

@@ -260,7 +260,9 @@ static int complete_output(const struct session *session, struct output_file *fi
     if (file->stream == NULL) {
         return 0;
     }
-    if ((part ? output_file_keep_part : output_file_commit)(file, message, sizeof message) != 0) {
+    const int status = part ? output_file_keep_part(file, message, sizeof message)
+                            : output_file_commit(file, message, sizeof message);
+    if (status != 0) {
         complain(message);
         return -1;
     }
