@@ -68,10 +68,18 @@ int control_task_init(struct control_task *task, const struct control_task_confi
     return controller_init(&task->controller, task->config.params);
 }
 
+/* Off the bus, what waited to be sent is lost: also a SYNC. */
+static bool bus_is_off(const struct control_task *task)
+{
+    struct can_bus_status status;
+    can_bus_get_status(&task->config.bus, &status);
+    return status.error_state == CAN_BUS_OFF;
+}
+
 enum can_result control_task_start_cycle(struct control_task *task)
 {
     const struct can_msg sync = {.id = FRAME_SYNC, .length = FRAME_BYTES_SYNC};
-    if (task->sync_waits > 0 && task->sync_waits < CONTROL_TASK_SYNC_WAIT) {
+    if (task->sync_waits > 0 && task->sync_waits < CONTROL_TASK_SYNC_WAIT && !bus_is_off(task)) {
         task->sync_waits++;
         count(&task->node.objects.counters.syncs_refused);
         return CAN_FULL;

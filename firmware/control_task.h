@@ -71,7 +71,8 @@ int control_task_init(struct control_task *task, const struct control_task_confi
 
 /* Queues the SYNC of the next cycle. Loop only. Returns what the bus says; CAN_FULL, and
  * nothing is queued, while the last one has not been on the bus (for at most
- * CONTROL_TASK_SYNC_WAIT cycles): after a blocked bus there must be no burst of ticks. */
+ * CONTROL_TASK_SYNC_WAIT cycles, and not while the bus is off): after a blocked bus there must
+ * be no burst of ticks. */
 enum can_result control_task_start_cycle(struct control_task *task);
 enum { CONTROL_TASK_SYNC_WAIT = 5000 };
 

@@ -169,6 +169,7 @@ static void lose_interface(struct socketcan_bus *bus, int error)
         count(&bus->counters.went_down);
     }
     bus->is_down = true;
+    bus->status.error_state = CAN_BUS_OFF; /* until it is back */
     bus->tx_count = 0;
     bus->next_retry_ns = socketcan_now_ns() + RETRY_DOWN_NS;
     if ((error == ENODEV || error == ENXIO) && bus->fd >= 0) {

@@ -21,6 +21,7 @@ enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
 #define LISTEN_NS UINT64_C(1000000000)
+#define RECOVERY_NS UINT64_C(100000000)
 /* A stop that was asked for must have unloaded the springs by then; what the bus does not
  * take is set directly. */
 enum { STOP_TICKS = 3000, STOP_ASK_TICKS = 100, SILENT_CYCLES = 40 };
@@ -53,9 +54,11 @@ struct host {
     uint64_t lost_cycles; /* cycles that went on without an answer */
     unsigned unanswered;  /* in a row */
     uint32_t steps;
-    uint32_t step_tick; /* in which the last one was told */
-    uint32_t faults;    /* times that a fault was latched */
-    bool refusal_told;
+    uint32_t step_tick;          /* in which the last one was told */
+    uint32_t faults;             /* times that a fault was latched */
+    uint32_t told_down, told_up; /* times that the interface went down and came back */
+    uint64_t next_recovery_ns;
+    uint32_t told_refusal; /* number of the last one that was told */
     enum supervisor_state told_state;
 };
 
@@ -110,10 +113,12 @@ static void parse(struct options *options, int argc, char **argv)
         0,
         "Runs the control task on a CAN interface. An interrupt (Ctrl-C), SIGTERM, a hangup or a "
         "reader of the output that went away unloads the springs, switches the drives off and "
-        "ends. So does a latched fault with --steps; without, an operator may clear it over the "
-        "bus.\v"
-        "Exit status: 0 walked, 1 stopped by a fault, 2 wrong usage, input or interface, or the "
-        "output could not be written.",
+        "ends. So do, with --steps, a latched fault and a node that is refused because it is not as "
+        "the subject says; without --steps an operator may clear the fault over the bus, and a "
+        "refused node may be exchanged or switched off and on, which sets it up anew: --auto-reset "
+        "waits for that, with --steps as well. A node that is not there is always waited for.\v"
+        "Exit status: 0 walked, 1 stopped by a fault or a node is refused, 2 wrong usage, input or "
+        "interface, or the output could not be written.",
         children,
         0,
         0};
@@ -197,16 +202,54 @@ static const char *state_name(enum supervisor_state state)
     return (unsigned)state < SUPERVISOR_STATES ? names[state] : "unknown";
 }
 
+/* A node that is not as it must be stays out until it is switched off and on; one that did not
+ * answer is asked again. */
+static bool node_is_refused(const struct control_task *task)
+{
+    const struct controller_objects *objects = &task->node.objects;
+    return objects->refused_node != 0 && objects->refused_verdict != -SETUP_SILENT;
+}
+
+static void tell_refusal(struct host *host)
+{
+    const struct controller_objects *objects = &host->rig.task.node.objects;
+    const uint32_t number = (uint32_t)objects->refused_node << 24 |
+                            (uint32_t)objects->refused_index << 8 | objects->refused_sub;
+    const bool differs = objects->refused_verdict == -SETUP_DIFFERS;
+    if (number == host->told_refusal) {
+        return;
+    }
+    host->told_refusal = objects->refused_node != 0 ? number : 0;
+    if (node_is_refused(&host->rig.task)) {
+        fprintf(stderr, "afo-host: node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X\n",
+                objects->refused_node, objects->refused_index, objects->refused_sub,
+                objects->refused_expected, differs ? "found" : "abort code",
+                objects->refused_found);
+    } else if (objects->refused_node != 0) {
+        fprintf(stderr, "afo-host: node %u does not answer (object 0x%04X:%02X), asked again\n",
+                objects->refused_node, objects->refused_index, objects->refused_sub);
+    }
+}
+
+static void tell_interface(struct host *host)
+{
+    const struct socketcan_counters *counters = &host->socket.counters;
+    const char *name = host->options.bus.interface;
+    if (counters->went_down != host->told_down) {
+        fprintf(stderr, "afo-host: %s is down, nothing is sent or heard\n", name);
+        host->told_down = counters->went_down;
+    }
+    if (counters->came_back != host->told_up) {
+        fprintf(stderr, "afo-host: %s is up again\n", name);
+        host->told_up = counters->came_back;
+    }
+}
+
 static void tell(struct host *host)
 {
     const struct control_task *task = &host->rig.task;
-    const struct setup_failure *failure = &task->setup.failure;
-    if (failure->verdict < SETUP_DONE && !host->refusal_told) {
-        host->refusal_told = true;
-        fprintf(stderr, "afo-host: node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X\n",
-                failure->node, failure->index, failure->sub, failure->expected,
-                failure->verdict == SETUP_DIFFERS ? "found" : "abort code", failure->found);
-    }
+    tell_interface(host);
+    tell_refusal(host);
     if (task->output.state != host->told_state && !host->options.bus.quiet &&
         !host->options.bus.json) {
         printf("  tick %8u  %s%s%s\n", task->tick, state_name(task->output.state),
@@ -232,6 +275,17 @@ static uint64_t deadline_of(const struct host *host, uint64_t start_ns, bool awa
            (awaited && host->unanswered < PATIENT_CYCLES ? host->options.patience_ns : TICK_NS);
 }
 
+/* Off the bus, the controller chip comes back only when somebody asks for it (or by the
+ * interface's own restart-ms). */
+static void recover_bus(struct host *host, uint64_t now_ns)
+{
+    if (host->socket.status.error_state == CAN_BUS_OFF && now_ns >= host->next_recovery_ns) {
+        const struct can_bus bus = socketcan_bus_interface(&host->socket);
+        host->next_recovery_ns = now_ns + RECOVERY_NS;
+        can_bus_recover(&bus);
+    }
+}
+
 /* Sends the SYNC and handles frames until the cycle is complete (lock-step) or its time is
  * over. In lock-step time stands still while somebody works on an answer: how fast the
  * machine is does not count. */
@@ -243,7 +297,8 @@ static void run_cycle(struct host *host)
     const bool lock_step = !host->options.real_time;
     const bool walking = network_all_operational(&task->network);
     const unsigned expected = lock_step_expected(task);
-    (void)control_task_start_cycle(task);
+    const bool sent = control_task_start_cycle(task) == CAN_OK;
+    recover_bus(host, start_ns);
     for (;;) {
         if (control_task_poll(task) & CONTROL_TASK_NEW_STEP) {
             host->steps++;
@@ -254,7 +309,9 @@ static void run_cycle(struct host *host)
             host->unanswered = 0;
             return;
         }
-        const uint64_t deadline_ns = deadline_of(host, start_ns, !answered);
+        /* What was not sent, or was lost with the interface, nobody will answer. */
+        const bool awaited = sent && !answered && !host->socket.is_down;
+        const uint64_t deadline_ns = deadline_of(host, start_ns, awaited);
         if (socketcan_now_ns() >= deadline_ns) {
             host->lost_cycles += walking && lock_step && !answered ? 1 : 0;
             host->unanswered = answered ? 0 : host->unanswered + 1;
@@ -330,8 +387,9 @@ static bool wants_to_end(const struct host *host)
     if (bus_program_is_to_end() || ferror(stdout)) {
         return true;
     }
-    /* A walk of so many steps has nobody who would clear a fault. */
-    const bool failed = task->output.state == SUPERVISOR_FAULT && !host->options.auto_reset;
+    /* A walk of so many steps has nobody who would clear a fault, or restart a node. */
+    const bool failed = (task->output.state == SUPERVISOR_FAULT || node_is_refused(task)) &&
+                        !host->options.auto_reset;
     const bool walked = host->steps >= steps && task->tick - host->step_tick >= LAST_FRAMES_TICKS;
     return steps > 0 && (failed || walked);
 }
@@ -397,9 +455,9 @@ static void report_text(const struct host *host)
     printf("  ticks      %u; %llu cycles without all answers, %u answers late\n", task->tick,
            (unsigned long long)host->lost_cycles, task->node.objects.counters.late_answers);
     printf("  bus        %u frames out, %u in, %u refused, %u lost on receive, %u error frames, "
-           "bus-off %u times\n",
+           "bus-off %u times, interface down %u times\n",
            status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
-           status.error_frames, status.bus_off_count);
+           status.error_frames, status.bus_off_count, host->socket.counters.went_down);
     printf("  state      %s, fault: %s\n", state_name(task->output.state),
            supervisor_fault_name(task->output.fault));
     if (host->options.real_time) {
@@ -417,14 +475,14 @@ static void report_json(const struct host *host)
         "{\"steps\": %u, \"ticks\": %u, \"lost_cycles\": %llu, \"late_answers\": %u, "
         "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
         "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
-        "\"error_frames\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
+        "\"error_frames\": %u, \"went_down\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
         host->steps, task->tick, (unsigned long long)host->lost_cycles,
         task->node.objects.counters.late_answers,
         (double)task->controller.last_step.measured_speed_rad_s,
         (double)task->controller.last_step.r0_m, (int)task->output.state, (int)task->output.fault,
         host->faults, status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
-        status.error_frames, (unsigned long long)host->pacer.missed,
-        1e-3 * (double)host->pacer.worst_late_ns);
+        status.error_frames, host->socket.counters.went_down,
+        (unsigned long long)host->pacer.missed, 1e-3 * (double)host->pacer.worst_late_ns);
 }
 
 int main(int argc, char **argv)
@@ -461,7 +519,7 @@ int main(int argc, char **argv)
     if (fault != SUPERVISOR_FAULT_NONE) {
         fprintf(stderr, "afo-host: stopped by a fault: %s\n", supervisor_fault_name(fault));
     }
-    const bool faulty = fault != SUPERVISOR_FAULT_NONE || host.refusal_told;
+    const bool faulty = fault != SUPERVISOR_FAULT_NONE || node_is_refused(&host.rig.task);
     close_bus(&host);
     if (output_standard_done("afo-host") != 0) {
         return EXIT_USAGE;

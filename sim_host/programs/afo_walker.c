@@ -42,7 +42,9 @@ static const struct argp_option option_list[] = {
     {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
     {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"silence", KEY_SILENCE, "MS", 0,
-     "go on by the clock after so long without SYNC (default 500; 20 suits real time)", 0},
+     "go on by the clock after so long without SYNC (default 1500: a host in lock-step waits 1000 "
+     "for a lost frame; 20 suits real time)",
+     0},
     {0}};
 
 static error_t take_option(int key, char *text, struct argp_state *state)
@@ -90,7 +92,7 @@ static void parse_options(struct options *options, int argc, char **argv)
         children,
         0,
         0};
-    *options = (struct options){.sensors = SENSORS_17BIT, .seed = 1, .silence_ms = 500};
+    *options = (struct options){.sensors = SENSORS_17BIT, .seed = 1, .silence_ms = 1500};
     walk_options_init(&options->walk);
     option_identity("afo-walker");
     if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {

@@ -143,6 +143,16 @@ START_TEST(start_cycle_sends_an_empty_sync)
     b.fake.verdict = CAN_DOWN;
     ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_DOWN);
     ck_assert_uint_eq(b.task.node.objects.counters.syncs_refused, CONTROL_TASK_SYNC_WAIT);
+    /* One that was under way when the bus went off is lost, not waited for. */
+    b.fake.verdict = CAN_OK;
+    ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_OK);
+    ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_FULL);
+    b.fake.verdict = CAN_DOWN;
+    b.fake.status.error_state = CAN_BUS_OFF;
+    ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_DOWN);
+    b.fake.verdict = CAN_OK;
+    b.fake.status.error_state = CAN_ERROR_ACTIVE;
+    ck_assert_int_eq(control_task_start_cycle(&b.task), CAN_OK);
 }
 END_TEST
 

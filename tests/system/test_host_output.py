@@ -1,4 +1,5 @@
 """afo-host and afo-walker on a real CAN stack: a report that cannot be written is no success."""
+import re
 import subprocess
 
 import pytest
@@ -73,6 +74,27 @@ def test_a_hangup_or_a_reader_that_went_away_unloads_and_ends(tmp_path):
     assert (tmp_path / "hangup.err").read_text() == ""
     for name in status:
         assert drives_left_off(tmp_path / f"{name}.log"), name
+
+
+def test_a_node_that_is_refused_ends_a_walk_of_so_many_steps(tmp_path):
+    """The drives count half as finely as the host's subject says. With --auto-reset it waits until they were
+    exchanged, and walks."""
+    text = (ROOT / "sim_host" / "subjects" / "paper.ini").read_text()
+    finer = re.sub(r"(?m)^counts_per_m *= *13107200", "counts_per_m = 26214400", text)
+    assert finer != text
+    (tmp_path / "finer.ini").write_text(finer)
+    status = in_guest(tmp_path, f"""
+        begin refused --subject finer.ini --steps 1000; ended
+        begin exchanged --subject finer.ini --steps 2 --auto-reset
+        until grep -q refused exchanged.err; do sleep 0.05; done
+        sleep 1
+        kill -KILL $walker; wait $walker 2>/dev/null
+        "{BUILD}/afo-walker" --can vcan0 --subject finer.ini --silence 60000 --quiet & walker=$!
+        ended""")
+    assert status == {"refused": "1", "exchanged": "0"}
+    for name in status:
+        assert (tmp_path / f"{name}.err").read_text() == \
+            "afo-host: node 1 refused: object 0x6092:01, expected 0x1900000, found 0xC80000\n"
 
 
 def test_a_walk_of_so_many_steps_ends_with_a_latched_fault(tmp_path):

@@ -262,6 +262,9 @@ START_TEST(an_interface_may_go_down_and_come_back)
     ck_assert_int_eq(can_bus_send(&can, &message), CAN_DOWN);
     ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_DOWN);
     ck_assert_int_eq(socketcan_bus_wait(&bus, socketcan_now_ns() + 20000000), 0);
+    struct can_bus_status status;
+    can_bus_get_status(&can, &status);
+    ck_assert_int_eq(status.error_state, CAN_BUS_OFF);
     run("ip link set vcan0 up");
     (void)socketcan_bus_wait(&bus, socketcan_now_ns() + 50000000);
     message = (struct can_msg){.id = 0x201};
@@ -273,6 +276,9 @@ START_TEST(an_interface_may_go_down_and_come_back)
     ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
     ck_assert_uint_eq(bus.counters.went_down, 1);
     ck_assert_uint_eq(bus.counters.came_back, 1);
+    can_bus_get_status(&can, &status);
+    ck_assert_int_eq(status.error_state, CAN_ERROR_ACTIVE);
+    ck_assert_uint_eq(status.bus_off_count, 0);
 }
 END_TEST
 
