@@ -121,7 +121,7 @@ static void collect_input(struct control_task *task, struct controller_input *in
             (struct sea_measurement){drive.precompression_m, (enum drive_state)drive.state,
                                      drive.age_ticks,        (enum latch_state)drive.latch,
                                      drive.force_N,          drive.force_age_ticks};
-        if (reading->age_ticks != 0 || drive.age_ticks != 0) {
+        if (input->nodes_operational && (reading->age_ticks != 0 || drive.age_ticks != 0)) {
             count(&task->node.objects.counters.late_answers);
         }
         task->foreign = task->foreign || drive.foreign || reading->surplus >= SAMPLE_SURPLUS_LIMIT;

@@ -29,7 +29,7 @@ struct controller_counters {
     uint32_t send_failures; /* ticks with command frames that the bus did not take */
     uint32_t error_frames;
     uint32_t foreign_frames; /* received, nobody's */
-    uint32_t late_answers;   /* legs whose answers were missing when their tick was processed */
+    uint32_t late_answers;   /* operational legs, answers missing when their tick was processed */
     uint32_t forced_stops;   /* NMT stops: a drive stayed enabled, or a foreign node spoke */
     uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */

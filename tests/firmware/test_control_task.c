@@ -181,12 +181,13 @@ START_TEST(frames_belong_to_the_tick_of_the_next_sync)
     put_answers(&b, 0x0240);
     (void)control_task_poll(&b.task);
     ck_assert(control_task_cycle_complete(&b.task));
-    ck_assert_uint_eq(b.task.node.objects.counters.late_answers,
-                      2); /* none had come before the first SYNC */
+    /* None had come before the first SYNC; but nobody was operational. */
+    ck_assert_uint_eq(b.task.node.objects.counters.late_answers, 0);
+    put_heartbeats(&b);
     put_own_sync(&b);
     (void)control_task_poll(&b.task);
     ck_assert(!control_task_cycle_complete(&b.task));
-    ck_assert_uint_eq(b.task.node.objects.counters.late_answers, 2);
+    ck_assert_uint_eq(b.task.node.objects.counters.late_answers, 0);
     put(&b, 0x283, 5, 0);
     put(&b, 0x284, 5, 0);
     put(&b, 0x181, 6, 0x0240);
@@ -195,6 +196,10 @@ START_TEST(frames_belong_to_the_tick_of_the_next_sync)
     put(&b, 0x182, 6, 0x0240);
     (void)control_task_poll(&b.task);
     ck_assert(control_task_cycle_complete(&b.task));
+    put_own_sync(&b);
+    put_own_sync(&b); /* in this cycle nobody answered: both legs */
+    (void)control_task_poll(&b.task);
+    ck_assert_uint_eq(b.task.node.objects.counters.late_answers, 2);
 }
 END_TEST
 
