@@ -77,7 +77,7 @@ void co_device_take_sync(struct co_device *device, uint64_t now_ns)
     }
     for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
         struct co_pdo *pdo = &device->comm.rpdo[i];
-        if (pdo->waiting && co_pdo_is_valid(pdo)) {
+        if (pdo->waiting) { /* switched off, it waits no more: co_comm_written() */
             pdo->waiting = false;
             apply_rpdo(device, i, pdo->data);
         }
@@ -120,7 +120,7 @@ uint64_t co_device_process_rpdos(struct co_device *device, uint64_t now_ns)
     for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
         struct co_pdo *pdo = &device->comm.rpdo[i];
         const uint64_t limit_ns = pdo->event_ms * CO_NS_PER_MS;
-        if (limit_ns == 0 || !pdo->seen || pdo->timed_out || !co_pdo_is_valid(pdo)) {
+        if (limit_ns == 0 || !pdo->seen || pdo->timed_out) {
             continue;
         }
         if (now_ns - pdo->last_ns < limit_ns) {

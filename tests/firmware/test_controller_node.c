@@ -353,6 +353,24 @@ START_TEST(without_a_memory_nothing_is_kept)
 }
 END_TEST
 
+/* The task's counters are fetched when they are asked for; a node without a task shows what it was given. */
+static void show_41(void *context)
+{
+    ((struct controller_node *)context)->objects.counters.late_answers = 41;
+}
+
+START_TEST(counters_are_fetched_when_asked_for)
+{
+    node.objects.counters.late_answers = 7;
+    ck_assert_uint_eq(read_u32(0x2020, 6), 7);
+    node.show_counters = show_41;
+    node.show_context = &node;
+    (void)read_u32(0x2001, 1); /* not by another object */
+    ck_assert_uint_eq(node.objects.counters.late_answers, 7);
+    ck_assert_uint_eq(read_u32(0x2020, 6), 41);
+}
+END_TEST
+
 /* 1 starts the recording, 3 freezes it; that it is closing is its own to say. */
 START_TEST(a_black_box_is_started_and_frozen)
 {
@@ -398,6 +416,7 @@ int main(void)
     tcase_add_test(tests, a_refused_node_is_told_until_it_is_set_up);
     tcase_add_test(tests, found_offsets_become_parameters);
     tcase_add_test(tests, without_a_memory_nothing_is_kept);
+    tcase_add_test(tests, counters_are_fetched_when_asked_for);
     tcase_add_test(tests, a_black_box_is_started_and_frozen);
     tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
     suite_add_tcase(suite, tests);

@@ -136,6 +136,10 @@ START_TEST(a_drive_without_an_object_is_refused_with_its_abort_code)
     ck_assert(!node_setup_is_waiting(&b.setup)); /* nothing is asked yet */
     ck_assert_int_eq(node_setup_poll(&b.setup, &b.master, 0), SETUP_BUSY);
     ck_assert(node_setup_is_waiting(&b.setup));
+    const struct can_msg type = {
+        .id = 0x581, .length = 8, .data = {0x43, 0x00, 0x10, 0x00, 0x92, 0x01, 0x02, 0x00}};
+    ck_assert(node_setup_receive(&b.setup, &type, 0));
+    ck_assert(!node_setup_is_waiting(&b.setup)); /* answered, if not looked at yet */
     spoil = knows_no_6060;
     ck_assert_int_eq(finish(true), SETUP_ABORTED);
     ck_assert_uint_eq(b.setup.failure.index, 0x6060);

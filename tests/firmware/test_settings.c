@@ -173,6 +173,7 @@ START_TEST(a_branch_is_kept_and_read_in_place)
     }
     branch.count = 7;
     ck_assert_int_eq(settings_load(&loaded, &store, &nv), PARAM_STORE_EMPTY);
+    ck_assert_ptr_null(settings_branch(&store)); /* nothing is kept yet */
     for (int copy = 0; copy < 3; copy++) {
         settings.control.branch = copy == 0 ? &branch : settings.control.branch;
         ck_assert_int_eq(settings_save(&settings, &store, true), PARAM_STORE_OK);
