@@ -11,6 +11,10 @@
  * counted in integration steps, so its cost does not depend on the machine, nor do its bits. Candidates
  * that the motor cannot reach before the predicted heel strike are left out.
  *
+ * Where apexes have lately come out with other energies than foretold, the ground is uneven, and the next
+ * foothold may take as much again: the law then wants no apex slower than bears that, whatever speed is asked for,
+ * and comes back to it within tens of steps of even ground.
+ *
  * What the walker does beyond the model (a slope, a wrong mass) is learned as the mean difference of
  * measured and predicted apex and added to predictions. When they disagree too often nevertheless,
  * the law steps back (PREDICTIVE_DISTRUST) and eq. (16) alone walks until predictions, still made
@@ -76,6 +80,7 @@ struct predictive_law {
     bool has_prediction;       /* predicted belongs to the push-off that was given last */
     real bias[3];              /* measured minus predicted apex, filtered */
     real last_error;           /* of the foretold stance rate, rad/s */
+    real roughness;            /* v^2 l / g that the ground has lately called for; 0 = even */
     uint8_t surprises;         /* counts up by 3 on a wrong prediction, down by 1 on a right one */
     uint32_t steps, fallbacks; /* answers given, and of these by the caller's first answer */
 };
