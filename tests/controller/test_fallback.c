@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-enum { STEPS = 40, BEFORE = 6 };
+enum { STEPS = 80, BEFORE = 6 };
 
 /* A step as TPDO1 tells it. */
 struct told {
@@ -60,7 +60,7 @@ static void tick(const struct can_bus *tool)
 /* Walks until so many steps have been told. */
 static void walk(const struct can_bus *tool, unsigned steps)
 {
-    for (int i = 0; i < 60000 && told[steps].number == 0; i++) {
+    for (int i = 0; i < 100000 && told[steps].number == 0; i++) {
         tick(tool);
     }
     ck_assert_uint_eq(told[steps].number, steps);
@@ -78,7 +78,9 @@ static double equation_16(const struct told *step, double before_m)
 
 /* The law has learned a walker whose apexes come 1.4 rad/s slower than the model's; this one does as the model
  * says. What it learned wears off by 0.35 an apex: 1.4, 0.91, 0.59, 0.38 rad/s too much are each beyond the
- * 0.1 sqrt(g/l) = 0.31 rad/s that count 3 of the 12 which end the trust; the fifth, 0.25, is not. */
+ * 0.1 sqrt(g/l) = 0.31 rad/s that count 3 of the 12 which end the trust; the fifth, 0.25, is not. Apexes that come so
+ * unforetold are taken for uneven ground, which calls for up to 0.8 rad/s, by 3 % less of its square a step: 44 steps until
+ * 0.41 is enough. */
 START_TEST(the_bus_tells_of_the_hand_over_and_of_its_end)
 {
     start();
@@ -99,7 +101,7 @@ START_TEST(the_bus_tells_of_the_hand_over_and_of_its_end)
     }
     ck_assert(told[BEFORE + 4].fell_back);
     ck_assert_uint_le(handed_over, 10);
-    for (unsigned k = STEPS / 2; k <= STEPS; k++) {
+    for (unsigned k = BEFORE + 14; k <= STEPS; k++) {
         ck_assert(!told[k].fell_back);
     }
     assert_close(told[STEPS].measured_rad_s, 0.41, 0, 0.01); /* and it walks on as it did */
