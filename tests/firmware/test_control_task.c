@@ -268,6 +268,24 @@ START_TEST(a_lost_frame_is_bridged_a_lost_sensor_is_not)
 }
 END_TEST
 
+/* Each leg whose sensor or drive has not answered in its tick counts once. */
+START_TEST(late_answers_are_counted_by_leg)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 20, 0x0250);
+    const uint32_t before = b.task.node.objects.counters.late_answers;
+    put_heartbeats(&b);
+    put(&b, 0x182, 6, 0x0250);
+    put(&b, 0x283, 5, 0x050000); /* of the left leg the sensor alone, of the right the drive */
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    ck_assert_uint_eq(b.task.node.objects.counters.late_answers, before + 2);
+    run_ticks(&b, 20, 0x0250);
+    ck_assert_uint_eq(b.task.node.objects.counters.late_answers, before + 2);
+}
+END_TEST
+
 /* Whatever only the controller may send. All nodes are stopped in the same tick: no command
  * of ours could outdo the other's. */
 static const struct {
@@ -607,6 +625,7 @@ int main(void)
     tcase_add_test(tests, engages_when_all_is_well_and_loads_the_leg_in_front);
     tcase_add_test(tests, emergency_stop_is_obeyed_and_told);
     tcase_add_test(tests, a_lost_frame_is_bridged_a_lost_sensor_is_not);
+    tcase_add_test(tests, late_answers_are_counted_by_leg);
     tcase_add_loop_test(tests, somebody_elses_commands_are_a_fault, 0,
                         (int)(sizeof masters / sizeof masters[0]));
     tcase_add_loop_test(tests, somebody_elses_answers_are_a_fault, 0, 4);
