@@ -61,20 +61,29 @@ unsigned pacer_wait(struct pacer *pacer)
 
 void pacer_report(const struct pacer *pacer, FILE *stream)
 {
-    const double mean_us =
-        pacer->periods > 0 ? 1e-3 * (double)pacer->sum_late_ns / (double)pacer->periods : 0.0;
-    fprintf(stream, "  real time  %llu periods of %.3f ms, %llu missed; %s, memory %s\n",
-            (unsigned long long)pacer->periods, 1e-6 * (double)pacer->period_ns,
-            (unsigned long long)pacer->missed,
-            pacer->fifo ? "SCHED_FIFO" : "ordinary scheduling (SCHED_FIFO not allowed)",
-            pacer->locked ? "locked" : "not locked");
-    fprintf(stream, "  lateness   mean %.1f us, worst %.1f us\n", mean_us,
-            1e-3 * (double)pacer->worst_late_ns);
+    const double begun = pacer->periods > 0 ? (double)pacer->periods : 1.0;
+    const double due = begun + (double)pacer->missed;
+    fprintf(
+        stream,
+        "  real time  %llu periods of %.3f ms begun by the clock; %llu (%.3g %%) missed: woken too "
+        "late, or still in the one before\n",
+        (unsigned long long)pacer->periods, 1e-6 * (double)pacer->period_ns,
+        (unsigned long long)pacer->missed, 100.0 * (double)pacer->missed / due);
+    fprintf(stream, "             %s, memory %s\n",
+            pacer->fifo ? "SCHED_FIFO" : "ordinary scheduling: SCHED_FIFO is not allowed",
+            pacer->locked ? "locked" : "not locked: not allowed");
+    fprintf(stream, "  woken late mean %.1f us, worst %.1f us\n",
+            1e-3 * (double)pacer->sum_late_ns / begun, 1e-3 * (double)pacer->worst_late_ns);
     for (unsigned i = 0; i < PACER_BINS; i++) {
-        if (pacer->bin[i] > 0) {
-            fprintf(
-                stream, "             %s %6u us: %llu\n", i < PACER_BINS - 1 ? "below" : "from ",
-                i < PACER_BINS - 1 ? 1u << i : 1u << (i - 1), (unsigned long long)pacer->bin[i]);
+        const double share = 100.0 * (double)pacer->bin[i] / begun;
+        if (pacer->bin[i] == 0) {
+            continue;
         }
+        if (i < PACER_BINS - 1) {
+            fprintf(stream, "             %5u to %5u us", i > 0 ? 1u << (i - 1) : 0, 1u << i);
+        } else {
+            fprintf(stream, "             %5u us and more", 1u << (i - 1));
+        }
+        fprintf(stream, "  %9llu  %6.2f %%\n", (unsigned long long)pacer->bin[i], share);
     }
 }

@@ -22,6 +22,9 @@ enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
 #define LISTEN_NS UINT64_C(1000000000)
 #define RECOVERY_NS UINT64_C(100000000)
+/* Waking up from the wait for frames may take so long. What comes later is not lost: it waits
+ * in the kernel, in its place before the next SYNC. */
+#define REAL_TIME_MARGIN_NS (3 * TICK_NS / 10)
 /* A stop that was asked for must have unloaded the springs by then; what the bus does not
  * take is set directly. */
 enum { STOP_TICKS = 3000, STOP_ASK_TICKS = 100, SILENT_CYCLES = 40 };
@@ -50,6 +53,7 @@ struct host {
     struct task_rig rig;
     struct bus_recorder recorder;
     struct black_box black_box; /* read it with afo-blackbox */
+    bool nodes_seen;            /* all were operational once */
     struct pacer pacer;
     uint64_t lost_cycles; /* cycles that went on without an answer */
     unsigned unanswered;  /* in a row */
@@ -188,6 +192,19 @@ static struct can_bus recorded_bus(struct host *host)
     return bus_recorder_interface(&host->recorder);
 }
 
+/* A snapshot holds nothing of the nodes' set-up, and none could be gone on from in its middle:
+ * what counts is recorded from where all are operational. */
+static void record_from_here(struct host *host)
+{
+    if (!host->nodes_seen && network_all_operational(&host->rig.task.network)) {
+        host->nodes_seen = true;
+        if (host->black_box.header.state == (uint32_t)BLACK_BOX_RECORDING) {
+            black_box_start(&host->black_box, version_build_id(),
+                            host->rig.task.node.objects.params_crc);
+        }
+    }
+}
+
 /* ---- running --------------------------------------------------------------- */
 
 static const char *state_name(enum supervisor_state state)
@@ -268,7 +285,7 @@ static void tell(struct host *host)
 static uint64_t deadline_of(const struct host *host, uint64_t start_ns, bool awaited)
 {
     if (host->options.real_time) {
-        return host->pacer.next_ns - TICK_NS / 10;
+        return host->pacer.next_ns - REAL_TIME_MARGIN_NS;
     }
     /* Where nobody will answer a tick lasts its time. */
     return start_ns +
@@ -425,6 +442,7 @@ static void run(struct host *host)
         run_cycle(host);
         silent_cycles = nobody_answers(task) ? silent_cycles + 1 : 0;
         tell(host);
+        record_from_here(host);
         const bool stop = stop_ticks > 0 || wants_to_end(host);
         operate(host, stop);
         if (stop) {
