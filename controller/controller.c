@@ -182,7 +182,7 @@ static void finish_step(struct controller *controller)
     const real before_m = controller->last_step.r0_m, limit_m = controller->change_max_m;
     const uint32_t number = controller->last_step.number;
     real r0_m = controller->share * controller->law.r0_m;
-    if (number > 0 && controller->pending_step.number == number + 1) {
+    if (number > 0 && controller->pending_step.number > number) { /* of the same walk */
         r0_m = real_clamp(r0_m, before_m - limit_m, before_m + limit_m);
     }
     controller->step_pending = false;
