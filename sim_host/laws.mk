@@ -1,6 +1,6 @@
 # The laws beside each other, at full size: every study, in numbers (CSV) and pictures.
 LAWS_OUT ?= $(BUILD)/laws
-LAWS_STUDIES := jumps jumps_--chain limits basin_--samples_100000 ground ground_--chain sensitivity slope mismatch \
+LAWS_STUDIES := jumps jumps_--chain limits basin_--samples_100000 ground ground_--chain ground-limit sensitivity slope mismatch \
         energy push timing
 
 .PHONY: laws

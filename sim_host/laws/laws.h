@@ -43,7 +43,7 @@ struct laws_options {
 /* A study: returns 0, or -1 after saying what is wrong on standard error. */
 typedef int laws_study(const struct laws_options *options);
 laws_study laws_jumps, laws_limits, laws_basin, laws_ground, laws_sensitivity, laws_slope,
-    laws_mismatch, laws_push, laws_energy, laws_timing;
+    laws_mismatch, laws_push, laws_energy, laws_timing, laws_ground_limit;
 
 /* Box of apex states that basins are shares of, in the paper's units: stance rate, swing angle, swing rate. */
 extern const double laws_box_low[3], laws_box_high[3];

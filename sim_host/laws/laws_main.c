@@ -38,6 +38,7 @@ static const struct {
      "the share of the box of apex states that any law can walk on from"},
     {"basin", laws_basin, true, "share of a box of apex states from which the gait is reached"},
     {"ground", laws_ground, false, "uneven ground: mean steps to failure"},
+    {"ground-limit", laws_ground_limit, false, "uneven ground: how far any law can get"},
     {"sensitivity", laws_sensitivity, true, "gait sensitivity norm to a step of the ground"},
     {"slope", laws_slope, true, "slopes of -4 to 4 degrees"},
     {"mismatch", laws_mismatch, true, "body and spring 10 % off what the law believes"},
@@ -124,7 +125,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "which study? "
-                          "jumps, limits, basin, ground, sensitivity, slope, mismatch, "
+                          "jumps, limits, basin, ground, ground-limit, sensitivity, slope, mismatch, "
                           "push, energy, timing, or all for the quick ones");
         return 0;
     default:
@@ -208,6 +209,7 @@ int laws_main(int argc, char **argv)
         "  limits       the share of the box that any law can walk on from, two bounds\n"
         "  basin        share of a box of apex states from which the gait is reached\n"
         "  ground       uneven ground: mean steps to failure\n"
+        "  ground-limit uneven ground: how far any law can get, by dynamic programming on the map\n"
         "  sensitivity  gait sensitivity norm to a step of the ground\n"
         "  slope        slopes of -4 to 4 degrees\n"
         "  mismatch     body and spring 10 % off what the law believes\n"

@@ -115,3 +115,23 @@ def test_no_law_reaches_more_than_can_be_walked_on_from(tmp_path):
     assert 150 * share["proportional", "0.4"] > 1
     # 93, 92 and 89 % of the outer bound with 20,000 states; this many tell it to 1 %
     assert all(share["predictive", speed] > 0.85 for speed in ("0.4", "0.6", "0.8")), share
+
+
+@pytest.mark.long
+def test_uneven_ground_the_best_of_all_laws_goes_further_than_any_flown(tmp_path):
+    """Dynamic programming on the map against the flown laws on the same footholds."""
+    laws("ground-limit", "--samples", 60, "--out", tmp_path)
+    found = rows(tmp_path / "laws-ground-limit.csv")
+
+    def walked(speed, law):
+        return next(row for row in found if (row["speed_rad_s"], row["what"], row["law"]) == (speed, "walked", law))
+
+    for speed in ("0.4", "0.6", "0.8"):
+        best = float(walked(speed, "any speed")["value"])
+        for law in ("proportional", "dlqr", "deadbeat", "predictive"):
+            assert best >= float(walked(speed, law)["value"]), (speed, law)
+    # at 0.4 rad/s no law within a tenth of the command comes near a hundred times eq. (16)'s three steps
+    held = walked("0.4", "price 4")
+    assert float(held["mean_speed"]) < 1.1 and float(held["value"]) < 10
+    # at 0.6 rad/s a hundred times eq. (16)'s is reached by the flown law, walking faster
+    assert float(walked("0.6", "predictive")["value"]) > 100 * float(walked("0.6", "proportional")["value"])
