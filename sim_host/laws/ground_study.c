@@ -10,7 +10,7 @@
 #include "sim_host/laws/session.h"
 #include "sim_host/study/pool.h"
 
-enum { DEFAULT_WALKS = 20, MAP_STEPS = 500, CHAIN_STEPS = 200 };
+enum { MAP_WALKS = 200, MAP_STEPS = 500, CHAIN_WALKS = 20, CHAIN_STEPS = 200 };
 static const double sizes_mm[] = {5.0, 10.0, 20.0}; /* on a leg of 1 m */
 static const double speeds[] = {0.4, 0.6, 0.8};
 enum {
@@ -181,17 +181,20 @@ int laws_ground(const struct laws_options *options)
     failed = failed || study == NULL;
     if (!failed) {
         study->options = options;
-        study->walks = options->samples > 0 ? options->samples : DEFAULT_WALKS;
+        const int usual = options->chain ? CHAIN_WALKS : MAP_WALKS;
+        study->walks = options->samples > 0 ? options->samples : usual;
         failed = run(study) != 0;
     }
     if (!failed) {
-        printf("  mean steps to failure on rises within +-5, 10, 20 mm on a leg of 1 m;\n"
-               "  counted over %d walks of at most %d steps%s\n",
-               study->walks, options->chain ? CHAIN_STEPS : MAP_STEPS,
-               options->chain
-                   ? ""
-                   : " (by the transfer operator: from the gait on, who has long walked;\n"
-                     "  ! = more states than the mesh has room for: not to be used)");
+        printf(
+            "  mean steps to failure on rises within +-5, 10, 20 mm on a leg of 1 m;\n"
+            "  counted over %d walks of at most %d steps%s\n",
+            study->walks, options->chain ? CHAIN_STEPS : MAP_STEPS,
+            options->chain
+                ? ""
+                : " (by the transfer operator: from the gait on, who has long walked;\n"
+                  "  ! = more states than the mesh has room for: not to be used; what a law learns from step to "
+                  "step,\n  as the predictive one does of the ground, the operator leaves out)");
         print_rises(options);
     }
     for (int e = 0; e < ENTRANTS && !failed; e++) {
