@@ -58,6 +58,16 @@ static void compute(void *context, int i)
     study->largest[e][v][d][phase] = low;
 }
 
+/* What is survived at every phase. */
+static double smallest(const double largest[PHASES])
+{
+    double least = largest[0];
+    for (int p = 1; p < PHASES; p++) {
+        least = largest[p] < least ? largest[p] : least;
+    }
+    return least;
+}
+
 static void print(const struct push_study *study, int e, FILE *csv)
 {
     for (int v = 0; v < SPEEDS; v++) {
@@ -75,6 +85,9 @@ static void print(const struct push_study *study, int e, FILE *csv)
             }
             printf("\n");
         }
+        printf("  %-13s %.1f rad/s the smallest of these: forward %.4f, backward %.4f\n",
+               laws_entrant_names[e], speeds[v], smallest(study->largest[e][v][0]),
+               smallest(study->largest[e][v][1]));
     }
 }
 

@@ -58,6 +58,19 @@ void command_numbers(const char *text, const char *option, int count, double *va
     }
 }
 
+error_t command_law(int key, const char *argument, double *r0, double *kp,
+                    const struct argp_state *state)
+{
+    if (key == 'r' && r0 != NULL) {
+        *r0 = command_number(argument, "r0", state);
+    } else if (key == 'K') {
+        *kp = command_number(argument, "kp", state);
+    } else {
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
 int command_list(const char *text, const char *option, int most, double *values,
                  const struct argp_state *state)
 {

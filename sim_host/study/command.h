@@ -34,6 +34,10 @@ int command_integer(const char *text, const char *option, int low, int high,
                     const struct argp_state *state);
 enum branch command_branch(const char *text, const struct argp_state *state);
 
+/* The options --r0 ('r') and --kp ('K') of the commands that have them; r0 NULL: only --kp. For a parser's end. */
+error_t command_law(int key, const char *argument, double *r0, double *kp,
+                    const struct argp_state *state);
+
 /* Puts a problem together and finds its period-1 gait on the branch (x). With kp the reference gait, too.
  * Prints what is wrong, where and what to try; returns 0 then and sets *status. */
 int command_gait(const struct common *common, enum branch branch, double r0, double kp,

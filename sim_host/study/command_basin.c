@@ -71,12 +71,6 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     struct options *options = state->input;
     double box[6];
     switch (key) {
-    case 'r':
-        options->r0 = command_number(argument, "r0", state);
-        return 0;
-    case 'K':
-        options->kp = command_number(argument, "kp", state);
-        return 0;
     case 'p':
         parse_plane(options, argument, state);
         return 0;
@@ -112,7 +106,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         }
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_law(key, argument, &options->r0, &options->kp, state);
     }
 }
 

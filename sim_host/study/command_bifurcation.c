@@ -48,11 +48,8 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     case 'L':
         options->lyapunov = command_integer(argument, "lyapunov", 0, 100000000, state);
         return 0;
-    case 'K':
-        options->kp = command_number(argument, "kp", state);
-        return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_law(key, argument, NULL, &options->kp, state);
     }
 }
 

@@ -59,12 +59,6 @@ static error_t parse(int key, char *argument, struct argp_state *state)
     case 'p':
         options->period = command_integer(argument, "period", 1, ORBIT_MAX_PERIOD, state);
         return 0;
-    case 'r':
-        options->r0 = command_number(argument, "r0", state);
-        return 0;
-    case 'K':
-        options->kp = command_number(argument, "kp", state);
-        return 0;
     case 's':
         options->step = command_number(argument, "step", state);
         return 0;
@@ -80,7 +74,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         }
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_law(key, argument, &options->r0, &options->kp, state);
     }
 }
 

@@ -30,9 +30,6 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         options->to = command_number(argument, "to", state);
         options->has_range |= 2;
         return 0;
-    case 'K':
-        options->kp = command_number(argument, "kp", state);
-        return 0;
     case 'n':
         options->count = command_integer(argument, "count", 1, CASCADE_MAX, state);
         return 0;
@@ -42,7 +39,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         }
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_law(key, argument, NULL, &options->kp, state);
     }
 }
 

@@ -24,24 +24,18 @@ static error_t parse(int key, char *argument, struct argp_state *state)
 {
     struct options *options = state->input;
     switch (key) {
-    case 'r':
-        options->r0 = command_number(argument, "r0", state);
-        return 0;
     case 'b':
         options->branch = command_branch(argument, state);
         return 0;
     case 'p':
         options->period = command_integer(argument, "period", 1, ORBIT_MAX_PERIOD, state);
         return 0;
-    case 'K':
-        options->kp = command_number(argument, "kp", state);
-        return 0;
     case 'x':
         command_numbers(argument, "guess", 3, options->guess, state);
         options->has_guess = 1;
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_law(key, argument, &options->r0, &options->kp, state);
     }
 }
 

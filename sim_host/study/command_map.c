@@ -26,18 +26,12 @@ static error_t parse(int key, char *argument, struct argp_state *state)
 {
     struct options *options = state->input;
     switch (key) {
-    case 'r':
-        options->r0 = command_number(argument, "r0", state);
-        return 0;
     case 'x':
         command_numbers(argument, "state", 3, options->state, state);
         options->has_state = 1;
         return 0;
     case 'b':
         options->branch = command_branch(argument, state);
-        return 0;
-    case 'K':
-        options->kp = command_number(argument, "kp", state);
         return 0;
     case 'n':
         options->steps = command_integer(argument, "steps", 1, 100000000, state);
@@ -46,7 +40,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         options->samples = command_integer(argument, "samples", 2, 100000, state);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_law(key, argument, &options->r0, &options->kp, state);
     }
 }
 

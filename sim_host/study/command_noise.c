@@ -41,12 +41,6 @@ static error_t parse(int key, char *argument, struct argp_state *state)
 {
     struct options *options = state->input;
     switch (key) {
-    case 'r':
-        options->r0 = command_number(argument, "r0", state);
-        return 0;
-    case 'K':
-        options->kp = command_number(argument, "kp", state);
-        return 0;
     case 'e':
         parse_errors(options, argument, state);
         return 0;
@@ -60,7 +54,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         options->seed = command_integer(argument, "seed", 0, 2000000000, state);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return command_law(key, argument, &options->r0, &options->kp, state);
     }
 }
 
