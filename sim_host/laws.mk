@@ -1,8 +1,8 @@
 # The laws beside each other, at full size: every study, in numbers (CSV) and pictures. What one program has done is
 # not done again: a run that was broken off goes on where it was.
 LAWS_OUT ?= $(BUILD)/laws
-LAWS_STUDIES := jumps jumps_--chain limits basin_--samples_100000 ground ground_--chain ground-limit sensitivity slope mismatch \
-        energy push timing
+LAWS_STUDIES := jumps jumps_--chain limits basin_--samples_100000 ground ground_--chain ground-limit \
+        sensitivity slope mismatch energy push timing
 LAWS_DONE := $(LAWS_STUDIES:%=$(LAWS_OUT)/%.txt)
 
 .PHONY: laws
@@ -12,6 +12,7 @@ laws: ## all studies of the laws, map and whole chain, numbers and pictures into
 	$(Q)mkdir -p $(LAWS_OUT)
 	$(Q)$(MAKE) --no-print-directory $(LAWS_DONE)
 	$(Q)cat $(LAWS_DONE)
+	$(Q)scripts/laws-table $(LAWS_OUT)
 	$(Q)scripts/plot-laws $(LAWS_OUT)
 
 $(LAWS_DONE): $(LAWS_OUT)/%.txt: $(BUILD)/afo-study
