@@ -21,6 +21,7 @@ struct operator_line {
     struct can_bus bus;
     struct co_sdo_client client;
     bool under_way;
+    uint8_t identity_asked; /* sub-indices of 0x2030 so far */
 };
 
 /* bus: not the task's own, for that does not hear what it sends; it need receive the
@@ -31,6 +32,11 @@ void operator_line_init(struct operator_line *line, struct can_bus bus);
  * shows in the object. now_ns: CLOCK_MONOTONIC. */
 void operator_line_ask(struct operator_line *line, enum operator_wish wish, uint8_t value,
                        uint64_t now_ns);
+
+/* Reads 0x2030:02 and :03, the controller's build and parameters, one after the other: what they
+ * are does not matter here, but a log of the bus then names them. Call it until it returns
+ * false: then both were asked for. */
+bool operator_line_ask_identity(struct operator_line *line, uint64_t now_ns);
 
 /* Once a cycle: takes the answer. One system call while a wish is under way, else none. */
 void operator_line_poll(struct operator_line *line, uint64_t now_ns);

@@ -95,13 +95,30 @@ void replay_end_suspicion(struct replay *replay)
 /* Bit s: 0x2020:s counts what happened between the controller and its port, or its clock:
  * no frame of the log tells of it. (Refused SYNCs, commands and frames, error frames, missed
  * ticks, frames lost on receive, times bus-off.) */
-enum { COUNTERS = 0x2020, PORTS_COUNTERS = 0x1D1C };
+enum { COUNTERS = 0x2020, PORTS_COUNTERS = 0x1D1C, IDENTITY = 0x2030, BUILD = 2, PARAMETERS = 3 };
 
-static bool tells_of_the_port(const struct can_msg *message)
+static bool is_expedited_answer(const struct can_msg *message, uint16_t index)
 {
     return message->id == FRAME_SDO_ANSWER_CONTROLLER && message->length == 8 &&
-           bytes_get_u16(message->data + 1) == COUNTERS && message->data[3] < 16 &&
-           (PORTS_COUNTERS >> message->data[3] & 1) != 0;
+           message->data[0] == 0x43 && bytes_get_u16(message->data + 1) == index;
+}
+
+/* Whose value is not the control task's to make: of its port, and which build recorded. */
+static bool is_another_matter(const struct can_msg *message)
+{
+    const uint8_t sub = message->data[3];
+    return (is_expedited_answer(message, COUNTERS) && sub < 16 &&
+            (PORTS_COUNTERS >> sub & 1) != 0) ||
+           (is_expedited_answer(message, IDENTITY) && sub == BUILD);
+}
+
+static void keep_identity(struct replay *replay, const struct can_msg *message)
+{
+    if (is_expedited_answer(message, IDENTITY) && message->data[3] == BUILD) {
+        replay->build_id = bytes_get_u32(message->data + 4);
+    } else if (is_expedited_answer(message, IDENTITY) && message->data[3] == PARAMETERS) {
+        replay->parameter_crc = bytes_get_u32(message->data + 4);
+    }
 }
 
 void replay_compare(struct replay *replay, struct replay_frame *frame)
@@ -115,7 +132,7 @@ void replay_compare(struct replay *replay, struct replay_frame *frame)
         return;
     }
     const struct can_msg *sent = &queue->sent[queue->head];
-    const unsigned bytes = tells_of_the_port(sent) ? 4 : sent->length;
+    const unsigned bytes = is_another_matter(sent) ? 4 : sent->length;
     if (sent->length != frame->message.length ||
         memcmp(sent->data, frame->message.data, bytes) != 0) {
         suspect(replay, frame, sent);
@@ -124,6 +141,7 @@ void replay_compare(struct replay *replay, struct replay_frame *frame)
     if (sent->id == FRAME_CONTROLLER_STATE) {
         clear_of_suspicion(replay, queue->tick[queue->head]);
     }
+    keep_identity(replay, &frame->message);
     queue->head = (queue->head + 1) % REPLAY_QUEUE;
     queue->count--;
     replay->compared++;

@@ -34,6 +34,8 @@ enum { PATIENT_CYCLES = 3 };
 enum { LAST_FRAMES_TICKS = 3 };
 /* Between two resets of --auto-reset: the drives take theirs at a rising edge. */
 enum { RESET_TICKS = 50 };
+/* A log that names its build early is known by its beginning. */
+enum { IDENTITY_TICK = 10 };
 
 struct options {
     struct walk_options walk;
@@ -53,6 +55,7 @@ struct host {
     struct task_rig rig;
     struct bus_recorder recorder;
     struct black_box black_box; /* read it with afo-blackbox */
+    bool identity_told;         /* asked for over the bus, for the log's sake */
     bool nodes_seen;            /* all were operational once */
     struct pacer pacer;
     uint64_t lost_cycles; /* cycles that went on without an answer */
@@ -382,6 +385,10 @@ static void operate(struct host *host, bool stop)
     const enum supervisor_state state = task->output.state;
     uint8_t walk = task->node.objects.walk_requested;
     operator_line_poll(line, line->under_way ? socketcan_now_ns() : 0);
+    if (task->tick >= IDENTITY_TICK && !host->identity_told) {
+        host->identity_told = !operator_line_ask_identity(line, socketcan_now_ns());
+        return; /* one after the other */
+    }
     if (host->options.auto_reset) {
         /* A request that ended in a stop is spent: it is taken back, and made anew. */
         const bool over = state == SUPERVISOR_UNLOADING || state == SUPERVISOR_FAULT;
