@@ -10,6 +10,7 @@
 #include "hal/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
 #include "sim_host/host/bus_program.h"
+#include "sim_host/host/host_report.h"
 #include "sim_host/host/lock_step.h"
 #include "sim_host/host/operator_line.h"
 #include "sim_host/host/output_file.h"
@@ -58,11 +59,9 @@ struct host {
     bool identity_told;         /* asked for over the bus, for the log's sake */
     bool nodes_seen;            /* all were operational once */
     struct pacer pacer;
-    uint64_t lost_cycles; /* cycles that went on without an answer */
-    unsigned unanswered;  /* in a row */
-    uint32_t steps;
+    struct host_figures figures;
+    unsigned unanswered;         /* in a row */
     uint32_t step_tick;          /* in which the last one was told */
-    uint32_t faults;             /* times that a fault was latched */
     uint32_t told_down, told_up; /* times that the interface went down and came back */
     uint64_t next_recovery_ns;
     uint32_t told_refusal; /* number of the last one that was told */
@@ -210,47 +209,6 @@ static void record_from_here(struct host *host)
 
 /* ---- running --------------------------------------------------------------- */
 
-static const char *state_name(enum supervisor_state state)
-{
-    static const char *const names[SUPERVISOR_STATES] = {"waiting for the nodes",
-                                                         "self test",
-                                                         "standby",
-                                                         "engaging",
-                                                         "walking",
-                                                         "unloading",
-                                                         "FAULT"};
-    return (unsigned)state < SUPERVISOR_STATES ? names[state] : "unknown";
-}
-
-/* A node that is not as it must be stays out until it is switched off and on; one that did not
- * answer is asked again. */
-static bool node_is_refused(const struct control_task *task)
-{
-    const struct controller_objects *objects = &task->node.objects;
-    return objects->refused_node != 0 && objects->refused_verdict != -SETUP_SILENT;
-}
-
-static void tell_refusal(struct host *host)
-{
-    const struct controller_objects *objects = &host->rig.task.node.objects;
-    const uint32_t number = (uint32_t)objects->refused_node << 24 |
-                            (uint32_t)objects->refused_index << 8 | objects->refused_sub;
-    const bool differs = objects->refused_verdict == -SETUP_DIFFERS;
-    if (number == host->told_refusal) {
-        return;
-    }
-    host->told_refusal = objects->refused_node != 0 ? number : 0;
-    if (node_is_refused(&host->rig.task)) {
-        fprintf(stderr, "afo-host: node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X\n",
-                objects->refused_node, objects->refused_index, objects->refused_sub,
-                objects->refused_expected, differs ? "found" : "abort code",
-                objects->refused_found);
-    } else if (objects->refused_node != 0) {
-        fprintf(stderr, "afo-host: node %u does not answer (object 0x%04X:%02X), asked again\n",
-                objects->refused_node, objects->refused_index, objects->refused_sub);
-    }
-}
-
 static void tell_interface(struct host *host)
 {
     const struct socketcan_counters *counters = &host->socket.counters;
@@ -269,10 +227,10 @@ static void tell(struct host *host)
 {
     const struct control_task *task = &host->rig.task;
     tell_interface(host);
-    tell_refusal(host);
+    host_report_refusal(task, &host->told_refusal);
     if (task->output.state != host->told_state && !host->options.bus.quiet &&
         !host->options.bus.json) {
-        printf("  tick %8u  %s%s%s\n", task->tick, state_name(task->output.state),
+        printf("  tick %8u  %s%s%s\n", task->tick, host_report_state_name(task->output.state),
                task->output.fault != SUPERVISOR_FAULT_NONE ? ": " : "",
                task->output.fault != SUPERVISOR_FAULT_NONE
                    ? supervisor_fault_name(task->output.fault)
@@ -280,7 +238,7 @@ static void tell(struct host *host)
         fflush(stdout);
     }
     if (task->output.state != host->told_state && task->output.state == SUPERVISOR_FAULT) {
-        host->faults++;
+        host->figures.faults++;
     }
     host->told_state = task->output.state;
 }
@@ -321,7 +279,7 @@ static void run_cycle(struct host *host)
     recover_bus(host, start_ns);
     for (;;) {
         if (control_task_poll(task) & CONTROL_TASK_NEW_STEP) {
-            host->steps++;
+            host->figures.steps++;
             host->step_tick = task->tick;
         }
         const bool answered = task->tick != before && lock_step_answered(task, expected);
@@ -333,7 +291,7 @@ static void run_cycle(struct host *host)
         const bool awaited = sent && !answered && !host->socket.is_down;
         const uint64_t deadline_ns = deadline_of(host, start_ns, awaited);
         if (socketcan_now_ns() >= deadline_ns) {
-            host->lost_cycles += walking && lock_step && !answered ? 1 : 0;
+            host->figures.lost_cycles += walking && lock_step && !answered ? 1 : 0;
             host->unanswered = answered ? 0 : host->unanswered + 1;
             return;
         }
@@ -412,9 +370,10 @@ static bool wants_to_end(const struct host *host)
         return true;
     }
     /* A walk of so many steps has nobody who would clear a fault, or restart a node. */
-    const bool failed = (task->output.state == SUPERVISOR_FAULT || node_is_refused(task)) &&
+    const bool failed = (task->output.state == SUPERVISOR_FAULT || host_report_is_refused(task)) &&
                         !host->options.auto_reset;
-    const bool walked = host->steps >= steps && task->tick - host->step_tick >= LAST_FRAMES_TICKS;
+    const bool walked =
+        host->figures.steps >= steps && task->tick - host->step_tick >= LAST_FRAMES_TICKS;
     return steps > 0 && (failed || walked);
 }
 
@@ -465,51 +424,6 @@ static void run(struct host *host)
     }
 }
 
-/* ---- reporting ------------------------------------------------------------- */
-
-static void report_text(const struct host *host)
-{
-    const struct control_task *task = &host->rig.task;
-    struct can_bus_status status;
-    const struct can_bus bus = task->config.bus;
-    can_bus_get_status(&bus, &status);
-    printf("\n  steps      %u; last: %.6f rad/s measured, %.6f commanded, r0 %.6f m\n", host->steps,
-           (double)task->controller.last_step.measured_speed_rad_s,
-           (double)task->controller.last_step.commanded_speed_rad_s,
-           (double)task->controller.last_step.r0_m);
-    printf("  ticks      %u; %llu cycles without all answers, %u answers late\n", task->tick,
-           (unsigned long long)host->lost_cycles, task->node.objects.counters.late_answers);
-    printf("  bus        %u frames out, %u in, %u refused, %u lost on receive, %u error frames, "
-           "bus-off %u times, interface down %u times\n",
-           status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
-           status.error_frames, status.bus_off_count, host->socket.counters.went_down);
-    printf("  state      %s, fault: %s\n", state_name(task->output.state),
-           supervisor_fault_name(task->output.fault));
-    if (host->options.real_time) {
-        pacer_report(&host->pacer, stdout);
-    }
-}
-
-static void report_json(const struct host *host)
-{
-    const struct control_task *task = &host->rig.task;
-    struct can_bus_status status;
-    const struct can_bus bus = task->config.bus;
-    can_bus_get_status(&bus, &status);
-    printf(
-        "{\"steps\": %u, \"ticks\": %u, \"lost_cycles\": %llu, \"late_answers\": %u, "
-        "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
-        "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
-        "\"error_frames\": %u, \"went_down\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
-        host->steps, task->tick, (unsigned long long)host->lost_cycles,
-        task->node.objects.counters.late_answers,
-        (double)task->controller.last_step.measured_speed_rad_s,
-        (double)task->controller.last_step.r0_m, (int)task->output.state, (int)task->output.fault,
-        host->faults, status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
-        status.error_frames, host->socket.counters.went_down,
-        (unsigned long long)host->pacer.missed, 1e-3 * (double)host->pacer.worst_late_ns);
-}
-
 int main(int argc, char **argv)
 {
     static struct host host;
@@ -535,16 +449,18 @@ int main(int argc, char **argv)
         controller_node_attach(&host.rig.task.node, NULL, NULL, host.recorder.box, NULL);
     }
     run(&host);
+    host.figures.went_down = host.socket.counters.went_down;
     if (host.options.bus.json) {
-        report_json(&host);
+        host_report_json(&host.rig.task, &host.figures, &host.pacer);
     } else if (!host.options.bus.quiet) {
-        report_text(&host);
+        host_report_text(&host.rig.task, &host.figures,
+                         host.options.real_time ? &host.pacer : NULL);
     }
     const enum supervisor_fault fault = host.rig.task.output.fault;
     if (fault != SUPERVISOR_FAULT_NONE) {
         fprintf(stderr, "afo-host: stopped by a fault: %s\n", supervisor_fault_name(fault));
     }
-    const bool faulty = fault != SUPERVISOR_FAULT_NONE || node_is_refused(&host.rig.task);
+    const bool faulty = fault != SUPERVISOR_FAULT_NONE || host_report_is_refused(&host.rig.task);
     close_bus(&host);
     if (output_standard_done("afo-host") != 0) {
         return EXIT_USAGE;
