@@ -169,41 +169,58 @@ static bool study_speed(const struct study *study, int v)
     return done;
 }
 
-static struct rough_range range_of(const struct laws_options *options)
+static struct rough_range range_of(const struct laws_options *options, int fineness)
 {
     const double unit = laws_speed_unit(options);
     const struct control_params *params = &options->bench.params;
     return (struct rough_range){
-        .speed = {0.0, 1.6 * unit, 2.0, 56},
-        .angle = {-0.6, 0.3, 1.0, 31},
-        .swing = {-1.0 * unit, 3.6 * unit, 1.0, 41},
-        .legs = {0.1, 1.5, 1.0, 57},
-        .ankle = {0.0, 0.36, 1.0, 46},
+        .speed = {0.0, 1.6 * unit, 2.0, 55 * fineness + 1},
+        .angle = {-0.6, 0.3, 1.0, 30 * fineness + 1},
+        .swing = {-1.0 * unit, 3.6 * unit, 1.0, 40 * fineness + 1},
+        .legs = {0.1, 1.5, 1.0, 56 * fineness + 1},
+        .ankle = {0.0, 0.36, 1.0, 45 * fineness + 1},
         .push = {(double)params->r0_min_m, (double)params->r0_max_m, 2.0, 96},
         .rises = 15,
         .rise_most = RISE_MOST};
+}
+
+/* All speeds, or the slowest alone on a grid twice as fine each way: how far the bounds have still to go. */
+static bool study_on_grid(struct study *study, int fineness)
+{
+    const struct rough_goal any = {ROUGH_CHANCE, 0.0, 1.0};
+    const struct gait_walker walker = subject_gait_walker(&study->options->subject);
+    const struct rough_range range = range_of(study->options, fineness);
+    if (rough_make(&study->table, &walker, &range, study->options->threads) != 0) {
+        return false;
+    }
+    bool done = true;
+    if (fineness == 1) {
+        for (int v = 0; v < SPEEDS && done; v++) {
+            done = study_speed(study, v);
+        }
+    } else {
+        printf("  %.1f rad/s, %d times as many nodes a side\n", speeds[0], fineness);
+        done = solve(study, speeds[0], ROUGH_OUTER, &any, false) &&
+               solve(study, speeds[0], ROUGH_MIDDLE, &any, false);
+    }
+    rough_free(&study->table);
+    return done;
 }
 
 int laws_ground_limit(const struct laws_options *options)
 {
     struct study study = {.options = options,
                           .walks = options->samples > 0 ? options->samples : DEFAULT_WALKS};
-    const struct gait_walker walker = subject_gait_walker(&options->subject);
-    const struct rough_range range = range_of(options);
     struct output_file file;
     bool failed;
     study.csv = laws_csv(options, "ground-limit",
                          "speed_rad_s,what,law,price,value,steps,falls,mean_speed", &file, &failed);
-    failed = failed || rough_make(&study.table, &walker, &range, options->threads) != 0;
     if (!failed) {
         printf(
             "  footholds within +-10 mm on a leg of 1 m; %d walks of at most %d steps each; speeds over the "
             "command\n",
             study.walks, STEPS_MOST);
-        for (int v = 0; v < SPEEDS && !failed; v++) {
-            failed = !study_speed(&study, v);
-        }
-        rough_free(&study.table);
+        failed = !study_on_grid(&study, 1) || !study_on_grid(&study, 2);
     }
     return laws_csv_close(&file, failed);
 }
