@@ -6,7 +6,7 @@ LAWS_STUDIES := jumps jumps_--chain limits basin_--samples_100000 ground ground_
 LAWS_DONE := $(LAWS_STUDIES:%=$(LAWS_OUT)/%.txt)
 
 .PHONY: laws
-laws: ## all studies of the laws, map and whole chain, numbers and pictures into build/laws (a quarter of an hour; goes on)
+laws: ## all studies of the laws, map and whole chain, numbers and pictures into build/laws (18 min of processor time; goes on)
 	$(Q)scripts/setup run
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)mkdir -p $(LAWS_OUT)
