@@ -209,7 +209,7 @@ int laws_main(int argc, char **argv)
         "  limits       the share of the box that any law can walk on from, two bounds\n"
         "  basin        share of a box of apex states from which the gait is reached\n"
         "  ground       uneven ground: mean steps to failure\n"
-        "  ground-limit uneven ground: how far any law can get, by dynamic programming on the map\n"
+        "  ground-limit uneven ground: how far any law can get\n"
         "  sensitivity  gait sensitivity norm to a step of the ground\n"
         "  slope        slopes of -4 to 4 degrees\n"
         "  mismatch     body and spring 10 % off what the law believes\n"
