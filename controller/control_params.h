@@ -72,7 +72,9 @@ enum body_kind {
     X(fall_angle_rad, "rad", 0.3, 1.57, "a leg beyond this angle is a fall")                     \
     X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")       \
     X(engage_steps, "-", 0.0, 50.0, "steady steps before assistance; 0 = bench: loaded at once") \
-    X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the share of assistance rises to 1")
+    X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the share of assistance rises to 1") \
+    X(rough_speed_rad_s, "rad/s", 0.0, 20.0,                                                     \
+      "predictive law: speed it may want on uneven ground; 0 = none above the command")
 
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
 struct control_params {

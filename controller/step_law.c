@@ -80,6 +80,7 @@ static real begin_search(struct step_law *law, const struct control_params *para
     const struct predictive_request request = {
         .apex = *apex,
         .target_speed_rad_s = desired_rad_s,
+        .rough_speed_rad_s = params->rough_speed_rad_s,
         .r0_first_m = real_clamp(approach(law->r0_m, first_m, params->r0_change_max_m),
                                  params->r0_min_m, params->r0_max_m),
         .r0_low_m = low_m > params->r0_min_m ? low_m : params->r0_min_m,

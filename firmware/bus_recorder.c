@@ -20,7 +20,8 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
 }
 
 /* In the ticks of gait events the controller has much to do, in those of heartbeats and
- * the like the CANopen node: a snapshot waits for a quieter one. */
+ * the like the CANopen node: a snapshot waits for a quieter one. None while a node is being
+ * set up: what was asked of it is not kept, and its answer would mean nothing to a replay. */
 static bool was_dear(const struct bus_recorder *recorder)
 {
     const struct control_task *task = recorder->source.task;
@@ -28,7 +29,7 @@ static bool was_dear(const struct bus_recorder *recorder)
 
     return recorder->frames > QUIET_FRAMES || task->output.new_step || event[GAIT_APEX].happened ||
            event[GAIT_HEEL_STRIKE].happened || event[GAIT_LIFT_OFF].happened ||
-           task->controller.observer.work.busy;
+           task->controller.observer.work.busy || task->setup.under_way;
 }
 
 static void end_tick(struct bus_recorder *recorder)

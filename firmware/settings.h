@@ -11,7 +11,7 @@
 #include "hal/param_store.h"
 #include "hal/sea_drive_cia402.h"
 
-enum { SETTINGS_VERSION = 2 }; /* another layout of struct settings_record is another number */
+enum { SETTINGS_VERSION = 3 }; /* another layout of struct settings_record is another number */
 
 struct settings {
     struct control_params control; /* its branch lies elsewhere and is only pointed to */
@@ -31,6 +31,7 @@ struct settings_values {
     struct node_setup_config setup;
     float desired_speed_rad_s;
     uint32_t walk_at_start;
+    uint32_t zero; /* fills the last word of the memory */
 };
 
 struct settings_record {

@@ -103,7 +103,9 @@ void predictive_law_begin(struct predictive_law *law, const struct gait_branch *
     law->best_cost = REAL(-1.0);
     law->answered = false;
     law->index = 0;
-    const real least_rad_s = real_sqrt(law->roughness) / law->walker.time_unit_s;
+    const real rough_rad_s = real_sqrt(law->roughness) / law->walker.time_unit_s;
+    const real least_rad_s =
+        rough_rad_s < request->rough_speed_rad_s ? rough_rad_s : request->rough_speed_rad_s;
     const real wanted_rad_s = request->target_speed_rad_s;
     law->target_speed_rad_s = gait_branch_at(
         branch, wanted_rad_s > least_rad_s ? wanted_rad_s : least_rad_s, &law->target);

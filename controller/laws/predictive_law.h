@@ -12,8 +12,8 @@
  * that the motor cannot reach before the predicted heel strike are left out.
  *
  * Where apexes have lately come out with other energies than foretold, the ground is uneven, and the next
- * foothold may take as much again: the law then wants no apex slower than bears that, whatever speed is asked for,
- * and comes back to it within tens of steps of even ground.
+ * foothold may take as much again: the law then wants no apex slower than bears that, up to rough_speed_rad_s, even
+ * where less is asked for, and comes back within tens of steps of even ground.
  *
  * What the walker does beyond the model (a slope, a wrong mass) is learned as the mean difference of
  * measured and predicted apex and added to predictions. When they disagree too often nevertheless,
@@ -54,6 +54,7 @@ enum predictive_stage {
 struct predictive_request {
     struct apex apex;         /* as estimated */
     real target_speed_rad_s;  /* forward apex speed wanted */
+    real rough_speed_rad_s;   /* and on uneven ground at most this, if it is more */
     real r0_first_m;          /* the answer to begin with; stands if nothing better is found */
     real r0_low_m, r0_high_m; /* where candidates may lie */
     /* The motor, which stands at r0_from_m, must be at r0 before heel strike. It can start when the range

@@ -71,6 +71,22 @@ START_TEST(after_a_rise_it_wants_to_bear_another_and_comes_back)
 }
 END_TEST
 
+/* Somebody who must not get faster than asked gives the law no more. */
+START_TEST(it_wants_no_more_than_it_may)
+{
+    static const double may[] = {0.0, 0.5, 0.7};
+    for (int i = 0; i < 3; i++) {
+        struct laws_bench on = bench(LAW_PREDICTIVE);
+        struct laws_walk walk;
+        on.params.rough_speed_rad_s = (real)may[i];
+        start(&on, &walk, 0.6);
+        ck_assert_int_eq(laws_walk_step(&on, &walk, 0.6, NULL, 0.0, 0.008), 0);
+        ck_assert_int_eq(laws_walk_step(&on, &walk, 0.6, NULL, 0.0, 0.0), 0);
+        assert_close(aim(&walk), may[i] > 0.6 ? may[i] : 0.6, 1e-6, 0.0);
+    }
+}
+END_TEST
+
 START_TEST(a_rise_of_a_millimetre_is_let_pass)
 {
     const struct laws_bench on = bench(LAW_PREDICTIVE);
@@ -123,6 +139,7 @@ int main(void)
     tcase_set_timeout(tests, 240);
     tcase_add_test(tests, on_even_ground_it_wants_what_is_asked);
     tcase_add_test(tests, after_a_rise_it_wants_to_bear_another_and_comes_back);
+    tcase_add_test(tests, it_wants_no_more_than_it_may);
     tcase_add_test(tests, a_rise_of_a_millimetre_is_let_pass);
     tcase_add_test(tests, at_0_6_and_0_8_it_walks_a_hundred_times_as_far_as_eq_16);
     suite_add_tcase(suite, tests);
