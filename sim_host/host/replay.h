@@ -8,7 +8,9 @@
  *
  * Another node may have sent with an identifier of the controller, which hears it and stops. A
  * frame that the task did not make is taken for such a one: it is fed, the task's own must be
- * in the log besides, and its next digest must agree; if not, that frame is the difference. A
+ * in the log besides, and its next digest must agree; if not, that frame is the difference. What
+ * no controller hears (an NMT command, an SDO request) is in no digest: whether another node sent it or the recorded
+ * controller did, which the task did not, only the caller can say (unheard_frames). A
  * foreign SYNC cannot be told so from an own one; a black box knows which was which.
  *
  * A log recorded on a bus may hold what others said before the controller was switched on,
@@ -74,7 +76,9 @@ struct replay {
     uint64_t frames;         /* read from the log */
     uint64_t compared;       /* command frames found equal */
     uint64_t foreign_frames; /* another node's, with the controller's identifiers */
-    uint32_t suspects;       /* the same, but the controller has told no digest since */
+    uint64_t
+        unheard_frames; /* ... of identifiers that it does not hear: its digest proves nothing */
+    uint32_t suspects;  /* the same, but the controller has told no digest since */
     uint64_t suspected_tick; /* of the first of them */
     bool next_is_foreign;    /* by a note of a black box */
     uint8_t snapshot[BLACK_BOX_SNAPSHOT_MAX];
@@ -83,6 +87,7 @@ struct replay {
     uint32_t build_id, parameter_crc;       /* what recorded, by its own word; 0 = it says not */
     bool differs;
     char message[REPLAY_MESSAGE_MAX];
+    char unheard_message[REPLAY_MESSAGE_MAX]; /* of the first unheard frame; "" = none */
 };
 
 /* Sets up the control task as the run that was recorded. Do not move *replay afterwards;
@@ -91,7 +96,7 @@ struct replay {
 int replay_init(struct replay *replay, const struct subject *subject,
                 const struct control_params *params, double desired_speed_rad_s);
 
-/* Replays a whole log. replay->message explains every verdict but REPLAY_EQUAL. */
+/* Replays a whole log. replay->message explains every verdict but REPLAY_EQUAL, which may leave unheard_frames. */
 enum replay_verdict replay_run(struct replay *replay, FILE *log);
 
 /* Whether a frame of this identifier comes from the controller. */

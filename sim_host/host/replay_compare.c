@@ -33,7 +33,7 @@ static void print_data(char *text, size_t size, const struct can_msg *message)
     }
 }
 
-static void describe(struct replay *replay, const struct replay_frame *frame,
+static void describe(const struct replay *replay, char *text, const struct replay_frame *frame,
                      const struct can_msg *sent)
 {
     char logged[20];
@@ -41,7 +41,7 @@ static void describe(struct replay *replay, const struct replay_frame *frame,
     unsigned byte = 0;
     print_data(logged, sizeof logged, &frame->message);
     if (sent == NULL) {
-        snprintf(replay->message, sizeof replay->message,
+        snprintf(text, REPLAY_MESSAGE_MAX,
                  "line %lu, tick %llu: the log has %03X#%s, the control task sent no such frame",
                  frame->line, (unsigned long long)replay->ticks, frame->message.id, logged);
         return;
@@ -51,7 +51,7 @@ static void describe(struct replay *replay, const struct replay_frame *frame,
            frame->message.data[byte] == sent->data[byte]) {
         byte++;
     }
-    snprintf(replay->message, sizeof replay->message,
+    snprintf(text, REPLAY_MESSAGE_MAX,
              "line %lu, tick %llu: frame %03X differs in byte %u (%s): log %s, control task %s",
              frame->line, (unsigned long long)replay->ticks, frame->message.id, byte,
              replay_field_name(frame->message.id, byte), logged, made);
@@ -63,12 +63,15 @@ static void describe(struct replay *replay, const struct replay_frame *frame,
 static void suspect(struct replay *replay, struct replay_frame *frame, const struct can_msg *sent)
 {
     if (replay->suspects == 0) {
-        describe(replay, frame, sent);
+        describe(replay, replay->message, frame, sent);
         replay->suspected_tick = replay->ticks;
     }
     replay->differs = replay->fresh;
     replay->suspects++;
     frame->foreign = frame_is_masters(frame->message.id); /* the others pass no filter */
+    if (!frame->foreign && replay->unheard_frames++ == 0) {
+        describe(replay, replay->unheard_message, frame, sent);
+    }
 }
 
 static void clear_of_suspicion(struct replay *replay, uint64_t told_tick)

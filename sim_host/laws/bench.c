@@ -8,6 +8,9 @@ int laws_bench_init(struct laws_bench *bench, const struct subject *subject, enu
     }
     bench->params.law = (real)law;
     bench->params.speed_ramp_rad_s = REAL(1.0);
+    bench->params.rough_speed_rad_s =
+        (real)(LAWS_ROUGH_SPEED *
+               __builtin_sqrt(subject->gravity_m_s2 / 9.80665 / subject->leg_length_m));
     bench->params.r0_change_max_m = bench->params.r0_max_m;
     bench->truth = subject_gait_walker(subject);
     bench->accuracy = LAWS_COARSE;

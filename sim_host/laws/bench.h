@@ -11,6 +11,10 @@
 #include "sim_host/host/subject.h"
 #include "sim_host/study/laws_map.h"
 
+/* What the predictive law may want on uneven ground in these studies, rad/s on a leg of 1 m: a gait that bears footholds
+ * within 10 mm. A subject's own parameters allow for nothing of the kind unless its file says so. */
+#define LAWS_ROUGH_SPEED 0.8
+
 struct laws_bench {
     struct control_params params; /* the law's */
     struct gait_walker truth;     /* the map's */
@@ -26,7 +30,7 @@ struct laws_walk {
 };
 
 /* The law's parameters for a subject; the truth is the subject's own body. Jumps of the command are not
- * ramped. Returns 0, or -1 with the reason in message (SUBJECT_MESSAGE_MAX). */
+ * ramped, and on uneven ground the predictive law may want LAWS_ROUGH_SPEED. Returns 0, or -1 with the reason in message (SUBJECT_MESSAGE_MAX). */
 int laws_bench_init(struct laws_bench *bench, const struct subject *subject, enum law_mode law,
                     char *message);
 

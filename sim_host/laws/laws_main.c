@@ -18,6 +18,7 @@ enum {
     KEY_THREADS,
     KEY_SEED,
     KEY_OUT,
+    KEY_ROUGH,
     KEY_SUBJECT
 };
 
@@ -55,6 +56,8 @@ static const struct argp_option option_list[] = {
     {"sensors", KEY_SENSORS, "PRESET", 0, "with --chain: ideal, 17bit or 14bit (14bit)", 0},
     {"samples", KEY_SAMPLES, "N", 0, "as many samples (each study has its default)", 0},
     {"threads", KEY_THREADS, "N", 0, "use so many threads (all processors)", 0},
+    {"rough-speed", KEY_ROUGH, "RAD_S", 0,
+     "what the predictive law may want on uneven ground; 0: nothing above the command (0.8)", 0},
     {"seed", KEY_SEED, "N", 0, "of all random numbers (1)", 0},
     {"out", KEY_OUT, "DIRECTORY", 0, "write laws-STUDY.csv there, too", 0},
     {"subject", KEY_SUBJECT, "FILE", 0, "subject file (INI; default: the paper's walker)", 0},
@@ -63,6 +66,7 @@ static const struct argp_option option_list[] = {
 struct input {
     struct laws_options options;
     const char *study;
+    double rough_speed_rad_s; /* below 0: not said */
 };
 
 static void only(struct laws_options *options, const char *name, struct argp_state *state)
@@ -106,6 +110,9 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_THREADS:
         options->threads = (int)option_whole(state, "--threads", text, 1, 256);
         return 0;
+    case KEY_ROUGH:
+        input->rough_speed_rad_s = option_number(state, "--rough-speed", text, 0.0, 20.0);
+        return 0;
     case KEY_SEED:
         options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
         return 0;
@@ -124,9 +131,10 @@ static error_t take(int key, char *text, struct argp_state *state)
         input->study = text;
         return 0;
     case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which study? "
-                          "jumps, limits, basin, ground, ground-limit, sensitivity, slope, mismatch, "
-                          "push, energy, timing, or all for the quick ones");
+        argp_error(state,
+                   "which study? "
+                   "jumps, limits, basin, ground, ground-limit, sensitivity, slope, mismatch, "
+                   "push, energy, timing, or all for the quick ones");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -219,7 +227,8 @@ int laws_main(int argc, char **argv)
         "  all          the quick ones, one after the other";
     const struct argp parser = {option_list, take, "STUDY", doc, NULL, NULL, NULL};
     struct input input = {
-        .options = {.sensors = SENSORS_14BIT, .threads = pool_processors(), .seed = 1}};
+        .options = {.sensors = SENSORS_14BIT, .threads = pool_processors(), .seed = 1},
+        .rough_speed_rad_s = -1.0};
     for (int i = 0; i < ENTRANTS; i++) {
         input.options.entrant[i] = true;
     }
@@ -232,6 +241,9 @@ int laws_main(int argc, char **argv)
         0) {
         fprintf(stderr, "afo-study laws: %s\n", message);
         return 2;
+    }
+    if (input.rough_speed_rad_s >= 0.0) {
+        input.options.bench.params.rough_speed_rad_s = (real)input.rough_speed_rad_s;
     }
     if (input.options.out_directory != NULL &&
         access(input.options.out_directory, W_OK | X_OK) != 0) {

@@ -15,10 +15,18 @@ struct options {
     struct walk_options walk;
     const char *log_path;
     bool quiet;
+    bool others;
 };
 
+enum { KEY_OTHERS = 0x600 };
+
 static const struct argp_option option_list[] = {
-    {"quiet", 'q', 0, 0, "say nothing when all is equal", 2}, {0}};
+    {"quiet", 'q', 0, 0, "say nothing when all is equal", 2},
+    {"others", KEY_OTHERS, 0, 0,
+     "other nodes spoke with identifiers of the controller (a tool's SDO requests, NMT): what it does not hear itself "
+     "is theirs",
+     2},
+    {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
 {
@@ -29,6 +37,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case 'q':
         options->quiet = true;
+        break;
+    case KEY_OTHERS:
+        options->others = true;
         break;
     case ARGP_KEY_ARG:
         if (options->log_path != NULL) {
@@ -45,6 +56,17 @@ static error_t take(int key, char *text, struct argp_state *state)
     return 0;
 }
 
+/* Extra frames that no digest tells of: the controller's own, or another node's? */
+static int report_unheard(const struct replay *replay, const char *path)
+{
+    printf(
+        "%s: %s; %llu such frame%s in all that the controller does not hear itself: its own, or another node's "
+        "(then say --others)\n",
+        path, replay->unheard_message, (unsigned long long)replay->unheard_frames,
+        replay->unheard_frames == 1 ? "" : "s");
+    return EXIT_DIFFERS;
+}
+
 static int report(const struct replay *replay, enum replay_verdict verdict, const char *path,
                   bool quiet)
 {
@@ -59,8 +81,9 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
             }
             putchar('\n');
             if (replay->foreign_frames > 0) {
-                printf("%llu frames of another node with identifiers of the controller\n",
-                       (unsigned long long)replay->foreign_frames);
+                printf("%llu frame%s of another node with identifiers of the controller\n",
+                       (unsigned long long)replay->foreign_frames,
+                       replay->foreign_frames == 1 ? "" : "s");
             }
             if (replay->build_id != 0) {
                 printf("recorded by build %08x, parameter CRC %08x\n", replay->build_id,
@@ -122,6 +145,8 @@ int main(int argc, char **argv)
     }
     const enum replay_verdict verdict = replay_run(&replay, log);
     fclose(log);
-    const int status = report(&replay, verdict, options.log_path, options.quiet);
+    const int status = verdict == REPLAY_EQUAL && replay.unheard_frames > 0 && !options.others
+                           ? report_unheard(&replay, options.log_path)
+                           : report(&replay, verdict, options.log_path, options.quiet);
     return output_standard_done("afo-replay") == 0 ? status : EXIT_USAGE;
 }

@@ -1,5 +1,6 @@
 /* The predictive law on uneven ground, on the map: what it does about rises, how far it comes by it beside eq. (16), and
  * that it does nothing of the kind where the ground is even. */
+#include "sim_host/host/loop.h"
 #include "sim_host/laws/bench.h"
 
 #include <math.h>
@@ -87,6 +88,41 @@ START_TEST(it_wants_no_more_than_it_may)
 }
 END_TEST
 
+/* Through the whole loop: a push of 0.05 N s on level ground. With the parameters of a subject that says nothing (0)
+ * the law aims at what is asked, always; where it may hurry (1) it takes the push for a rise. */
+START_TEST(a_push_makes_nobody_hurry)
+{
+    static struct loop loop;
+    struct loop_config config;
+    struct subject subject;
+    struct control_params params;
+    char message[LOOP_MESSAGE_MAX] = "";
+    double fastest = 0.0;
+    subject_default(&subject);
+    ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
+    params.law = (real)LAW_PREDICTIVE;
+    params.r0_change_max_m = params.r0_max_m;
+    params.rough_speed_rad_s += REAL(0.8) * (real)_i;
+    ck_assert_int_eq(loop_configure(&config, &subject, &params, 0.4, SENSORS_17BIT, 1, message), 0);
+    ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
+    const struct step_law *law = &loop.rig.task.controller.law;
+    for (int i = 0; i < 100000 && law->steps < 40; i++) {
+        if (i == 20000) {
+            plant_push(&loop.nodes.plant, 0.05, 0.0);
+        }
+        loop_tick(&loop);
+        fastest = fmax(fastest, (double)law->predictive.target_speed_rad_s);
+    }
+    ck_assert_uint_eq(law->steps, 40);
+    if (_i == 0) {
+        ck_assert_double_le(fastest, 0.400001);
+    } else {
+        ck_assert_double_gt(fastest, 0.6);
+    }
+    loop_free(&loop);
+}
+END_TEST
+
 START_TEST(a_rise_of_a_millimetre_is_let_pass)
 {
     const struct laws_bench on = bench(LAW_PREDICTIVE);
@@ -140,6 +176,7 @@ int main(void)
     tcase_add_test(tests, on_even_ground_it_wants_what_is_asked);
     tcase_add_test(tests, after_a_rise_it_wants_to_bear_another_and_comes_back);
     tcase_add_test(tests, it_wants_no_more_than_it_may);
+    tcase_add_loop_test(tests, a_push_makes_nobody_hurry, 0, 2);
     tcase_add_test(tests, a_rise_of_a_millimetre_is_let_pass);
     tcase_add_test(tests, at_0_6_and_0_8_it_walks_a_hundred_times_as_far_as_eq_16);
     suite_add_tcase(suite, tests);

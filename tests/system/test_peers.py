@@ -51,6 +51,8 @@ def test_canopen_and_can_utils_during_a_walk(tmp_path):
     assert out.rstrip().endswith("done"), out
     assert out.count("\n") == 6, out
     done = run("--speed", "0.41", log, program=BUILD / "afo-replay")
+    assert done.returncode == 1 and "2 such frames" in done.stdout, done.stdout  # 0x000, 0x601: who sent them?
+    done = run("--speed", "0.41", "--others", log, program=BUILD / "afo-replay")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "3 frames of another node" in done.stdout, done.stdout  # 0x000, 0x601, 0x201
 

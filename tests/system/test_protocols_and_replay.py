@@ -70,6 +70,21 @@ def replay(path, *arguments):
     return run("--speed", "0.5", *arguments, path, program=REPLAY)
 
 
+@pytest.mark.parametrize("extra", ["000#8100", "602#4000100000000000", "390#0000000000000000"])
+def test_a_frame_that_the_task_did_not_send_is_found(log, tmp_path, extra):
+    """One NMT command, SDO request or step frame more than the control task makes: the controller hears none of
+    them itself, so that only the caller can say that another node sent it."""
+    lines = log.read_text().splitlines(keepends=True)
+    middle = len(lines) // 2
+    stamp, interface, _ = lines[middle].split(" ")
+    lines.insert(middle, f"{stamp} {interface} {extra}\n")
+    changed = tmp_path / "extra.log"
+    changed.write_text("".join(lines))
+    done = replay(changed)
+    assert done.returncode == 1 and f"line {middle + 1}," in done.stdout and extra[:3] in done.stdout, done.stdout
+    assert replay(changed, "--others").returncode == 0
+
+
 def test_a_log_replays_to_every_frame_of_the_controller(log):
     done = replay(log)
     assert done.returncode == 0, done.stdout + done.stderr
