@@ -34,6 +34,22 @@ static int64_t clock_ns(clockid_t clock)
     return (int64_t)now.tv_sec * NS_PER_S + now.tv_nsec;
 }
 
+/* How far one clock is ahead of the other: of a few readings the one that was least interrupted. */
+static int64_t realtime_minus_monotonic(void)
+{
+    int64_t ahead = 0, least = INT64_MAX;
+    for (int i = 0; i < 5; i++) {
+        const int64_t before = clock_ns(CLOCK_MONOTONIC);
+        const int64_t real = clock_ns(CLOCK_REALTIME);
+        const int64_t took = clock_ns(CLOCK_MONOTONIC) - before;
+        if (took < least) {
+            least = took;
+            ahead = real - (before + took / 2);
+        }
+    }
+    return ahead;
+}
+
 uint64_t socketcan_now_ns(void)
 {
     return (uint64_t)clock_ns(CLOCK_MONOTONIC);
@@ -135,7 +151,7 @@ int socketcan_bus_open(struct socketcan_bus *bus, const char *interface_name,
     }
     bus->filter_count = filter_count;
     bus->hear_own_sync = hear_own_sync;
-    bus->realtime_minus_monotonic_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
+    bus->realtime_minus_monotonic_ns = realtime_minus_monotonic();
     return open_socket(bus);
 }
 
@@ -505,7 +521,7 @@ static void follow_clock(struct socketcan_bus *bus, uint64_t now_ns)
 {
     if (now_ns - bus->offset_age_ns > (uint64_t)NS_PER_S) {
         bus->offset_age_ns = now_ns;
-        bus->realtime_minus_monotonic_ns = clock_ns(CLOCK_REALTIME) - (int64_t)now_ns;
+        bus->realtime_minus_monotonic_ns = realtime_minus_monotonic();
     }
 }
 
