@@ -188,6 +188,7 @@ static void finish_step(struct controller *controller)
     controller->step_pending = false;
     controller->last_step = controller->pending_step;
     controller->last_step.r0_m = r0_m;
+    controller->last_step.commanded_speed_rad_s = controller->law.aim_rad_s;
     controller->last_step.fell_back = controller->law.fell_back;
 }
 
@@ -206,12 +207,10 @@ static void follow_gait(struct controller *controller, const struct controller_i
             &controller->law); /* an apex without a push-off between: cannot be helped */
         (void)step_law_update(&controller->law, controller->params, &gait->apex,
                               input->desired_speed_rad_s);
-        controller->pending_step =
-            (struct step_record){.number = controller->law.steps,
-                                 .tick = apex->tick,
-                                 .side = apex->side,
-                                 .measured_speed_rad_s = apex->speed_rad_s,
-                                 .commanded_speed_rad_s = controller->law.command_rad_s};
+        controller->pending_step = (struct step_record){.number = controller->law.steps,
+                                                        .tick = apex->tick,
+                                                        .side = apex->side,
+                                                        .measured_speed_rad_s = apex->speed_rad_s};
         controller->step_pending = true;
     } else if (!controller->law.is_final) {
         if (strike->happened) {

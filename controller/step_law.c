@@ -8,6 +8,7 @@ static real approach(real from, real to, real largest_change)
 void step_law_init(struct step_law *law, const struct control_params *params)
 {
     law->command_rad_s = speed_table_speed(&params->table, params->start_r0_m);
+    law->aim_rad_s = law->command_rad_s;
     law->r0_m = params->start_r0_m;
     law->mean_rad_s = REAL(0.0);
     law->steps = 0;
@@ -132,6 +133,7 @@ real step_law_update(struct step_law *law, const struct control_params *params,
     } else {
         wanted_m = proportional(law, params, measured_rad_s, desired_rad_s);
     }
+    law->aim_rad_s = law->command_rad_s;
     law->r0_m = limited(law, params, wanted_m);
     return law->r0_m;
 }
@@ -141,6 +143,7 @@ static void take_answer(struct step_law *law)
     law->r0_m = law->predictive.r0_m;
     law->is_final = law->predictive.stage == PREDICTIVE_IDLE;
     law->fell_back = !law->predictive.answered;
+    law->aim_rad_s = law->fell_back ? law->command_rad_s : law->predictive.target_speed_rad_s;
 }
 
 bool step_law_work(struct step_law *law, const struct control_params *params)

@@ -42,7 +42,8 @@
 #define step_law_finish REAL_SYMBOL(step_law_finish)
 
 struct step_law {
-    real command_rad_s; /* v*, after the ramp */
+    real command_rad_s; /* v* of eq. (16), after the ramp */
+    real aim_rad_s;     /* the forward apex speed that the last answer steers for */
     real r0_m;          /* the last answer */
     real mean_rad_s;    /* LAW_WEARER: the person's own mean apex speed */
     uint32_t steps;

@@ -26,7 +26,9 @@ struct controller_counters {
     /* The control task's. */
     uint32_t syncs_sent;    /* not in the dictionary */
     uint32_t syncs_refused; /* cycles whose SYNC the bus did not take: full or down */
-    uint32_t send_failures; /* ticks with command frames that the bus did not take */
+    uint32_t
+        send_failures; /* ticks with command frames that the bus did not take; those that a full queue
+                               gave up later are in tx_refused */
     uint32_t error_frames;
     uint32_t foreign_frames; /* received, nobody's */
     uint32_t late_answers;   /* operational legs, answers missing when their tick was processed */

@@ -47,7 +47,8 @@ struct can_bus_ops {
      * least urgent frame for a more urgent one: however many old targets wait, an NMT
      * stop goes out (not where frames leave as they are sent: pipes, slcan). Loop only,
      * not ISR.
-     * Returns CAN_OK, CAN_FULL, CAN_INVALID or CAN_DOWN. */
+     * CAN_OK is therefore no promise: what was taken may be given up later, which
+     * status.tx_refused alone tells. Returns CAN_OK, CAN_FULL, CAN_INVALID or CAN_DOWN. */
     enum can_result (*send)(void *context, const struct can_msg *message);
 
     /* Fetches the oldest received frame into *message, with the time it was on

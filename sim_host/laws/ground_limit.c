@@ -2,9 +2,9 @@
  *
  * Every foothold lies within +-10 mm (on a leg of 1 m) of the one before, evenly drawn; walks begin in the gait of the
  * commanded speed. First at any speed: the chance to be still up after 500 steps. Then with the mean speed of the
- * walk at most a tenth above the command, at rising prices on speed: each price's value bounds what laws within the
- * limit can reach, and the law made from it walks on the map itself: where its mean speed is within the limit its
- * steps are a bound from below. Beside them eq. (16) and the predictive law on the same footholds. */
+ * walk at most a tenth above the command, at rising prices on speed: each price's value is an estimate between
+ * nodes (from above, by the best corners, it says nothing on these grids: thousands of steps), and the law made from it walks
+ * on the map itself: where its mean speed is within the limit its steps are a bound from below. Beside them eq. (16) and the predictive law on the same footholds. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -98,7 +98,8 @@ static bool walk_all(const struct study *study, const char *name, const struct r
         sum += walking.walked[w].speed_sum;
     }
     free(walking.walked);
-    const double mean = sum / (double)(steps - falls) / walking.speed_rad_s;
+    const double strides = steps > falls ? (double)(steps - falls) : 1.0; /* none: no speed, 0 */
+    const double mean = sum / strides / walking.speed_rad_s;
     const double per_fall = falls > 0 ? (double)steps / falls : (double)INFINITY;
     printf("      %-24s walked: %8.1f steps a fall, %5.1f %% up after %d, mean speed %.2f\n", name,
            per_fall, 100.0 * (study->walks - falls) / study->walks, STEPS_MOST, mean);

@@ -403,7 +403,8 @@ static void run(struct host *host)
     while (stop_ticks < STOP_TICKS) {
         if (host->options.real_time) {
             (void)pacer_wait(&host->pacer);
-            control_task_show_missed(task, (uint32_t)host->pacer.missed);
+            control_task_show_missed(
+                task, host->pacer.missed < UINT32_MAX ? (uint32_t)host->pacer.missed : UINT32_MAX);
         }
         run_cycle(host);
         silent_cycles = nobody_answers(task) ? silent_cycles + 1 : 0;
