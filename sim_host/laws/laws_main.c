@@ -30,22 +30,24 @@ static const enum law_mode entrant_laws[ENTRANTS] = {LAW_PROPORTIONAL, LAW_PROPO
 static const struct {
     const char *name;
     laws_study *run;
-    bool in_all; /* quick enough for "all" */
+    bool in_all;    /* quick enough for "all" */
+    bool has_chain; /* knows --chain; "push" is never without */
     const char *summary;
 } studies[] = {
-    {"jumps", laws_jumps, true,
+    {"jumps", laws_jumps, true, true,
      "steps to settle after every jump of the command, 0.2 to 1.0 rad/s"},
-    {"limits", laws_limits, false,
+    {"limits", laws_limits, false, false,
      "the share of the box of apex states that any law can walk on from"},
-    {"basin", laws_basin, true, "share of a box of apex states from which the gait is reached"},
-    {"ground", laws_ground, false, "uneven ground: mean steps to failure"},
-    {"ground-limit", laws_ground_limit, false, "uneven ground: how far any law can get"},
-    {"sensitivity", laws_sensitivity, true, "gait sensitivity norm to a step of the ground"},
-    {"slope", laws_slope, true, "slopes of -4 to 4 degrees"},
-    {"mismatch", laws_mismatch, true, "body and spring 10 % off what the law believes"},
-    {"push", laws_push, false, "largest impulse on the torso survived, at eight phases"},
-    {"timing", laws_timing, false, "the push-off before, at and after heel strike"},
-    {"energy", laws_energy, true, "spring energy per metre, steady and with noisy sensing"},
+    {"basin", laws_basin, true, false,
+     "share of a box of apex states from which the gait is reached"},
+    {"ground", laws_ground, false, true, "uneven ground: mean steps to failure"},
+    {"ground-limit", laws_ground_limit, false, false, "uneven ground: how far any law can get"},
+    {"sensitivity", laws_sensitivity, true, false, "gait sensitivity norm to a step of the ground"},
+    {"slope", laws_slope, true, true, "slopes of -4 to 4 degrees"},
+    {"mismatch", laws_mismatch, true, true, "body and spring 10 % off what the law believes"},
+    {"push", laws_push, false, true, "largest impulse on the torso survived, at eight phases"},
+    {"timing", laws_timing, false, false, "the push-off before, at and after heel strike"},
+    {"energy", laws_energy, true, true, "spring energy per metre, steady and with noisy sensing"},
 };
 #define STUDIES (sizeof studies / sizeof studies[0])
 
@@ -255,7 +257,17 @@ int laws_main(int argc, char **argv)
     const bool all = strcmp(input.study, "all") == 0;
     bool found = false;
     int status = 0;
+    if (input.rough_speed_rad_s >= 0.0 && !input.options.entrant[ENTRANT_PREDICTIVE]) {
+        fprintf(stderr, "afo-study laws: --rough-speed does nothing without the predictive law\n");
+        return 2;
+    }
     for (size_t i = 0; i < STUDIES && status == 0; i++) {
+        if (strcmp(input.study, studies[i].name) == 0 && input.options.chain &&
+            !studies[i].has_chain) {
+            fprintf(stderr, "afo-study laws: --chain does nothing: %s is a study on the map\n",
+                    input.study);
+            return 2;
+        }
         if ((all && studies[i].in_all) || strcmp(input.study, studies[i].name) == 0) {
             found = true;
             printf("%s: %s\n", studies[i].name, studies[i].summary);

@@ -5,6 +5,7 @@
 #include "model/timed_stride.h"
 #include "sim_host/plant/rng.h"
 #include "sim_host/study/linear.h"
+#include "sim_host/study/study_walker.h"
 
 #define DIFFERENCE 1e-6
 #define NEWTON_MAX 20
@@ -22,19 +23,6 @@ struct timed_map {
     struct stride_settings settings;
     struct stride_result result;
 };
-
-static int make_map(const struct gait_walker *walker, struct timed_map *map, double step_units)
-{
-    const struct walker_params params = {walker->hip_mass_kg, walker->leg_mass_kg,
-                                         walker->leg_length_m, walker->ankle_stiffness_N_m,
-                                         walker->gravity_m_s2};
-    if (walker_init(&map->walker, &params) != WALKER_OK) {
-        return 0;
-    }
-    map->settings = stride_settings_fixed(&map->walker, step_units * map->walker.time_unit_s);
-    map->settings.phase_limit_s = 10.0 * map->walker.time_unit_s;
-    return 1;
-}
 
 static int step(struct timed_map *map, const double x[3], double r0_m, double release_s,
                 double next[3])
@@ -163,7 +151,7 @@ int laws_timed_gait(const struct gait_walker *walker, double speed_rad_s, double
     double next[3], alone[2][3];
     gait->speed_rad_s = speed_rad_s;
     gait->release_s = release_s;
-    if (!make_map(walker, &map, 0.01) || !find_gait(&map, gait) ||
+    if (study_walker(walker, 0.01, &map.walker, &map.settings) != 0 || !find_gait(&map, gait) ||
         !step(&map, gait->apex, gait->r0_m, release_s, next)) {
         return -1;
     }
@@ -213,7 +201,7 @@ double laws_timed_basin(const struct gait_walker *walker, const struct laws_time
     struct timed_map map;
     struct rng rng;
     int back = 0;
-    if (!make_map(walker, &map, 0.06)) {
+    if (study_walker(walker, 0.06, &map.walker, &map.settings) != 0) {
         return 0.0;
     }
     rng_init(&rng, seed, 73);

@@ -2,12 +2,9 @@
 #include <stdlib.h>
 
 #include "model/collision.h"
-#include "model/stride.h"
 #include "sim_host/study/pool.h"
 #include "sim_host/study/rough_grid.h"
-
-#define STEP_UNITS 0.08
-#define LIMIT_UNITS 10.0
+#include "sim_host/study/study_walker.h"
 
 /* ---- places on the grids ----------------------------------------------------------------- */
 
@@ -42,24 +39,6 @@ struct making {
     struct stride_settings settings;
 };
 
-static int init_walker(const struct gait_walker *from, struct walker *walker,
-                       struct stride_settings *settings)
-{
-    const struct walker_params params = {from->hip_mass_kg, from->leg_mass_kg, from->leg_length_m,
-                                         from->ankle_stiffness_N_m, from->gravity_m_s2};
-    if (walker_init(walker, &params) != WALKER_OK) {
-        return -1;
-    }
-    *settings = stride_settings_fixed(walker, STEP_UNITS * walker->time_unit_s);
-    settings->phase_limit_s = LIMIT_UNITS * walker->time_unit_s;
-    return 0;
-}
-
-static double rate_unit(const struct gait_walker *walker)
-{
-    return __builtin_sqrt(walker->gravity_m_s2 * walker->leg_length_m);
-}
-
 static struct rough_strike strike_from(const struct rough_table *table, const struct walker *walker,
                                        const struct stride_settings *settings,
                                        const struct apex *apex, double rise)
@@ -80,7 +59,8 @@ static struct rough_strike strike_from(const struct rough_table *table, const st
     }
     return (struct rough_strike){
         rough_axis_place(&table->range.legs, legs),
-        rough_axis_place(&table->range.ankle, ankle / (legs * rate_unit(&table->walker)))};
+        rough_axis_place(&table->range.ankle,
+                         ankle / (legs * study_rate_unit_m_s(&table->walker)))};
 }
 
 struct rough_strike rough_strike_after(const struct rough_table *table, const double apex[3],
@@ -89,7 +69,7 @@ struct rough_strike rough_strike_after(const struct rough_table *table, const do
     const struct apex from = {apex[0], apex[1], apex[2]};
     struct walker walker;
     struct stride_settings settings;
-    if (init_walker(&table->walker, &walker, &settings) != 0) {
+    if (study_walker(&table->walker, STUDY_COARSE_UNITS, &walker, &settings) != 0) {
         return (struct rough_strike){-1.0f, 0.0f};
     }
     return strike_from(table, &walker, &settings, &from, rise);
@@ -146,7 +126,8 @@ static struct rough_apex apex_after(const struct making *making, double legs, do
     result.strike[STANCE_ANGLE] = result.incline_rad - 0.5 * legs;
     result.strike[SWING_ANGLE] = result.incline_rad + 0.5 * legs;
     result.strike[STANCE_RATE] = 0.0;
-    result.strike[SWING_RATE] = ankle * legs * rate_unit(&making->table->walker) / per_rate;
+    result.strike[SWING_RATE] =
+        ankle * legs * study_rate_unit_m_s(&making->table->walker) / per_rate;
     if (stride_push_off(&making->walker, &making->settings, r0_m, &result) != STRIDE_OK ||
         stride_from_lift_off(&making->walker, &making->settings, &result) != STRIDE_OK) {
         return (struct rough_apex){-1.0f, 0.0f, 0.0f};
@@ -200,7 +181,8 @@ int rough_make(struct rough_table *table, const struct gait_walker *walker,
 {
     struct making making = {.table = table};
     *table = (struct rough_table){.walker = *walker, .range = *range};
-    if (!is_range(range) || init_walker(walker, &making.walker, &making.settings) != 0) {
+    if (!is_range(range) ||
+        study_walker(walker, STUDY_COARSE_UNITS, &making.walker, &making.settings) != 0) {
         return -1;
     }
     const size_t strikes = strike_nodes(range);

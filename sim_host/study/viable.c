@@ -5,14 +5,13 @@
 #include <string.h>
 
 #include "model/collision.h"
-#include "model/stride.h"
 #include "model/trig.h"
 #include "sim_host/study/engine.h"
 #include "sim_host/study/pool.h"
+#include "sim_host/study/study_walker.h"
 
 /* Between two push-offs of the grid so many more are looked at, by straight line. */
 enum { BETWEEN = 4, BOX_IMAGES = 8 };
-#define STEP_UNITS 0.08
 #define ACCURACY 1e-6 /* of the engine; the images are floats */
 
 struct making {
@@ -21,24 +20,6 @@ struct making {
     struct stride_settings settings;
     unsigned char *made; /* by row */
 };
-
-static int init_walker(const struct gait_walker *from, struct walker *walker,
-                       struct stride_settings *settings)
-{
-    const struct walker_params params = {from->hip_mass_kg, from->leg_mass_kg, from->leg_length_m,
-                                         from->ankle_stiffness_N_m, from->gravity_m_s2};
-    if (walker_init(walker, &params) != WALKER_OK) {
-        return -1;
-    }
-    *settings = stride_settings_fixed(walker, STEP_UNITS * walker->time_unit_s);
-    settings->phase_limit_s = 10.0 * walker->time_unit_s;
-    return 0;
-}
-
-static double rate_unit(const struct gait_walker *walker)
-{
-    return __builtin_sqrt(walker->gravity_m_s2 * walker->leg_length_m);
-}
 
 static double spaced(double low, double high, int index, int count)
 {
@@ -70,11 +51,11 @@ bool viable_after_apex(const struct gait_walker *gait_walker, const double apex[
     struct stride_settings settings;
     struct stride_result result = {.fault = STRIDE_OK};
     const struct apex from = {apex[0], apex[1], apex[2]};
-    if (init_walker(gait_walker, &walker, &settings) != 0 ||
+    if (study_walker(gait_walker, STUDY_COARSE_UNITS, &walker, &settings) != 0 ||
         stride_to_strike(&walker, &settings, &from, &result) != STRIDE_OK) {
         return false;
     }
-    *state = after_strike(&walker, rate_unit(gait_walker), result.strike);
+    *state = after_strike(&walker, study_rate_unit_m_s(gait_walker), result.strike);
     return state->legs_rad > 0.0;
 }
 
@@ -83,7 +64,7 @@ bool viable_after_apex(const struct gait_walker *gait_walker, const double apex[
 static struct batch_item strike_of(const struct making *making, const struct viable_state *state,
                                    double r0_m)
 {
-    const double unit = rate_unit(&making->grid->walker), legs = state->legs_rad;
+    const double unit = study_rate_unit_m_s(&making->grid->walker), legs = state->legs_rad;
     const double per_swing_rate = collision_ankle_rate_m_s(&making->walker, -legs, 0.0, 1.0);
     return (struct batch_item){
         .apex = {0.0, 0.5 * legs, state->rate * legs * unit / per_swing_rate}, .push_m = r0_m};
@@ -97,7 +78,7 @@ static struct viable_image image_of(const struct making *making, const struct ba
     const real strike[SINGLE_SUPPORT_STATES] = {-item->apex[1], item->apex[1], item->apex[0],
                                                 item->apex[2]};
     const struct viable_state next =
-        after_strike(&making->walker, rate_unit(&making->grid->walker), strike);
+        after_strike(&making->walker, study_rate_unit_m_s(&making->grid->walker), strike);
     return (struct viable_image){(float)log(next.legs_rad), (float)next.rate};
 }
 
@@ -142,9 +123,10 @@ int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
     grid->image = malloc((size_t)grid->nodes * (size_t)range->pushes * sizeof *grid->image);
     making.made = calloc((size_t)range->legs, 1);
     const struct pool_jobs jobs = {0, range->legs, threads, &making, compute, take};
-    const bool done = grid->image != NULL && making.made != NULL &&
-                      init_walker(walker, &making.walker, &making.settings) == 0 &&
-                      pool_run(&jobs) == 1;
+    const bool done =
+        grid->image != NULL && making.made != NULL &&
+        study_walker(walker, STUDY_COARSE_UNITS, &making.walker, &making.settings) == 0 &&
+        pool_run(&jobs) == 1;
     free(making.made);
     if (!done) {
         viable_free(grid);

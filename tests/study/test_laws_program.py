@@ -84,9 +84,21 @@ def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
 @pytest.mark.parametrize("arguments", [
     [], ["nonsense"], ["jumps", "--law", "magic"], ["jumps", "--sensors", "3bit"],
     ["jumps", "--samples", "0"], ["jumps", "basin"],
-    ["jumps", "--subject", "/no/such/file"]])
+    ["jumps", "--subject", "/no/such/file"], ["limits", "--chain"], ["ground-limit", "--chain"],
+    ["ground", "--law", "dlqr", "--rough-speed", "0.5"], ["ground", "--rough-speed", "-1"]])
 def test_usage_errors(arguments):
     assert laws(*arguments, status=2).stderr
+
+
+def test_without_leave_to_hurry_the_predictive_law_falls_on_rough_ground(tmp_path):
+    """Footholds within 10 mm from 0.6 rad/s: hundreds of steps where it may go up to 0.8 rad/s, else tens."""
+    steps = {}
+    for speed in (0, 0.8):
+        laws("ground", "--law", "predictive", "--samples", 20, "--rough-speed", speed, "--out", tmp_path)
+        row = next(row for row in rows(tmp_path / "laws-ground.csv") if
+                   (row["kind"], row["speed_rad_s"], float(row["size_mm"])) == ("heights", "0.6", 10))
+        steps[speed] = int(row["steps"]) / max(1, int(row["falls"]))
+    assert steps[0] < 60 and steps[0.8] > 10 * steps[0], steps
 
 
 def test_an_output_that_cannot_be_written_is_an_error():

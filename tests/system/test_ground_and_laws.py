@@ -1,4 +1,5 @@
 """afo-sim's --law, --slope-deg, --terrain-mm and --push: what eq. (16) falls over, the predictive law takes."""
+import csv
 import json
 import os
 import pathlib
@@ -37,6 +38,22 @@ def test_a_jump_of_the_command_through_the_chain():
     up = walk("--law", "predictive", "--speed", 0.8, "--steps", 60, "--sensors", "14bit")
     assert not up["fell"]
     assert all(abs(v - 0.8) < 0.008 for v in up["apex_speed_rad_s"][40:])
+
+
+def test_nobody_gets_faster_than_asked_unless_the_subject_file_says_so(tmp_path):
+    """A push on level ground: at 0.4 rad/s it takes the walk itself to about 0.48. Told by the command column, too."""
+    subject = tmp_path / "subject.ini"
+    fastest, aimed = {}, {}
+    for allowed in (0, 0.8):
+        subject.write_text("[walker]\nM = 1\nm = 0.01\nl = 1\nk = 100\ng = 9.80665\n[controller]\nlaw = predictive\n"
+                           f"rough_speed_rad_s = {allowed}\n", encoding="utf-8")
+        table = tmp_path / "walk.csv"
+        fastest[allowed] = max(walk("--subject", subject, "--speed", 0.4, "--push", "0.05@20", "--steps", 50,
+                                    "--csv", table)["apex_speed_rad_s"][10:])
+        with table.open(encoding="utf-8", newline="") as file:
+            aimed[allowed] = [float(row["target_speed_rad_s"]) for row in list(csv.DictReader(file))[10:]]
+    assert fastest[0] < 0.5 and aimed[0] == pytest.approx([0.4] * len(aimed[0]), abs=1e-4)
+    assert fastest[0.8] > 0.6 and max(aimed[0.8]) > 0.6
 
 
 def test_the_laws_can_be_named_in_the_subject_file(tmp_path):
