@@ -3,7 +3,6 @@
  * The image runs in QEMU, the plant here; every frame that the image sends is
  * compared with what the host's build of the same code sends on the same frames.
  */
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +15,7 @@
 #include "sim_host/host/loop.h"
 #include "sim_host/host/output_file.h"
 #include "sim_host/host/pil_bridge.h"
-#include "sim_host/host/sensor_options.h"
+#include "sim_host/host/pil_options.h"
 #include "sim_host/host/settings_image.h"
 #include "sim_host/host/walk_options.h"
 #include "sim_host/host/walk_record.h"
@@ -37,62 +36,8 @@ enum {
     PORT_SENSOR_LEFT = LOOP_PORT_FIRST_NODE + 1
 };
 
-/* Faults of the device and its surroundings, one a walk. */
-enum fault {
-    FAULT_NONE,
-    FAULT_EMERGENCY_STOP,
-    FAULT_LOST_SENSOR,
-    FAULT_LOST_DRIVE,
-    FAULT_HANG,
-    FAULT_SUPERVISOR,
-    FAULT_HARD_FAULT,
-    FAULT_STACK,
-    FAULT_ASSERTION,
-    FAULT_PARAMETERS,
-    FAULT_COUNT
-};
-
-struct fault_kind {
-    const char *name;
-    uint32_t input;                /* what the image is told to do */
-    enum supervisor_fault latched; /* what it must say then */
-    enum crash_cause crash;        /* and the record it must leave */
-};
-
-static const struct fault_kind faults[FAULT_COUNT] = {
-    [FAULT_NONE] = {"none", 0, SUPERVISOR_FAULT_NONE, CRASH_NONE},
-    [FAULT_EMERGENCY_STOP] = {"emergency-stop", PIL_EMERGENCY_STOP, SUPERVISOR_FAULT_EMERGENCY_STOP,
-                              CRASH_NONE},
-    [FAULT_LOST_SENSOR] = {"lost-sensor", 0, SUPERVISOR_FAULT_SENSOR_STALE, CRASH_NONE},
-    [FAULT_LOST_DRIVE] = {"lost-drive", 0, SUPERVISOR_FAULT_DRIVE_STALE, CRASH_NONE},
-    [FAULT_HANG] = {"hang", PIL_DO_HANG, SUPERVISOR_FAULT_RESTARTED, CRASH_WATCHDOG},
-    [FAULT_SUPERVISOR] = {"stalled-supervisor", PIL_DO_STALL_SUPERVISOR, SUPERVISOR_FAULT_RESTARTED,
-                          CRASH_WATCHDOG},
-    [FAULT_HARD_FAULT] = {"hard-fault", PIL_DO_HARD_FAULT, SUPERVISOR_FAULT_RESTARTED,
-                          CRASH_BUS_FAULT},
-    [FAULT_STACK] = {"stack-overflow", PIL_DO_OVERFLOW_STACK, SUPERVISOR_FAULT_RESTARTED,
-                     CRASH_MEMORY_FAULT},
-    [FAULT_ASSERTION] = {"assertion", PIL_DO_ASSERT, SUPERVISOR_FAULT_RESTARTED, CRASH_ASSERTION},
-    [FAULT_PARAMETERS] = {"bad-parameters", 0, SUPERVISOR_FAULT_PARAMETERS, CRASH_NONE},
-};
-
-struct options {
-    struct walk_options walk;
-    struct sensor_options sensor;
-    const char *image;
-    uint32_t steps;
-    enum sensor_preset_kind sensors;
-    uint64_t seed;
-    enum fault fault;
-    uint32_t fault_step;
-    uint64_t corrupt_frame;
-    const char *log_path, *costs_path, *black_box_path, *wearer_path;
-    bool json;
-    bool quiet;
-};
-
 struct session {
-    struct options options;
+    struct pil_options options;
     struct loop_config config;
     struct loop *loop;
     struct emulator emulator;
@@ -106,126 +51,6 @@ struct session {
     char trouble[256];
     double wall_s;
 };
-
-/* ---- command line ------------------------------------------------------------- */
-
-enum {
-    KEY_IMAGE = 0x200,
-    KEY_STEPS,
-    KEY_SENSORS,
-    KEY_WEARER,
-    KEY_SEED,
-    KEY_FAULT,
-    KEY_FAULT_STEP,
-    KEY_CORRUPT,
-    KEY_LOG,
-    KEY_COSTS,
-    KEY_BLACK_BOX
-};
-
-static const struct argp_option option_list[] = {
-    {0, 0, 0, 0, "The run:", 2},
-    {"image", KEY_IMAGE, "ELF", 0, "what the emulator runs (build/arm/afo-mps2-an386.elf)", 0},
-    {"steps", KEY_STEPS, "N", 0, "walk this many steps (200)", 0},
-    {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
-    {"wearer", KEY_WEARER, "FILE.csv", 0, "recorded walking in the walker's place, to its end", 0},
-    {"seed", KEY_SEED, "N", 0, "seed of all noise (1)", 0},
-    {"fault", KEY_FAULT, "NAME", 0,
-     "emergency-stop, lost-sensor, lost-drive, hang, stalled-supervisor, hard-fault, "
-     "stack-overflow, assertion or bad-parameters",
-     0},
-    {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
-    {"corrupt", KEY_CORRUPT, "N", 0, "flip a bit of the image's N-th frame: must be noticed", 0},
-    {0, 0, 0, 0, "What comes out:", 3},
-    {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
-    {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 0},
-    {"black-box", KEY_BLACK_BOX, "FILE", 0,
-     "fetch the image's black box over SDO at the end, as a log for afo-replay", 0},
-    {"json", 'j', 0, 0, "one JSON object on standard output", 0},
-    {"quiet", 'q', 0, 0, "no report", 0},
-    {0}};
-
-static void take_fault(struct options *options, const char *name, struct argp_state *state)
-{
-    for (int i = 0; i < FAULT_COUNT; i++) {
-        if (strcmp(name, faults[i].name) == 0) {
-            options->fault = (enum fault)i;
-            return;
-        }
-    }
-    argp_error(state, "--fault: \"%s\" is unknown", name);
-}
-
-static error_t take(int key, char *text, struct argp_state *state)
-{
-    struct options *options = state->input;
-
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->walk;
-        state->child_inputs[1] = &options->sensor;
-        return 0;
-    case KEY_WEARER:
-        options->wearer_path = text;
-        return 0;
-    case KEY_IMAGE:
-        options->image = text;
-        return 0;
-    case KEY_STEPS:
-        options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 100000);
-        return 0;
-    case KEY_SENSORS:
-        if (!sensor_preset_from_name(text, &options->sensors)) {
-            argp_error(state, "--sensors: \"%s\" is unknown", text);
-        }
-        return 0;
-    case KEY_SEED:
-        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
-        return 0;
-    case KEY_FAULT:
-        take_fault(options, text, state);
-        return 0;
-    case KEY_FAULT_STEP:
-        options->fault_step = (uint32_t)option_whole(state, "--fault-step", text, 0, 100000);
-        return 0;
-    case KEY_CORRUPT:
-        options->corrupt_frame = option_whole(state, "--corrupt", text, 1, UINT64_MAX);
-        return 0;
-    case KEY_LOG:
-        options->log_path = text;
-        return 0;
-    case KEY_COSTS:
-        options->costs_path = text;
-        return 0;
-    case KEY_BLACK_BOX:
-        options->black_box_path = text;
-        return 0;
-    case 'j':
-        options->json = true;
-        return 0;
-    case 'q':
-        options->quiet = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        argp_error(state, "unexpected argument \"%s\"", text);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {
-    {&walk_options_parser, 0, "", 1}, {&sensor_options_parser, 0, "", 3}, {0}};
-static const struct argp parser = {
-    option_list,
-    take,
-    NULL,
-    "Walks with the flashed object code on an emulated Cortex-M4F and compares every frame it "
-    "sends with the host's build.\vExit status: 0 walked (or reached the safe state after --fault) "
-    "and no frame differed, 1 not, 2 usage.",
-    children,
-    NULL,
-    NULL};
 
 /* ---- preparing ------------------------------------------------------------------ */
 
@@ -245,7 +70,7 @@ static int start_image(struct session *session)
     if (settings_image(&settings, nv) != 0) {
         return complain("the settings do not fit the parameter memory");
     }
-    if (session->options.fault == FAULT_PARAMETERS) {
+    if (session->options.fault == PIL_FAULT_PARAMETERS) {
         nv[100] ^= 0x10; /* one bit: its CRC must tell */
         session->bridge.comparing = false;
     }
@@ -260,7 +85,7 @@ static int start_image(struct session *session)
 
 static int prepare(struct session *session)
 {
-    const struct options *options = &session->options;
+    const struct pil_options *options = &session->options;
     struct subject subject;
     struct control_params params;
     double speed_rad_s;
@@ -311,13 +136,13 @@ static int prepare(struct session *session)
 static void begin_fault(struct session *session)
 {
     session->fault_began = true;
-    session->bridge.inputs = faults[session->options.fault].input;
-    if (session->options.fault == FAULT_LOST_SENSOR) {
+    session->bridge.inputs = pil_faults[session->options.fault].input;
+    if (session->options.fault == PIL_FAULT_LOST_SENSOR) {
         sim_bus_connect(&session->loop->bus, PORT_SENSOR_LEFT, false);
-    } else if (session->options.fault == FAULT_LOST_DRIVE) {
+    } else if (session->options.fault == PIL_FAULT_LOST_DRIVE) {
         sim_bus_connect(&session->loop->bus, PORT_DRIVE_LEFT, false);
     }
-    if (session->options.fault == FAULT_EMERGENCY_STOP) {
+    if (session->options.fault == PIL_FAULT_EMERGENCY_STOP) {
         session->loop->rig.stop_pressed = true; /* the host's task presses along */
     }
 }
@@ -347,7 +172,7 @@ static bool recording_is_over(const struct session *session)
 
 static void walk(struct session *session)
 {
-    const struct options *options = &session->options;
+    const struct pil_options *options = &session->options;
     uint64_t last_progress = 0, patience;
     uint32_t seen = 0;
 
@@ -366,8 +191,8 @@ static void walk(struct session *session)
             session->reached = seen > 0;
             return;
         }
-        if (options->fault != FAULT_NONE &&
-            (seen >= options->fault_step || options->fault == FAULT_PARAMETERS)) {
+        if (options->fault != PIL_FAULT_NONE &&
+            (seen >= options->fault_step || options->fault == PIL_FAULT_PARAMETERS)) {
             return;
         }
         if (plant_fault(&session->loop->nodes.plant) != WALK_FAULT_NONE) {
@@ -405,7 +230,7 @@ static bool is_safe(const struct session *session)
 
 static void fail(struct session *session)
 {
-    const struct fault_kind *kind = &faults[session->options.fault];
+    const struct pil_fault_kind *kind = &pil_faults[session->options.fault];
     const struct pil_bridge *bridge = &session->bridge;
 
     if (session->trouble[0] != '\0') {
@@ -533,9 +358,9 @@ static void print_report(const struct session *session)
     printf("instructions of a tick: %u at worst (tick %u), %.0f on average\n",
            bridge->worst_instructions, bridge->worst_tick, mean_instructions(bridge));
     printf("thread stack never used: %u bytes\n", bridge->stack_unused);
-    if (session->options.fault != FAULT_NONE) {
+    if (session->options.fault != PIL_FAULT_NONE) {
         printf("after \"%s\": latched \"%s\", crash record %u, springs %s\n",
-               faults[session->options.fault].name,
+               pil_faults[session->options.fault].name,
                supervisor_fault_name((enum supervisor_fault)bridge->fault),
                (unsigned)bridge->hello.crash.cause, is_safe(session) ? "unloaded" : "LOADED");
     }
@@ -563,7 +388,7 @@ static int run(struct session *session)
         return EXIT_USAGE;
     }
     walk(session);
-    if (session->options.fault != FAULT_NONE) {
+    if (session->options.fault != PIL_FAULT_NONE) {
         fail(session);
     }
     if (session->black_box_log.stream != NULL && session->trouble[0] == '\0') {
@@ -592,16 +417,8 @@ int main(int argc, char **argv)
     static struct session session;
     int status;
 
-    session.options = (struct options){.image = "build/arm/afo-mps2-an386.elf",
-                                       .steps = 200,
-                                       .sensors = SENSORS_17BIT,
-                                       .seed = 1,
-                                       .fault_step = 5};
     session.emulator = (struct emulator){.to_image = -1, .from_image = -1, .uart = -1};
-    option_identity("afo-pil");
-    walk_options_init(&session.options.walk);
-    sensor_options_init(&session.options.sensor);
-    if (argp_parse(&parser, argc, argv, 0, NULL, &session.options) != 0) {
+    if (pil_options_parse(&session.options, argc, argv) != 0) {
         return EXIT_USAGE;
     }
     status = run(&session);

@@ -168,6 +168,9 @@ void command_parse(const struct argp_option *table, argp_parser_t parser, const 
     const struct argp common = {common_table, parse_common, 0, 0, 0, 0, 0};
     const struct argp_child children[] = {{&common, 0, 0, 0}, {0}};
     const struct argp whole = {table, parse_both, 0, doc, children, 0, 0};
+    static char name[64]; /* what argp calls the program in usage and errors */
+    (void)snprintf(name, sizeof name, "afo-study %s", argv[0]);
+    argv[0] = name;
     own_parser = parser;
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&whole, argc, argv, 0, NULL, options);

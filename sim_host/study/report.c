@@ -277,9 +277,10 @@ int report_close(struct report *report)
         good = fclose(report->file) == 0 && good;
     }
     if (!good) {
-        fprintf(stderr, "afo-study: cannot write %s: %s\n",
-                report->common->out_path != NULL ? report->common->out_path : "standard output",
-                strerror(errno));
+        if (report->common->out_path != NULL) { /* of standard output study_main() tells */
+            fprintf(stderr, "afo-study: cannot write %s: %s\n", report->common->out_path,
+                    strerror(errno));
+        }
     }
     return good;
 }
