@@ -32,11 +32,13 @@ SRC_CONTROLLER := $(wildcard controller/*.c controller/*/*.c)
 # Of the ports only those that a Linux host can build; a board's fragment names its own.
 SRC_HAL := $(filter-out hal/port_%,$(wildcard hal/*.c hal/*/*.c)) $(wildcard hal/port_socketcan/*.c)
 SRC_FIRMWARE := $(wildcard firmware/*.c)
-SRC_SIM := $(filter-out sim_host/programs/%,$(wildcard sim_host/*.c sim_host/*/*.c))
-SRC_SIM_F64 := $(filter sim_host/plant/% sim_host/study/% sim_host/batch/%,$(SRC_SIM))
+SRC_SIM := $(filter-out sim_host/programs/%,$(wildcard sim_host/*/*.c sim_host/*/*/*.c))
+# What computes with the model computes in double; what holds a controller, in float as it does.
+SRC_SIM_F32_STUDIES := $(wildcard sim_host/study/laws/*.c sim_host/study/observer/*.c)
+SRC_SIM_F64 := $(filter-out $(SRC_SIM_F32_STUDIES),$(filter sim_host/plant/% sim_host/gait/% sim_host/study/% sim_host/batch/%,$(SRC_SIM)))
 SRC_SIM_F32 := $(filter-out $(SRC_SIM_F64),$(SRC_SIM))
 SRC_PROGRAMS := $(wildcard sim_host/programs/*.c)
-SRC_TESTS := $(wildcard tests/*/test_*.c tests/*/*/test_*.c tests/*/*/*/test_*.c)
+SRC_TESTS := $(wildcard tests/*/test_*.c tests/*/*/test_*.c tests/*/*/*/test_*.c tests/*/*/*/*/test_*.c)
 SRC_SUPPORT := $(filter-out tests/support/test_%,$(wildcard tests/support/*.c))
 
 OBJ_F32 = $(patsubst %.c,$(BUILD)/f32/%.o,$(1))

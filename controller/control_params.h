@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 #include "controller/laws/gait_branch.h"
-#include "controller/speed_table.h"
+#include "controller/laws/speed_table.h"
 #include "model/real.h"
 
 #define control_params_speeds REAL_SYMBOL(control_params_speeds)

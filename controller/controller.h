@@ -7,15 +7,15 @@
 #ifndef CONTROLLER_CONTROLLER_H
 #define CONTROLLER_CONTROLLER_H
 
-#include "controller/checks.h"
+#include "controller/actuation/sea_reference.h"
 #include "controller/control_params.h"
-#include "controller/gait_observer.h"
-#include "controller/sea_reference.h"
+#include "controller/estimator/gait_observer.h"
+#include "controller/laws/step_law.h"
+#include "controller/screening/checks.h"
+#include "controller/screening/zeroing.h"
 #include "controller/signals.h"
-#include "controller/step_law.h"
-#include "controller/step_monitor.h"
-#include "controller/supervisor.h"
-#include "controller/zeroing.h"
+#include "controller/supervisor/step_monitor.h"
+#include "controller/supervisor/supervisor.h"
 
 #define controller_init REAL_SYMBOL(controller_init)
 #define controller_update REAL_SYMBOL(controller_update)

@@ -1,6 +1,6 @@
 #include "firmware/bus_recorder.h"
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 
 /* The SYNC, four answers, the targets. */
 enum { QUIET_FRAMES = 6 };

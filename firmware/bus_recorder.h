@@ -10,8 +10,8 @@
 #include <stdbool.h>
 
 #include "firmware/snapshot.h"
-#include "hal/black_box.h"
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
+#include "hal/storage/black_box.h"
 
 enum { BUS_RECORDER_AFTER_FAULT_TICKS = 300 }; /* recorded after a fault before it freezes */
 

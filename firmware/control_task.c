@@ -2,10 +2,10 @@
 
 #include <assert.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
 #include "hal/contract.h"
-#include "hal/frame_table.h"
-#include "hal/sample_surplus.h"
+#include "hal/devices/duplicate_id.h"
 
 static_assert((int)SIDE_LEFT == (int)LEG_LEFT && (int)SIDE_RIGHT == (int)LEG_RIGHT,
               "controller and HAL index legs alike");

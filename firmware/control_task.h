@@ -18,12 +18,12 @@
 
 #include "controller/controller.h"
 #include "firmware/controller_node.h"
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
+#include "hal/canopen/network.h"
+#include "hal/devices/leg_sensors.h"
+#include "hal/devices/node_setup.h"
+#include "hal/devices/sea_drives.h"
 #include "hal/emergency_stop.h"
-#include "hal/leg_sensors.h"
-#include "hal/network.h"
-#include "hal/node_setup.h"
-#include "hal/sea_drives.h"
 
 /* What control_task_poll did; the bits feed the watchdog's gate. */
 enum control_task_progress {

@@ -5,11 +5,11 @@
 #include <assert.h>
 
 #include "firmware/version.h"
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
 #include "hal/canopen/co_pdo_objects.h"
-#include "hal/crc.h"
-#include "hal/frame_table.h"
+#include "hal/storage/crc.h"
 
 enum { TPDO_STEP = 0, TPDO_STATE = 1, TPDO_COUNT = 2 };
 enum {

@@ -15,11 +15,11 @@
 #include <stdint.h>
 
 #include "controller/controller.h"
-#include "hal/black_box.h"
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "hal/canopen/co_device.h"
-#include "hal/crash_record.h"
-#include "hal/node_setup.h"
+#include "hal/devices/node_setup.h"
+#include "hal/storage/black_box.h"
+#include "hal/storage/crash_record.h"
 
 /* 0x2020: what was counted since the start; all saturate. */
 struct controller_counters {

@@ -12,7 +12,7 @@ ARM_LDFLAGS := $(ARM_CPU) -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-war
 
 ARM_SRC := $(SRC_MODEL) $(SRC_CONTROLLER) $(filter-out hal/port_%,$(SRC_HAL)) $(SRC_FIRMWARE) \
         $(wildcard hal/port_cortex_m/*.c)
-ARM_SRC_nucleo_g474re := $(wildcard hal/port_stm32g474/*.c firmware/boards/nucleo_g474re/*.c)
+ARM_SRC_nucleo_g474re := $(wildcard hal/port_stm32g474/*.c hal/port_fdcan/*.c firmware/boards/nucleo_g474re/*.c)
 ARM_SRC_mps2_an386 := $(wildcard hal/port_mps2/*.c firmware/boards/mps2_an386/*.c)
 ARM_BOARDS := nucleo_g474re mps2_an386
 ARM_OBJ = $(patsubst %.c,$(ARM_BUILD)/obj/%.o,$(1))
@@ -24,14 +24,14 @@ $(ARM_BUILD)/obj/firmware/version.o: private ARM_CFLAGS += $(IDENTITY)
 $(ARM_BUILD)/obj/firmware/version.o: $(BUILD)/stamp/identity
 # What runs in every tick is worth some flash; what runs at start-up, on request or at
 # standstill is not; between them, what runs once a step or gains little by more.
-ARM_COLD := controller/laws/% controller/control_params% controller/speed_table% controller/observer_gains% \
-        controller/leg_events% controller/step_law% controller/zeroing% model/stride% model/walker% \
+ARM_COLD := controller/laws/% controller/control_params% controller/estimator/observer_gains% \
+        controller/estimator/person_events% controller/screening/zeroing% model/stride% model/walker% \
         model/ground%
-ARM_WARM := hal/crc.c firmware/snapshot.c firmware/bus_recorder.c controller/apex_judge.c controller/apex_fit.c controller/model_observer.c model/integrator% \
+ARM_WARM := hal/storage/crc.c firmware/snapshot.c firmware/bus_recorder.c controller/estimator/apex_fusion.c controller/estimator/apex_fit.c controller/estimator/model_observer.c model/integrator% \
         model/timed_stride.c
 ARM_HOT := $(filter-out $(ARM_COLD),$(SRC_MODEL) $(SRC_CONTROLLER)) firmware/control_task.c \
-        firmware/bus_recorder.c firmware/snapshot.c hal/black_box.c hal/leg_sensors.c \
-        hal/sea_drive_cia402.c hal/port_mps2/pil_bus.c hal/port_cortex_m/memory.c
+        firmware/bus_recorder.c firmware/snapshot.c hal/storage/black_box.c hal/devices/leg_sensors.c \
+        hal/devices/sea_drive_cia402.c hal/port_mps2/pil_bus.c hal/port_cortex_m/memory.c
 ARM_OPT = $(if $(filter $(ARM_WARM),$<),-O2,$(if $(filter $(ARM_HOT),$<),-O3,-Os))
 $(ARM_BUILD)/obj/%.o: %.c $(ARM_BUILD)/stamp/flags
 	@mkdir -p $(@D)

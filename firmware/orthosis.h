@@ -14,8 +14,8 @@
 #include "firmware/bus_recorder.h"
 #include "firmware/control_task.h"
 #include "firmware/settings.h"
-#include "hal/param_store.h"
-#include "hal/power_permit.h"
+#include "hal/drive_power_enable.h"
+#include "hal/storage/param_store.h"
 #include "hal/watchdog.h"
 
 enum {

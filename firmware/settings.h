@@ -6,10 +6,10 @@
 #include <stdint.h>
 
 #include "controller/control_params.h"
-#include "hal/leg_sensors.h"
-#include "hal/node_setup.h"
-#include "hal/param_store.h"
-#include "hal/sea_drive_cia402.h"
+#include "hal/devices/leg_sensors.h"
+#include "hal/devices/node_setup.h"
+#include "hal/devices/sea_drive_cia402.h"
+#include "hal/storage/param_store.h"
 
 enum { SETTINGS_VERSION = 3 }; /* another layout of struct settings_record is another number */
 

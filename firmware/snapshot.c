@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "hal/black_box.h"
+#include "hal/storage/black_box.h"
 
 /* The controller behind its pointer to the parameters, as one block: a field that
  * somebody adds is in it. No pointer may be, which tests/firmware/test_snapshot_layout.py

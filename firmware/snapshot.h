@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "firmware/control_task.h"
-#include "hal/sea_drive_cia402.h"
+#include "hal/devices/sea_drive_cia402.h"
 
 /* What a snapshot covers. Both stay the caller's. */
 struct snapshot_source {

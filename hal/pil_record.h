@@ -11,8 +11,8 @@
 #include <assert.h>
 #include <stdint.h>
 
-#include "hal/can_frame.h"
-#include "hal/crash_record.h"
+#include "hal/bus/can_frame.h"
+#include "hal/storage/crash_record.h"
 
 enum { PIL_MAGIC = 0x4C495031, PIL_FRAMES = 14, PIL_RECORD_BYTES = 256 };
 

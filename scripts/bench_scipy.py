@@ -3,7 +3,7 @@
 
 Single support is written twice: solved by hand on plain floats with Python's math module, the fastest found
 ("SciPy DOP853"), and with a mass matrix and numpy.linalg.solve, as such models are mostly written ("SciPy
-DOP853; NumPy matrices"). Prints what sim_host/batch/bench.c prints:
+DOP853; NumPy matrices"). Prints what sim_host/batch/benchmark.c prints:
 method,setting,largest error,median error,strides per second.
 
 Usage: bench_scipy.py REFERENCE.csv [EVERY]     (EVERY: take each n-th row; default 1)

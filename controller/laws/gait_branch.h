@@ -4,7 +4,7 @@
  * One entry per forward apex speed, equally spaced, on the long-period branch. Per entry: the gait
  * (push-off and apex state), the infinite-horizon quadratic cost of the return map linearised there
  * (Riccati solution), and two feedback gains on the apex state. Made in double by
- * sim_host/study/laws_table from the model, for any walker.
+ * sim_host/gait/laws_table from the model, for any walker.
  *
  * Costs are in (rad/s)^2 of the paper's walker's time, so that the same weights serve every size.
  */

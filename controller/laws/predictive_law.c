@@ -22,7 +22,7 @@
 #define SURPRISES_MAX 30
 /* Uneven ground: a foothold higher by h than foretold takes about 2 h / l from the next apex' v^2 l / g. Ground that has
  * lately done so calls for an apex fast enough to bear it again and worse: the gain is tuned on footholds drawn within 10 mm
- * (sim_host/laws/ground_study.c), 3.4 mm call for all there is, 0.8 rad/s on a leg of 1 m. What noise,
+ * (sim_host/study/laws/ground_study.c), 3.4 mm call for all there is, 0.8 rad/s on a leg of 1 m. What noise,
  * a wrong mass and great jumps of the command leave unforetold stays below the share that is let pass. */
 #define ROUGH_LET_PASS REAL(0.004)
 #define ROUGH_KEPT REAL(0.97) /* from step to step */

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 
 enum {
     RPDO_COMMUNICATION = 0x1400,

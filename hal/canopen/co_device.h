@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "hal/canopen/co_defs.h"
 #include "hal/canopen/co_od.h"
 #include "hal/canopen/co_pdo.h"

@@ -2,7 +2,7 @@
  * 7.2.7, 7.5.2.2, 7.5.2.4). */
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 #include "hal/canopen/co_device_internal.h"
 #include "hal/contract.h"
 

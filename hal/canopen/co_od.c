@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 #include "hal/canopen/co_defs.h"
 
 unsigned co_type_size(enum co_type type)

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_frame.h"
+#include "hal/bus/can_frame.h"
 #include "hal/canopen/co_od.h"
 
 enum { CO_PDO_COUNT = 4, CO_PDO_MAP_MAX = 8 }; /* at most so many PDOs a direction */

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 #include "hal/canopen/co_defs.h"
 #include "hal/contract.h"
 

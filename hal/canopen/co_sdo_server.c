@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 #include "hal/canopen/co_defs.h"
 
 /* Command specifiers, upper three bits of byte 0 (CiA 301, figures 31 to 38). */

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/crash_record.h"
+#include "hal/storage/crash_record.h"
 
 #define SCB_ICSR (*(volatile uint32_t *)0xE000ED04u)
 #define SCB_AIRCR (*(volatile uint32_t *)0xE000ED0Cu)

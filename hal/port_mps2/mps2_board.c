@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "hal/port_mps2/mps2_registers.h"
 
 enum { COUNTS_PER_MS = MPS2_CLOCK_HZ / 1000, NS_PER_COUNT = 1000000000 / MPS2_CLOCK_HZ };

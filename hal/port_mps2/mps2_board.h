@@ -8,7 +8,7 @@
 
 #include "hal/clock.h"
 #include "hal/emergency_stop.h"
-#include "hal/nv_store.h"
+#include "hal/storage/nv_store.h"
 #include "hal/watchdog.h"
 
 enum { MPS2_WATCHDOG_MS = 60, MPS2_NV_WORDS = 512, MPS2_NV_BASE = 0x21000000 };

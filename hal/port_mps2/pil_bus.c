@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "hal/port_mps2/mps2_registers.h"
 #include "hal/port_mps2/semihosting.h"
 

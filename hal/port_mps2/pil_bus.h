@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "hal/emergency_stop.h"
 #include "hal/pil_record.h"
 

@@ -10,8 +10,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
-#include "hal/slcan.h"
+#include "hal/bus/can_bus.h"
+#include "hal/bus/slcan.h"
 
 enum { UART_SLCAN_PENDING = 16 };
 

@@ -19,7 +19,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 
 enum {
     SOCKETCAN_FILTERS_MAX = 32,

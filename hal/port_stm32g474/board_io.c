@@ -1,7 +1,7 @@
 #include "hal/port_stm32g474/board_io.h"
 
-#include "hal/frame_table.h"
-#include "hal/port_stm32g474/mmio.h"
+#include "hal/bus/frame_table.h"
+#include "hal/port_cortex_m/mmio.h"
 #include "hal/port_stm32g474/system_registers.h"
 
 enum { LSI_HZ = 32000, IWDG_DIVISOR = 4, NS_PER_US = 1000 };

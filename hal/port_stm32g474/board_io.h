@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 #include "hal/clock.h"
+#include "hal/drive_power_enable.h"
 #include "hal/emergency_stop.h"
-#include "hal/power_permit.h"
 #include "hal/watchdog.h"
 
 /* TIM2 counts microseconds; its compare unit marks each period. */

@@ -1,7 +1,7 @@
 #include "hal/port_stm32g474/clock_tree.h"
 
+#include "hal/port_cortex_m/mmio.h"
 #include "hal/port_stm32g474/flash_registers.h"
-#include "hal/port_stm32g474/mmio.h"
 #include "hal/port_stm32g474/system_registers.h"
 
 #define PLL_M 6u

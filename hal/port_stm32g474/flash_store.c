@@ -2,8 +2,8 @@
 
 #include <string.h>
 
+#include "hal/port_cortex_m/mmio.h"
 #include "hal/port_stm32g474/flash_registers.h"
-#include "hal/port_stm32g474/mmio.h"
 
 static uint32_t address_of(uint32_t bank, uint32_t index)
 {

@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/nv_store.h"
+#include "hal/storage/nv_store.h"
 
 enum {
     FLASH_STORE_FIRST_PAGE = 124, /* of bank 2: 0x0807E000 and 0x0807F000 */

@@ -1,6 +1,6 @@
 #include "hal/port_stm32g474/idle.h"
 
-#include "hal/port_stm32g474/mmio.h"
+#include "hal/port_cortex_m/mmio.h"
 
 void idle_until_interrupt(const struct fdcan *can, const struct tim2_clock *clock)
 {

@@ -2,8 +2,8 @@
 #ifndef HAL_PORT_STM32G474_IDLE_H
 #define HAL_PORT_STM32G474_IDLE_H
 
+#include "hal/port_fdcan/fdcan.h"
 #include "hal/port_stm32g474/board_io.h"
-#include "hal/port_stm32g474/fdcan.h"
 
 /* Sleeps until the next interrupt, unless a received frame or a period of the clock
  * waits for the loop: returns at once then. An interrupt between the look and the sleep

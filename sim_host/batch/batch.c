@@ -6,7 +6,7 @@
 #include "model/stride.h"
 #include "model/trig.h"
 #include "sim_host/batch/choice.h"
-#include "sim_host/batch/pieces.h"
+#include "sim_host/batch/parallel_for.h"
 
 /* A walker in its own units, and the way back. */
 struct prepared {

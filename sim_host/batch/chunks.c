@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "sim_host/batch/chunks_file.h"
-#include "sim_host/batch/pieces.h"
+#include "sim_host/batch/parallel_for.h"
 
 static const char magic[8] = {'A', 'F', 'O', 'C', 'H', 'N', 'K', '1'};
 

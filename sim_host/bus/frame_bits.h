@@ -11,7 +11,7 @@
 
 #include <stdint.h>
 
-#include "hal/can_frame.h"
+#include "hal/bus/can_frame.h"
 
 enum {
     FRAME_BITS_TAIL = 10, /* CRC delimiter, ACK slot and delimiter, EOF */

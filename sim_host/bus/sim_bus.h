@@ -18,7 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "sim_host/bus/frame_bits.h"
 
 enum {

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/bus/candump_log.h"
-#include "sim_host/host/sim_report.h"
+#include "sim_host/cli/sim_report.h"
+#include "sim_host/log/candump_log.h"
 
 enum { SETTLE_TICKS_MAX = 120000 };
 

@@ -13,7 +13,7 @@
 #include <stdio.h>
 
 #include "sim_host/faults/injector.h"
-#include "sim_host/faults/judge.h"
+#include "sim_host/faults/oracle.h"
 
 enum {
     CAMPAIGN_SCENES = 7,

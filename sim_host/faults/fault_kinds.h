@@ -6,7 +6,7 @@
  *   controller's supervisor or a drive's own) notice_ms after its first effect on bus or
  *   plant; notice_ms 0: need not be noticed, only be harmless. The limits follow from
  *   sensor_age_max_s 10 ms, target time-out 50 ms, heartbeats 250 ms and the checks'
- *   counts in controller/checks.c.
+ *   counts in controller/screening/checks.c.
  */
 #ifndef SIM_HOST_FAULTS_FAULT_KINDS_H
 #define SIM_HOST_FAULTS_FAULT_KINDS_H

@@ -1,6 +1,6 @@
 #include "sim_host/faults/injector.h"
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "sim_host/faults/injector_internal.h"
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };

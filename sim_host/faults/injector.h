@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "sim_host/faults/fault_kinds.h"
-#include "sim_host/host/loop.h"
+#include "sim_host/loop/loop.h"
 
 enum { INJECTOR_SHOTS = 2, INJECTOR_PORT_FIRST_NODE = 1, INJECTOR_PORT_INTRUDER = 5 };
 

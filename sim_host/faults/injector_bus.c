@@ -1,6 +1,6 @@
 /* Faults of frames. Ports: 0 the controller, 1 + enum walker_node the nodes. */
+#include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
-#include "hal/frame_table.h"
 #include "sim_host/faults/injector_internal.h"
 
 static const struct sim_bus_fault nothing = {.kind = SIM_BUS_FAULT_NONE};

@@ -1,8 +1,8 @@
 /* Faults of sensors, drives, plant, controller and commands. */
 #include <string.h>
 
+#include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
-#include "hal/frame_table.h"
 #include "sim_host/faults/injector_internal.h"
 
 static double between(struct shot_state *state, double low, double high)

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 
 /* One turn over 2^24 and 2^16 counts, as decimals that read back to the same double. */
 #define ANGLE_STEP_RAD "3.7450702829239286e-07"
@@ -138,10 +138,11 @@ bool dbc_write(FILE *stream)
     for (size_t i = 0; i < sizeof frames / sizeof frames[0]; i++) {
         write_frame(stream, &frames[i]);
     }
-    fputs("CM_ \"Frames of the ankle-foot orthosis bus, written by afo-eds from "
-          "hal/frame_table.h. With a lever ankle the unit of Ankle is 2*pi/2^16 rad / 1e-05.\";\n"
-          "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 100000;\nBA_DEF_DEF_ \"GenMsgCycleTime\" 0;\n",
-          stream);
+    fputs(
+        "CM_ \"Frames of the ankle-foot orthosis bus, written by afo-eds from "
+        "hal/bus/frame_table.h. With a lever ankle the unit of Ankle is 2*pi/2^16 rad / 1e-05.\";\n"
+        "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 100000;\nBA_DEF_DEF_ \"GenMsgCycleTime\" 0;\n",
+        stream);
     for (size_t i = 0; i < sizeof frames / sizeof frames[0]; i++) {
         if (frames[i].period_us >= 1000) {
             fprintf(stream, "BA_ \"GenMsgCycleTime\" BO_ %u %u;\n", frames[i].id,

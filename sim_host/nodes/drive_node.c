@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
-#include "hal/frame_table.h"
+#include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
 #include "sim_host/nodes/drive_state.h"
 #include "sim_host/nodes/node_numbers.h"
 

@@ -36,7 +36,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "model/side.h"
 
 struct drive_node_config {

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 
 enum {
     OBJECT_DOMAIN = 2,

@@ -2,10 +2,10 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
-#include "hal/frame_table.h"
-#include "hal/sea_drive_cansimple.h"
-#include "hal/sea_drive_mit.h"
+#include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
+#include "hal/devices/sea_drive_cansimple.h"
+#include "hal/devices/sea_drive_mit.h"
 
 #define NS_PER_MS UINT64_C(1000000)
 

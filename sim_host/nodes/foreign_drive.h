@@ -5,7 +5,7 @@
  * from the drive command frame (0x300 + node, bytes 2..5) and produces the
  * heartbeat that the master expects of that node; when the master's heartbeat
  * fails it disarms. The drive half is written from the makers' protocol
- * descriptions (hal/sea_drive_cansimple.h and hal/sea_drive_mit.h name them).
+ * descriptions (hal/devices/sea_drive_cansimple.h and hal/devices/sea_drive_mit.h name them).
  * Same life as a drive_node: measure, receive or poll, command.
  */
 #ifndef SIM_HOST_NODES_FOREIGN_DRIVE_H
@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "hal/canopen/co_device.h"
 #include "hal/canopen/co_pdo_objects.h"
 #include "model/side.h"

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "sim_host/nodes/node_numbers.h"
 
 enum {

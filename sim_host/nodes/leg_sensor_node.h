@@ -4,7 +4,7 @@
  *
  * Knows a `struct can_bus` and the time it is told, nothing else. Noise, resolution
  * and latency of the sensor presets are the plant's; the node converts to the counts
- * of hal/frame_table.h (rounded to nearest, saturated).
+ * of hal/bus/frame_table.h (rounded to nearest, saturated).
  * The profile's multi-sensor positions 0x6020 are 32 bits wide (manuals of TR-Electronic
  * LA-46 and Pepperl+Fuchs encoders agree); the maker's 0x2020 has the same values in
  * the widths with which the cycle fits on the bus.
@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "model/side.h"
 
 struct leg_sensor_node_config {

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 

@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 #include "sim_host/nodes/drive_node.h"
 #include "sim_host/nodes/foreign_drive.h"
 #include "sim_host/nodes/leg_sensor_node.h"

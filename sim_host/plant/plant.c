@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sim_host/gait/gait_curve.h"
 #include "sim_host/plant/plant_internal.h"
 #include "sim_host/plant/range.h"
-#include "sim_host/study/gait_curve.h"
 
 /* Streams of one seed. */
 enum { STREAM_SENSOR = 0x5E0, STREAM_GROUND = 0x60D };

@@ -25,11 +25,11 @@
 #include <stdint.h>
 
 #include "model/side.h"
+#include "sim_host/plant/recorded_person.h"
 #include "sim_host/plant/sea.h"
 #include "sim_host/plant/sensors.h"
-#include "sim_host/plant/support.h"
+#include "sim_host/plant/start_hold.h"
 #include "sim_host/plant/walk.h"
-#include "sim_host/plant/wearer.h"
 
 enum plant_kind { PLANT_WALKER = 0, PLANT_WEARER = 1 };
 

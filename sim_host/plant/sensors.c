@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "model/trig.h"
 #include "sim_host/plant/range.h"
 

@@ -2,7 +2,7 @@
  *
  * Truth goes in at every SYNC, a sample comes out: delayed by latency_s
  * (interpolated between the ticks), with offset, noise, quantised to the sensor's
- * own resolution, then given in the frame's units (hal/frame_table.h: 2*pi/2^24
+ * own resolution, then given in the frame's units (hal/bus/frame_table.h: 2*pi/2^24
  * rad; 10 um, or 2*pi/2^16 rad for a lever ankle).
  *
  * No heap, no globals; O(1); plain data, a copy is a snapshot; same seed, same

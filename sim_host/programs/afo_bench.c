@@ -7,8 +7,8 @@
 #include <time.h>
 
 #include "model/stride.h"
-#include "sim_host/batch/bench.h"
-#include "sim_host/batch/pieces.h"
+#include "sim_host/batch/benchmark.h"
+#include "sim_host/batch/parallel_for.h"
 
 #define REPEATS 20
 

@@ -3,7 +3,7 @@
 #define REAL_IS_DOUBLE 1 /* the equations in double */
 #include <stdlib.h>
 
-#include "sim_host/batch/bench_phases.h"
+#include "sim_host/batch/benchmark_phases.h"
 
 #if defined __has_include && __has_include(<cvode/cvode.h>)
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/batch/bench_phases.h"
+#include "sim_host/batch/benchmark_phases.h"
 
 #if defined __has_include && __has_include(<gsl/gsl_odeiv2.h>)
 

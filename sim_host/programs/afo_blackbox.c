@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
-#include "sim_host/host/black_box_log.h"
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/walk_options.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/log/black_box_log.h"
 
 enum { EXIT_FETCHED = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, WAIT_NS = 20000000, WAITS_MAX = 100 };
 

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "firmware/controller_node.h"
-#include "hal/frame_table.h"
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/walk_options.h"
+#include "hal/bus/frame_table.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/walk_options.h"
 #include "sim_host/nodes/dbc_writer.h"
 #include "sim_host/nodes/drive_node.h"
 #include "sim_host/nodes/eds_writer.h"

@@ -8,10 +8,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/walk_options.h"
 #include "sim_host/faults/campaign.h"
 #include "sim_host/faults/summary.h"
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/walk_options.h"
 
 enum { EXIT_SAFE = 0, EXIT_UNSAFE = 1, EXIT_USAGE = 2, PATH_BYTES = 1024, JOBS_MAX = 64 };
 

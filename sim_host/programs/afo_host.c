@@ -7,16 +7,16 @@
 
 #include "firmware/bus_recorder.h"
 #include "firmware/version.h"
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
-#include "sim_host/host/bus_program.h"
-#include "sim_host/host/host_report.h"
-#include "sim_host/host/lock_step.h"
-#include "sim_host/host/operator_line.h"
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/pacer.h"
-#include "sim_host/host/task_rig.h"
-#include "sim_host/host/walk_options.h"
+#include "sim_host/cli/bus_program.h"
+#include "sim_host/cli/host_report.h"
+#include "sim_host/cli/operator_line.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/loop/lock_step.h"
+#include "sim_host/loop/pacer.h"
+#include "sim_host/subjects/host_task.h"
 
 enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 

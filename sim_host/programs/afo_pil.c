@@ -9,17 +9,17 @@
 #include <string.h>
 #include <time.h>
 
-#include "hal/black_box.h"
-#include "sim_host/host/black_box_log.h"
-#include "sim_host/host/emulator.h"
-#include "sim_host/host/loop.h"
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/pil_bridge.h"
-#include "sim_host/host/pil_options.h"
-#include "sim_host/host/settings_image.h"
-#include "sim_host/host/walk_options.h"
-#include "sim_host/host/walk_record.h"
-#include "sim_host/host/wearer_options.h"
+#include "hal/storage/black_box.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/pil_options.h"
+#include "sim_host/cli/recording_options.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/emulator/emulator.h"
+#include "sim_host/emulator/pil_bridge.h"
+#include "sim_host/log/black_box_log.h"
+#include "sim_host/loop/loop.h"
+#include "sim_host/loop/walk_record.h"
+#include "sim_host/subjects/settings_image.h"
 
 enum {
     EXIT_GOOD = 0,

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/replay.h"
-#include "sim_host/host/walk_options.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/log/replay.h"
 
 enum { EXIT_EQUAL = 0, EXIT_DIFFERS = 1, EXIT_USAGE = 2 };
 

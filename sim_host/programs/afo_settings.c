@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/settings_image.h"
-#include "sim_host/host/walk_options.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/subjects/settings_image.h"
 
 enum { EXIT_WRITTEN = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 

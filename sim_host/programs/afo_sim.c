@@ -7,12 +7,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/pacer.h"
-#include "sim_host/host/sim_options.h"
-#include "sim_host/host/sim_report.h"
-#include "sim_host/host/walk_record.h"
-#include "sim_host/host/wearer_options.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/recording_options.h"
+#include "sim_host/cli/sim_options.h"
+#include "sim_host/cli/sim_report.h"
+#include "sim_host/loop/pacer.h"
+#include "sim_host/loop/walk_record.h"
 
 enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
 

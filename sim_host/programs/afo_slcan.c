@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/host/loop.h"
-#include "sim_host/host/settings_image.h"
-#include "sim_host/host/slcan_bridge.h"
-#include "sim_host/host/walk_options.h"
-#include "sim_host/host/walk_record.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/emulator/slcan_bridge.h"
+#include "sim_host/loop/loop.h"
+#include "sim_host/loop/walk_record.h"
+#include "sim_host/subjects/settings_image.h"
 
 enum { EXIT_GOOD = 0, EXIT_BAD = 1, EXIT_USAGE = 2, PATIENCE_TICKS = 20000, REST_TICKS = 150 };
 

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_host/cli/walk_options.h"
 #include "sim_host/faults/injector.h"
-#include "sim_host/host/loop.h"
-#include "sim_host/host/soak_watch.h"
-#include "sim_host/host/walk_options.h"
+#include "sim_host/loop/loop.h"
+#include "sim_host/loop/soak_watch.h"
 
 enum { EXIT_WELL = 0, EXIT_ILL = 1, EXIT_USAGE = 2 };
 

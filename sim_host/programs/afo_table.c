@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/host/walk_options.h"
-#include "sim_host/study/gait_curve.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/gait/gait_curve.h"
 
 enum { POINTS_MAX = 64 };
 
@@ -124,7 +124,7 @@ static void print_table(const struct options *options, double step_m, int knee, 
                " * where the ankle begins to start from rest.",
                knee);
     }
-    printf("\n */\n#include \"controller/speed_table.h\"\n\n");
+    printf("\n */\n#include \"controller/laws/speed_table.h\"\n\n");
     printf("const struct speed_table %s = {\n    .count = %d,\n    .r0_min_m = REAL(%.17g),\n"
            "    .r0_step_m = REAL(%.17g),\n    .speed_rad_s =\n        {\n",
            options->name, count, first_m, step_m);

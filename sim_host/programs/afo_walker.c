@@ -11,12 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
-#include "sim_host/host/bus_program.h"
-#include "sim_host/host/loop.h"
-#include "sim_host/host/output_file.h"
-#include "sim_host/host/walk_options.h"
+#include "sim_host/cli/bus_program.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/loop/loop.h"
 #include "sim_host/nodes/walker_nodes.h"
 
 enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };

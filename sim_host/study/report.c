@@ -277,7 +277,7 @@ int report_close(struct report *report)
         good = fclose(report->file) == 0 && good;
     }
     if (!good) {
-        if (report->common->out_path != NULL) { /* of standard output study_main() tells */
+        if (report->common->out_path != NULL) { /* of standard output main() tells */
             fprintf(stderr, "afo-study: cannot write %s: %s\n", report->common->out_path,
                     strerror(errno));
         }

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <time.h>
 
-#include "sim_host/study/orbit.h"
+#include "sim_host/gait/orbit.h"
 
 enum report_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
 

@@ -3,7 +3,7 @@
 #define SIM_HOST_STUDY_STUDY_WALKER_H
 
 #include "model/stride.h"
-#include "sim_host/study/gait_curve.h"
+#include "sim_host/gait/gait_curve.h"
 
 /* Step of the coarse settings, sqrt(l/g): 1e-6 of the next apex. */
 #define STUDY_COARSE_UNITS 0.08

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "sim_host/host/subject.h"
+#include "sim_host/subjects/subject.h"
 #include "tests/support/assert_close.h"
 
 static struct control_params params; /* good ones, with a branch, before every test */

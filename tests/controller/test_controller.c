@@ -1,7 +1,7 @@
 /* The controller as a whole, in the loop with the simulated walker: how it begins, shares,
  * withdraws and stops. The plant is the judge. */
 #include "sim_host/faults/injector.h"
-#include "sim_host/host/loop.h"
+#include "sim_host/loop/loop.h"
 #include "tests/support/assert_close.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "controller/controller.h"
-#include "sim_host/host/subject.h"
+#include "sim_host/subjects/subject.h"
 #include "tests/support/assert_close.h"
 
 static struct control_params params;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "sim_host/host/loop.h"
+#include "sim_host/loop/loop.h"
 #include "tests/support/assert_close.h"
 
 static struct loop *loop;

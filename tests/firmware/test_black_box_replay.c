@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "firmware/bus_recorder.h"
-#include "sim_host/host/black_box_log.h"
-#include "sim_host/host/loop.h"
-#include "sim_host/host/replay.h"
-#include "sim_host/host/sdo_upload.h"
+#include "sim_host/log/black_box_log.h"
+#include "sim_host/log/replay.h"
+#include "sim_host/log/sdo_upload.h"
+#include "sim_host/loop/loop.h"
 #include "tests/support/assert_close.h"
 
 enum { WALK_TICKS = 12000, PATIENCE = 20 };

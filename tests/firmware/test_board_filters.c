@@ -1,7 +1,7 @@
 /* What the control task must hear, against what the board's filters let through. That the
- * FDCAN filters by these ranges is shown by tests/hal/port_stm32g474/test_fdcan.c. */
+ * FDCAN filters by these ranges is shown by tests/hal/port_fdcan/test_fdcan.c. */
 #include "firmware/boards/nucleo_g474re/can_filters.h"
-#include "hal/can_frame.h"
+#include "hal/bus/can_frame.h"
 #include "tests/support/assert_close.h"
 
 #include <stdint.h>

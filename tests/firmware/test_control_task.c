@@ -1,7 +1,7 @@
 /* The tick's boundary is the own SYNC on the bus, and what goes out is always safe. */
 #include "firmware/control_task.h"
-#include "hal/frame_table.h"
-#include "hal/sea_drive_cia402.h"
+#include "hal/bus/frame_table.h"
+#include "hal/devices/sea_drive_cia402.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 

@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "hal/bytes.h"
-#include "sim_host/host/subject.h"
-#include "sim_host/study/gait_curve.h"
+#include "hal/bus/bytes.h"
+#include "sim_host/gait/gait_curve.h"
+#include "sim_host/subjects/subject.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 

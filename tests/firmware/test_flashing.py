@@ -22,7 +22,7 @@ def test_the_settings_go_where_the_store_looks():
     pages = int(re.search(r"FLASH_STORE_PAGES = (\d+)", store).group(1))
     place = int(re.search(r"SETTINGS_AT := (0x\w+)", (ROOT / "firmware/firmware.mk").read_text()).group(1), 16)
     assert place == base + bank + first * page
-    words = int(re.search(r"SETTINGS_IMAGE_WORDS = (\d+)", (ROOT / "sim_host/host/settings_image.h").read_text()).group(1))
+    words = int(re.search(r"SETTINGS_IMAGE_WORDS = (\d+)", (ROOT / "sim_host/subjects/settings_image.h").read_text()).group(1))
     assert words * 8 == pages * page
 
 

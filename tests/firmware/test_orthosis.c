@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 #include "tests/support/nv_memory.h"

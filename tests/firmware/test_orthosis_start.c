@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "sim_host/host/settings_image.h"
+#include "sim_host/subjects/settings_image.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 

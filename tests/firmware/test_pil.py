@@ -17,7 +17,7 @@ CLOCK_HZ = 170e6
 
 pytestmark = pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="qemu-system-arm is not installed")
 
-# enum crash_cause in hal/crash_record.h, enum supervisor_state in controller/supervisor.h
+# enum crash_cause in hal/storage/crash_record.h, enum supervisor_state in controller/supervisor/supervisor.h
 CRASH_NONE, CRASH_MEMORY_FAULT, CRASH_BUS_FAULT, CRASH_ASSERTION, CRASH_WATCHDOG = 0, 3, 4, 7, 9
 STATE_FAULT = 6
 
@@ -70,7 +70,7 @@ def test_late_and_noisy_sensors(sensors):
 
 
 def test_a_recorded_person(tmp_path):
-    """The rules, law and timing for a wearer, on the first 20 s of a recording (see tests/system/test_wearer.py)."""
+    """The rules, law and timing for a wearer, on the first 20 s of a recording (see tests/system/test_recording.py)."""
     recording = pathlib.Path(os.environ.get("AFO_GAIT_CSV", ROOT.parent / "shared" / "data" / "gait_young.csv"))
     if not recording.is_file():
         pytest.skip(f"no recording at {recording}; set AFO_GAIT_CSV to one")

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "sim_host/host/settings_image.h"
+#include "sim_host/subjects/settings_image.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/nv_memory.h"
 

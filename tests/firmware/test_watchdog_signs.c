@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "firmware/orthosis.h"
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/fake_bus.h"
 #include "tests/support/nv_memory.h"

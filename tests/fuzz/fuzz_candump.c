@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/bus/candump_log.h"
+#include "sim_host/log/candump_log.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

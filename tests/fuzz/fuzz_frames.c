@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame_table.h"
-#include "sim_host/host/task_rig.h"
+#include "hal/bus/frame_table.h"
 #include "sim_host/nodes/drive_node.h"
 #include "sim_host/nodes/leg_sensor_node.h"
+#include "sim_host/subjects/host_task.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerInitialize(int *argc, char ***argv);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/slcan.h"
+#include "hal/bus/slcan.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

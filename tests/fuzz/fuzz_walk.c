@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame_table.h"
-#include "sim_host/host/loop.h"
+#include "hal/bus/frame_table.h"
+#include "sim_host/loop/loop.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerInitialize(int *argc, char ***argv);

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
+#include "sim_host/gait/gait_curve.h"
 #include "sim_host/plant/walk.h"
-#include "sim_host/study/gait_curve.h"
 #include "tests/support/assert_close.h"
 
 static const struct walker3_params PAPER = {

@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_FAKE_BUS_H
 #define TESTS_SUPPORT_FAKE_BUS_H
 
-#include "hal/can_bus.h"
+#include "hal/bus/can_bus.h"
 
 enum { FAKE_BUS_FRAMES = 256 };
 

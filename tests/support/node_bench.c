@@ -3,7 +3,7 @@
 #include <check.h>
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 
 void bench_init(struct bench *bench, uint8_t node_id, void (*poll)(void *node, uint64_t now_ns),
                 void (*period)(void *node), void *node)

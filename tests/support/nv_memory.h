@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "hal/nv_store.h"
+#include "hal/storage/nv_store.h"
 
 enum { NV_MEMORY_WORDS = 512 };
 

@@ -1,9 +1,9 @@
-/* The supervisor's rules, written from its prose (controller/supervisor.h) and not from its
+/* The supervisor's rules, written from its prose (controller/supervisor/supervisor.h) and not from its
  * table, and the safety properties that any table must have. */
 #ifndef TESTS_SUPPORT_SUPERVISOR_RULES_H
 #define TESTS_SUPPORT_SUPERVISOR_RULES_H
 
-#include "controller/supervisor.h"
+#include "controller/supervisor/supervisor.h"
 
 enum { SUPERVISOR_INPUTS = 1 << SUPERVISOR_CONDITION_BITS };
 

@@ -7,7 +7,7 @@
 #ifndef FIRMWARE_BOARDS_NUCLEO_G474RE_CAN_FILTERS_H
 #define FIRMWARE_BOARDS_NUCLEO_G474RE_CAN_FILTERS_H
 
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 
 /* X(first identifier, last identifier, FIFO) */
 #define CAN_FILTERS(X)                                               \

@@ -3,11 +3,11 @@
 
 #include "firmware/boards/nucleo_g474re/can_filters.h"
 #include "firmware/orthosis.h"
-#include "hal/frame_table.h"
+#include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
+#include "hal/port_fdcan/fdcan.h"
 #include "hal/port_stm32g474/board_io.h"
 #include "hal/port_stm32g474/clock_tree.h"
-#include "hal/port_stm32g474/fdcan.h"
 #include "hal/port_stm32g474/flash_store.h"
 #include "hal/port_stm32g474/idle.h"
 #include "hal/port_stm32g474/system_registers.h"

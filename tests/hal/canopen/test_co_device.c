@@ -3,7 +3,7 @@
  * sensor node and the drive node stand for "a device". */
 #include <check.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 #include "sim_host/nodes/drive_node.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/node_bench.h"

@@ -4,7 +4,7 @@
 #include <signal.h>
 #include <string.h>
 
-#include "hal/bytes.h"
+#include "hal/bus/bytes.h"
 #include "hal/canopen/co_device.h"
 #include "hal/canopen/co_pdo_objects.h"
 #include "tests/support/assert_close.h"

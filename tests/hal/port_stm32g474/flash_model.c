@@ -3,7 +3,7 @@
 #include <check.h>
 #include <string.h>
 
-#include "tests/hal/port_stm32g474/mmio_model.h"
+#include "tests/hal/port_cortex_m/mmio_model.h"
 
 /* Offsets and bits, RM0440 section "FLASH registers". */
 enum { ACR = 0x00, KEYR = 0x08, SR = 0x10, CR = 0x14, ECCR = 0x18, OPTR = 0x20 };

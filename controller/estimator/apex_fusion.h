@@ -1,0 +1,47 @@
+/* Which apex state to believe: the model observer's, the samples' own, or between.
+ *
+ * The least-squares fit around the apex knows nothing of the walker and is never
+ * wrong by much, but noisy. The model's estimate is some ten times quieter, and off
+ * when the walker is not the one of the parameters (length, slope, unequal legs):
+ * then by much the same from step to step. So the mean difference of the two is
+ * learned, per leg, and taken off the model's estimate; what is left of the
+ * difference in this step is compared with what the sensors' noise, as measured,
+ * lets expect. While they agree the model's estimate is given; as they part, it is
+ * mixed with the fit's, down to the fit alone; trust comes back over some steps.
+ * Neither change makes a jump, since both estimates are near the truth where they
+ * are near each other.
+ */
+#ifndef CONTROLLER_ESTIMATOR_APEX_FUSION_H
+#define CONTROLLER_ESTIMATOR_APEX_FUSION_H
+
+#include "controller/signals.h"
+
+#define apex_judge_init REAL_SYMBOL(apex_judge_init)
+#define apex_judge_decide REAL_SYMBOL(apex_judge_decide)
+
+enum { APEX_VALUES = 3 }; /* stance rate, swing angle, swing rate */
+
+struct apex_judge {
+    real bias[SIDE_COUNT][APEX_VALUES];     /* mean of model minus fit, per stance leg */
+    real scatter2[SIDE_COUNT][APEX_VALUES]; /* mean square of what differs from it */
+    uint32_t learned[SIDE_COUNT];           /* steps behind the bias */
+    real trust;                             /* 0..1, follows the agreement */
+};
+
+void apex_judge_init(struct apex_judge *judge);
+
+/* Of an angle sample, mean squares. */
+struct apex_noise {
+    real white_rad2;
+    real slow_rad2; /* that which stays for some ten samples; not below 0 */
+};
+
+/* One apex of leg `side`: the fit's estimate, the model's (NULL = it has none), the
+ * sensors' noise as measured and the fit's half width in ticks. Returns what
+ * to believe; its confidence is the model's share. Constant cost. */
+struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
+                                       const struct apex_estimate *fit,
+                                       const struct apex_estimate *model,
+                                       const struct apex_noise *noise, uint32_t window_ticks);
+
+#endif

@@ -1,0 +1,78 @@
+/* Heel strike and toe-off of a person's leg, from the pitch of both legs alone.
+ *
+ * What a planted foot does to its leg: it stays where it is while the hip goes on,
+ * so the leg from hip to ankle turns backwards at about the walking speed over the
+ * leg's length. That rate, as measured at the last apexes, is the yardstick here;
+ * no threshold is in absolute units, so the rules scale with person and speed:
+ *   heel strike  the leg ahead, coming from its swing, has been slowed until it
+ *                turns backwards at most of that rate (the foot is planted);
+ *   toe-off      the leg behind has stopped turning backwards and turns forwards
+ *                (Zeni et al., Gait & Posture 27:710, 2008: the foot's rearmost
+ *                point relative to the pelvis), and its ankle's push is over
+ *                (ankle_push.h). The leg's turn decides that there is an event; its
+ *                time is the mean of both, because people differ in how far the hip
+ *                has gone on when the foot leaves, and in their ankles, but seldom
+ *                in both alike. Where the ankle shows no push the turn stands alone.
+ * "Ahead" and "behind" are of one leg relative to the other, so an offset that both
+ * sensors share does not move them. Legs side by side, or that sway without
+ * stepping, make no events. The legs' rates are slopes smoothed over +-16 ms; the
+ * events are reported after that delay, and are the older by it.
+ */
+#ifndef CONTROLLER_ESTIMATOR_PERSON_EVENTS_H
+#define CONTROLLER_ESTIMATOR_PERSON_EVENTS_H
+
+#include <stdint.h>
+
+#include "controller/estimator/ankle_push.h"
+#include "controller/signals.h"
+
+#define leg_events_update REAL_SYMBOL(leg_events_update)
+#define leg_events_rate REAL_SYMBOL(leg_events_rate)
+
+enum { LEG_RATE_HALF_WINDOW = 16 }; /* ticks */
+
+enum leg_contact {
+    LEG_UNKNOWN = 0, /* standing still, or just started */
+    LEG_STANCE = 1,
+    LEG_SWING = 2
+};
+
+enum leg_event_kind { LEG_EVENT_NONE = 0, LEG_EVENT_STRIKE = 1, LEG_EVENT_TOE_OFF = 2 };
+
+struct leg_event {
+    enum leg_event_kind kind;
+    real age_s; /* the event lies this long before the tick of the call, >= 0 */
+};
+
+struct leg_events { /* all zeros to begin with */
+    enum leg_contact contact;
+    real rate_before_rad_s;   /* smoothed rate one tick ago */
+    uint32_t first_tick;      /* at which the rate went through the coming event's first level */
+    real first_before_ticks;  /* that crossing lies this long before first_tick */
+    struct leg_event waiting; /* placed ahead of now; reported when its time has come */
+    struct ankle_push push;
+    bool turned;         /* the leg has turned forwards, its toe-off is still to be placed */
+    bool swung;          /* the swing was fast enough to be a step */
+    bool landing;        /* and is being slowed, with the foot ahead: about to land */
+    uint32_t since_tick; /* of the contact state */
+    uint32_t moved_tick; /* when the leg last moved */
+};
+
+/* Both legs as they were LEG_RATE_HALF_WINDOW ticks ago, and this ankle as it is. */
+struct leg_view {
+    real rate_rad_s;      /* of this leg, smoothed */
+    real ahead_rad;       /* this leg's angle minus the other's */
+    real yardstick_rad_s; /* forward speed at the last apexes, > 0 */
+    real extension;       /* of the ankle, over the leg's length */
+    bool fresh;           /* the sensor's sample of this tick has come */
+};
+
+/* Slope of the line through the samples within LEG_RATE_HALF_WINDOW of `centre`, rad/s;
+ * angle_rad[tick % size] as in apex_fit.h. About 200 operations. */
+real leg_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick);
+
+/* One tick of one leg, every tick in order. Constant cost, tens of operations. */
+struct leg_event leg_events_update(struct leg_events *leg, const struct leg_view *view,
+                                   uint32_t tick);
+
+#endif

@@ -1,0 +1,95 @@
+/* Every frame of the orthosis bus: identifier, length, period, deadline.
+ *
+ * The one source that the code, the EDS files, the DBC and the bus budget share.
+ * Columns of FRAME_TABLE(X):
+ *   X(NAME, identifier, data bytes, period_us, deadline_us, sender node, kind)
+ * period_us is the shortest time between two such frames while walking (SDO: one
+ * transfer with each node in 50 ms; tools that ask faster slow down each other and, at
+ * the lowest priority, the heartbeats); deadline_us counts
+ * from the SYNC (or from queueing, for frames without SYNC) to the end of the
+ * frame on the bus. kind: S = sent at every SYNC, N = every Nth SYNC, E = event
+ * with inhibit time, A = asynchronous.
+ */
+#ifndef HAL_BUS_FRAME_TABLE_H
+#define HAL_BUS_FRAME_TABLE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum node_id {
+    NODE_DRIVE_LEFT = 1,
+    NODE_DRIVE_RIGHT = 2,
+    NODE_SENSOR_LEFT = 3,
+    NODE_SENSOR_RIGHT = 4,
+    NODE_CONTROLLER = 16
+};
+
+enum {
+    BUS_BITRATE = 1000000,
+    TICK_PERIOD_US = 1000,
+    SLOW_PDO_TICKS = 100,
+    HEARTBEAT_PERIOD_MS = 100,
+    HEARTBEAT_TIMEOUT_MS = 250
+};
+
+#define FRAME_TABLE(X)                                          \
+    X(NMT, 0x000, 2, 100000, 100000, 16, A)                     \
+    X(SYNC, 0x080, 0, 1000, 1000, 16, S)                        \
+    X(EMCY_DRIVE_LEFT, 0x081, 8, 10000, 10000, 1, E)            \
+    X(EMCY_DRIVE_RIGHT, 0x082, 8, 10000, 10000, 2, E)           \
+    X(EMCY_SENSOR_LEFT, 0x083, 8, 10000, 10000, 3, E)           \
+    X(EMCY_SENSOR_RIGHT, 0x084, 8, 10000, 10000, 4, E)          \
+    X(EMCY_CONTROLLER, 0x090, 8, 10000, 10000, 16, E)           \
+    X(DRIVE_STATE_LEFT, 0x181, 6, 1000, 1000, 1, S)             \
+    X(DRIVE_STATE_RIGHT, 0x182, 6, 1000, 1000, 2, S)            \
+    X(TELEMETRY, 0x390, 8, 100000, 50000, 16, E)                \
+    X(DRIVE_TARGETS, 0x201, 8, 1000, 1000, 16, S)               \
+    X(LEG_STATE_LEFT, 0x283, 5, 1000, 1000, 3, S)               \
+    X(LEG_STATE_RIGHT, 0x284, 5, 1000, 1000, 4, S)              \
+    X(CONTROLLER_STATE, 0x290, 6, 10000, 10000, 16, E)          \
+    X(DRIVE_COMMAND_LEFT, 0x301, 6, 2000, 5000, 16, E)          \
+    X(DRIVE_COMMAND_RIGHT, 0x302, 6, 2000, 5000, 16, E)         \
+    X(DRIVE_SLOW_LEFT, 0x381, 8, 100000, 50000, 1, N)           \
+    X(DRIVE_SLOW_RIGHT, 0x382, 8, 100000, 50000, 2, N)          \
+    X(SDO_ANSWER_DRIVE_LEFT, 0x581, 8, 50000, 100000, 1, A)     \
+    X(SDO_ANSWER_DRIVE_RIGHT, 0x582, 8, 50000, 100000, 2, A)    \
+    X(SDO_ANSWER_SENSOR_LEFT, 0x583, 8, 50000, 100000, 3, A)    \
+    X(SDO_ANSWER_SENSOR_RIGHT, 0x584, 8, 50000, 100000, 4, A)   \
+    X(SDO_ANSWER_CONTROLLER, 0x590, 8, 50000, 100000, 16, A)    \
+    X(SDO_REQUEST_DRIVE_LEFT, 0x601, 8, 50000, 100000, 16, A)   \
+    X(SDO_REQUEST_DRIVE_RIGHT, 0x602, 8, 50000, 100000, 16, A)  \
+    X(SDO_REQUEST_SENSOR_LEFT, 0x603, 8, 50000, 100000, 16, A)  \
+    X(SDO_REQUEST_SENSOR_RIGHT, 0x604, 8, 50000, 100000, 16, A) \
+    X(SDO_REQUEST_CONTROLLER, 0x610, 8, 50000, 100000, 0, A)    \
+    X(HEARTBEAT_DRIVE_LEFT, 0x701, 1, 100000, 100000, 1, A)     \
+    X(HEARTBEAT_DRIVE_RIGHT, 0x702, 1, 100000, 100000, 2, A)    \
+    X(HEARTBEAT_SENSOR_LEFT, 0x703, 1, 100000, 100000, 3, A)    \
+    X(HEARTBEAT_SENSOR_RIGHT, 0x704, 1, 100000, 100000, 4, A)   \
+    X(HEARTBEAT_CONTROLLER, 0x710, 1, 100000, 100000, 16, A)
+
+#define FRAME_ID_ENTRY(name, id, bytes, period_us, deadline_us, node, kind) FRAME_##name = id,
+enum frame_id { FRAME_TABLE(FRAME_ID_ENTRY) };
+#undef FRAME_ID_ENTRY
+
+#define FRAME_BYTES_ENTRY(name, id, bytes, period_us, deadline_us, node, kind) \
+    FRAME_BYTES_##name = bytes,
+enum frame_bytes { FRAME_TABLE(FRAME_BYTES_ENTRY) };
+#undef FRAME_BYTES_ENTRY
+
+/* Frames by which the nodes are led: on this bus they come from the controller only. From
+ * anybody else they are a reason to stop, so a controller must hear them. */
+static inline bool frame_is_masters(uint32_t id)
+{
+    return id == FRAME_SYNC || id == FRAME_DRIVE_TARGETS || id == FRAME_DRIVE_COMMAND_LEFT ||
+           id == FRAME_DRIVE_COMMAND_RIGHT || id == FRAME_HEARTBEAT_CONTROLLER;
+}
+
+/* What the numbers in the frames mean. */
+enum {
+    LEG_ANGLE_COUNTS_PER_TURN = 1 << 24, /* LEG_STATE bytes 0..2, signed */
+    ANKLE_COUNTS_PER_METRE = 100000,     /* LEG_STATE bytes 3..4, signed, linear ankle */
+    ANKLE_COUNTS_PER_TURN = 1 << 16,     /* the same bytes, lever ankle */
+    DRIVE_OUTPUT_LATCH_ARMED = 1 << 16   /* object 0x60FE:01 */
+};
+
+#endif

@@ -1,0 +1,81 @@
+/* The master's view of the network: who is alive, in which NMT state.
+ *
+ * Consumes the four nodes' heartbeats (CiA 301, 7.2.8) and starts each node that
+ * reports pre-operational and may be started. The states are those of the
+ * heartbeat frame. (The own heartbeat is the controller node's.)
+ */
+#ifndef HAL_CANOPEN_NETWORK_H
+#define HAL_CANOPEN_NETWORK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/bus/can_bus.h"
+
+enum { NETWORK_NODES = 4 };
+
+enum nmt_state {
+    NMT_BOOT_UP = 0,
+    NMT_STOPPED = 4,
+    NMT_OPERATIONAL = 5,
+    NMT_PRE_OPERATIONAL = 127,
+    NMT_UNKNOWN = 255 /* never heard, or silent beyond HEARTBEAT_TIMEOUT_MS */
+};
+
+struct network_node {
+    uint8_t id;
+    uint8_t state;         /* enum nmt_state */
+    uint16_t silent_ticks; /* since the last heartbeat or boot-up */
+    uint16_t start_wait;   /* ticks until NMT start may be repeated */
+    uint8_t boot_count;    /* saturates: more than one means it reset itself */
+    bool held;             /* stopped by network_stop_all, and not to be started yet */
+    uint16_t error_code;   /* of its newest emergency about itself, 0 = none left */
+    bool booted;           /* boot-up seen since network_clear_booted */
+};
+
+struct network {
+    struct network_node node[NETWORK_NODES];
+};
+
+/* NMT commands (CiA 301, 7.2.8.3.1). */
+enum nmt_command {
+    NMT_START = 1,
+    NMT_STOP = 2,
+    NMT_ENTER_PRE_OPERATIONAL = 128,
+    NMT_RESET_NODE = 129,
+    NMT_RESET_COMMUNICATION = 130
+};
+
+/* Starts with all nodes unknown. */
+void network_init(struct network *network);
+
+/* Takes boot-up, heartbeat and emergency frames of the four nodes; says whether it did. */
+bool network_receive(struct network *network, const struct can_msg *message);
+
+/* Once a tick: ages, time-outs, and NMT start for nodes that wait in pre-operational
+ * or were stopped, and whose bit (1 << index) is set in may_start. */
+void network_update(struct network *network, const struct can_bus *bus, unsigned may_start);
+
+/* Sends one NMT command to a node (0 = all). Returns what the bus says. */
+enum can_result network_command(const struct can_bus *bus, enum nmt_command command, uint8_t node);
+
+/* Takes all nodes out of operation at once (NMT stop): no PDO is obeyed any more, and each
+ * drive unloads by itself (0x6007). They are started again after NETWORK_HOLD_TICKS, or when
+ * they boot; until then they are `held`. Returns what the bus says. */
+enum can_result network_stop_all(struct network *network, const struct can_bus *bus);
+enum { NETWORK_HOLD_TICKS = 1000 };
+
+/* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
+unsigned network_index(uint8_t node);
+
+/* Forgets who booted. */
+void network_clear_booted(struct network *network);
+
+/* True when all four are alive, operational, and without an error of their own device
+ * (emergencies about communication are left to its time-outs). */
+bool network_all_operational(const struct network *network);
+
+/* True when one of them tells of an error of its own device. */
+bool network_has_error(const struct network *network);
+
+#endif

@@ -1,0 +1,79 @@
+#include "hal/devices/leg_sensors.h"
+
+#include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
+#include "hal/devices/duplicate_id.h"
+#include "hal/devices/small_trig.h"
+
+#define TWO_PI 6.28318530717958647692f
+
+void leg_sensors_init(struct leg_sensors *sensors, const struct leg_sensor_config *config)
+{
+    *sensors = (struct leg_sensors){0};
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        sensors->config[leg] = config[leg];
+        sensors->reading[leg].age_ticks = UINT16_MAX;
+    }
+}
+
+static float wrap_turn(float angle_rad)
+{
+    if (angle_rad > 0.5f * TWO_PI) {
+        return angle_rad - TWO_PI;
+    }
+    if (angle_rad <= -0.5f * TWO_PI) {
+        return angle_rad + TWO_PI;
+    }
+    return angle_rad;
+}
+
+static float ankle_extension_m(const struct leg_sensor_config *config, int16_t counts)
+{
+    if (!config->ankle_is_lever) {
+        return (float)counts * (1.0f / (float)ANKLE_COUNTS_PER_METRE);
+    }
+    const float plantarflexion_rad = (float)counts * (TWO_PI / (float)ANKLE_COUNTS_PER_TURN);
+    const float extension =
+        config->ankle_lever_m * small_sin(plantarflexion_rad - config->ankle_neutral_rad);
+    return extension > 0.0f ? extension : 0.0f;
+}
+
+bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *message)
+{
+    const enum leg leg = message->id == FRAME_LEG_STATE_RIGHT ? LEG_RIGHT : LEG_LEFT;
+    if (message->id != FRAME_LEG_STATE_LEFT && message->id != FRAME_LEG_STATE_RIGHT) {
+        return false;
+    }
+    if (message->length != FRAME_BYTES_LEG_STATE_LEFT || message->flags != 0) {
+        if (sensors->rx_malformed < UINT32_MAX) {
+            sensors->rx_malformed++;
+        }
+        return true;
+    }
+    const struct leg_sensor_config *config = &sensors->config[leg];
+    const float raw_rad =
+        (float)bytes_get_i24(message->data) * (TWO_PI / (float)LEG_ANGLE_COUNTS_PER_TURN);
+    const float angle_rad =
+        wrap_turn((raw_rad - config->angle_zero_rad) * (float)config->angle_direction);
+    const float extension_m = ankle_extension_m(config, bytes_get_i16(message->data + 3));
+    struct leg_sensor_reading *reading = &sensors->reading[leg];
+    if (reading->age_ticks == 0 &&
+        (reading->leg_angle_rad != angle_rad || reading->ankle_extension_m != extension_m)) {
+        sample_surplus_more(&reading->surplus);
+    }
+    *reading = (struct leg_sensor_reading){angle_rad, extension_m, 0, reading->surplus};
+    return true;
+}
+
+void leg_sensors_age(struct leg_sensors *sensors)
+{
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct leg_sensor_reading *reading = &sensors->reading[leg];
+        if (reading->age_ticks > 0) {
+            sample_surplus_missed(&reading->surplus);
+        }
+        if (reading->age_ticks < UINT16_MAX) {
+            reading->age_ticks++;
+        }
+    }
+}

@@ -1,0 +1,48 @@
+/* Both legs' sensors: frames in, angles and extensions with their age out.
+ *
+ * CiA 406 encoders (nodes 3 and 4) which answer every SYNC with TPDO2 of 5 bytes:
+ * leg angle INTEGER24 in 2*pi/2^24 rad, ankle INTEGER16 in 10 um, or, for an
+ * ankle with a lever, in 2*pi/2^16 rad of plantarflexion (hal/bus/frame_table.h).
+ */
+#ifndef HAL_DEVICES_LEG_SENSORS_H
+#define HAL_DEVICES_LEG_SENSORS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/bus/can_frame.h"
+#include "hal/legs.h"
+
+/* How one leg's counts become a leg angle and an ankle extension. */
+struct leg_sensor_config {
+    float angle_zero_rad;    /* reading when the leg is vertical: mounting offset */
+    int8_t angle_direction;  /* +1 when the count rises with the foot going ahead, else -1 */
+    bool ankle_is_lever;     /* ankle counts are an angle; extension = lever * sin(...) */
+    float ankle_lever_m;     /* lever only, > 0 */
+    float ankle_neutral_rad; /* lever only: plantarflexion at extension 0 */
+};
+
+struct leg_sensor_reading {
+    float leg_angle_rad;
+    float ankle_extension_m; /* >= 0 for a lever; linear ankles may read below 0 by noise */
+    uint16_t age_ticks;      /* 0 = from the newest cycle; UINT16_MAX = never */
+    uint8_t surplus;         /* different frames more than cycles: sample_surplus.h */
+};
+
+struct leg_sensors {
+    struct leg_sensor_config config[LEG_COUNT];
+    struct leg_sensor_reading reading[LEG_COUNT];
+    uint32_t rx_malformed; /* right identifier, wrong length or type; saturates */
+};
+
+/* Starts with no readings. config: LEG_COUNT entries, copied. */
+void leg_sensors_init(struct leg_sensors *sensors, const struct leg_sensor_config *config);
+
+/* Takes a frame if it belongs to a leg sensor and says whether it did. A frame
+ * of the wrong length is counted and changes nothing. Loop only; O(1). */
+bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *message);
+
+/* A cycle has ended: every reading grows one tick older (saturating). */
+void leg_sensors_age(struct leg_sensors *sensors);
+
+#endif

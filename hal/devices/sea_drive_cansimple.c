@@ -1,0 +1,181 @@
+#include "hal/devices/sea_drive_cansimple.h"
+
+#include "hal/bus/frame_table.h"
+
+enum { REPEAT_TICKS = 100 };
+
+void cansimple_drives_init(struct cansimple_drives *drives,
+                           const struct cansimple_axis_config *config)
+{
+    *drives = (struct cansimple_drives){0};
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct cansimple_axis *axis = &drives->axis[leg];
+        axis->config = config[leg];
+        axis->age_ticks = UINT16_MAX;
+        axis->heartbeat_age_ticks = UINT16_MAX;
+        sea_latch_sender_init(&axis->sender);
+    }
+}
+
+static void count_malformed(struct cansimple_drives *drives)
+{
+    if (drives->rx_malformed < UINT32_MAX) {
+        drives->rx_malformed++;
+    }
+}
+
+static void take(struct cansimple_drives *drives, struct cansimple_axis *axis,
+                 const struct can_msg *message)
+{
+    const uint32_t kind = message->id & 0x1Fu;
+    if (message->flags != 0) {
+        return; /* a remote request, not an answer */
+    }
+    if (kind == CANSIMPLE_HEARTBEAT) {
+        if (message->length < 5) {
+            count_malformed(drives);
+            return;
+        }
+        axis->axis_error = bytes_get_u32(message->data);
+        axis->axis_state = message->data[4];
+        axis->heartbeat_age_ticks = 0;
+    } else if (kind == CANSIMPLE_ENCODER_ESTIMATES) {
+        const float turns = bytes_get_f32(message->data);
+        if (message->length != 8 || !(turns - turns == 0.0f)) {
+            count_malformed(drives);
+            return;
+        }
+        axis->position_turns = turns;
+        axis->age_ticks = 0;
+    }
+}
+
+static bool receive(void *context, const struct can_msg *message)
+{
+    struct cansimple_drives *drives = (struct cansimple_drives *)context;
+    if ((message->flags & CAN_FRAME_EXTENDED) != 0) {
+        return false;
+    }
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        if (message->id >> 5 == drives->axis[leg].config.node) {
+            take(drives, &drives->axis[leg], message);
+            return true;
+        }
+    }
+    return false;
+}
+
+static enum sea_drive_state state_of(const struct cansimple_axis *axis)
+{
+    if (axis->heartbeat_age_ticks > HEARTBEAT_TIMEOUT_MS) {
+        return SEA_DRIVE_UNKNOWN;
+    }
+    if (axis->axis_error != 0) {
+        return SEA_DRIVE_FAULT;
+    }
+    if (axis->axis_state == CANSIMPLE_STATE_CLOSED_LOOP) {
+        return SEA_DRIVE_ENABLED;
+    }
+    return axis->axis_state == CANSIMPLE_STATE_IDLE ? SEA_DRIVE_DISABLED : SEA_DRIVE_STARTING;
+}
+
+static void read_axis(const void *context, enum leg leg, struct sea_drive_reading *reading)
+{
+    const struct cansimple_axis *axis = &((const struct cansimple_drives *)context)->axis[leg];
+    reading->age_ticks = axis->age_ticks;
+    reading->state = state_of(axis);
+    reading->precompression_m = (axis->position_turns - axis->config.zero_turns) *
+                                (float)axis->config.direction / axis->config.turns_per_m;
+}
+
+static void grow_older(uint16_t *age)
+{
+    if (*age < UINT16_MAX) {
+        (*age)++;
+    }
+}
+
+static void age(void *context)
+{
+    struct cansimple_drives *drives = (struct cansimple_drives *)context;
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        grow_older(&drives->axis[leg].age_ticks);
+        grow_older(&drives->axis[leg].heartbeat_age_ticks);
+    }
+}
+
+static enum can_result send(const struct cansimple_axis *axis, enum cansimple_command command,
+                            uint8_t length, uint32_t low, uint32_t high, const struct can_bus *bus)
+{
+    struct can_msg message = {.id = (uint32_t)axis->config.node << 5 | (uint32_t)command,
+                              .length = length};
+    bytes_put_u32(message.data, low);
+    bytes_put_u32(message.data + 4, high);
+    return can_bus_send(bus, &message);
+}
+
+/* Requests that change the drive's state: sent, then given time, then repeated. */
+static enum can_result send_requests(struct cansimple_axis *axis, const struct sea_drive_wish *wish,
+                                     const struct can_bus *bus)
+{
+    const enum sea_drive_state state = state_of(axis);
+    if (axis->repeat_wait > 0) {
+        axis->repeat_wait--;
+        return CAN_OK;
+    }
+    axis->repeat_wait = REPEAT_TICKS;
+    if (state == SEA_DRIVE_FAULT && wish->clear_fault) {
+        return send(axis, CANSIMPLE_CLEAR_ERRORS, 0, 0, 0, bus);
+    }
+    if (wish->enable && state == SEA_DRIVE_DISABLED && axis->age_ticks == 0) {
+        const enum can_result result =
+            send(axis, CANSIMPLE_SET_CONTROLLER_MODE, 8, CANSIMPLE_MODE_POSITION,
+                 CANSIMPLE_INPUT_PASSTHROUGH, bus);
+        return result != CAN_OK
+                   ? result
+                   : send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
+    }
+    if (!wish->enable && (state == SEA_DRIVE_ENABLED || state == SEA_DRIVE_STARTING)) {
+        return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
+    }
+    axis->repeat_wait = 0;
+    return CAN_OK;
+}
+
+static enum can_result command_axis(struct cansimple_axis *axis, enum leg leg,
+                                    const struct sea_drive_wish *wish, const struct can_bus *bus)
+{
+    const bool follows = wish->enable && state_of(axis) == SEA_DRIVE_ENABLED;
+    const float target_turns =
+        follows ? axis->config.zero_turns + wish->precompression_m * (float)axis->config.direction *
+                                                axis->config.turns_per_m
+                : axis->position_turns; /* no kick: where it is, until it is enabled */
+    enum can_result first_failure = CAN_OK;
+    if (axis->age_ticks != UINT16_MAX) {
+        first_failure = send(axis, CANSIMPLE_SET_INPUT_POS, 8, bytes_of_f32(target_turns), 0, bus);
+    }
+    enum can_result result = send_requests(axis, wish, bus);
+    first_failure = first_failure == CAN_OK ? result : first_failure;
+    result = sea_latch_send(&axis->sender, leg, 0, wish->latch_armed && follows, bus);
+    return first_failure == CAN_OK ? result : first_failure;
+}
+
+static enum can_result command(void *context, const struct sea_drive_wish *wish,
+                               const struct can_bus *bus)
+{
+    struct cansimple_drives *drives = (struct cansimple_drives *)context;
+    enum can_result first_failure = CAN_OK;
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        const enum can_result result =
+            command_axis(&drives->axis[leg], (enum leg)leg, &wish[leg], bus);
+        first_failure = first_failure == CAN_OK ? result : first_failure;
+    }
+    return first_failure;
+}
+
+static const struct sea_drives_ops cansimple_ops = {receive, read_axis, age, command};
+
+struct sea_drives cansimple_drives_interface(struct cansimple_drives *drives)
+{
+    return (struct sea_drives){&cansimple_ops, drives, &drives->rx_malformed};
+}

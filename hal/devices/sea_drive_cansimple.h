@@ -1,0 +1,63 @@
+/* SEA drives that speak ODrive's CANSimple (firmware 0.5.x).
+ *
+ * Identifier = node << 5 | command, little-endian. Position in turns; the drive
+ * sends its encoder estimates cyclically (set encoder_rate_ms = 1) and its
+ * heartbeat every 100 ms. Node ids must keep clear of CANopen: node 4 owns 0x080.
+ * Facts: ODrive documentation "CAN Protocol" (0.5.4); the crate odrive-cansimple
+ * (command and state numbers); Open FFBoard ODriveCAN.h (mode numbers).
+ *
+ * What this drive cannot do: unload a spring by itself. When its watchdog expires it
+ * goes idle and the spring drives the motor back; a brake or a worm must hold that.
+ */
+#ifndef HAL_DEVICES_SEA_DRIVE_CANSIMPLE_H
+#define HAL_DEVICES_SEA_DRIVE_CANSIMPLE_H
+
+#include "hal/devices/sea_drives.h"
+#include "hal/devices/sea_latch.h"
+
+struct cansimple_axis_config {
+    uint8_t node;      /* 1..63, not 4 */
+    float turns_per_m; /* motor turns per metre of spring, > 0 */
+    float zero_turns;  /* estimate at the unloaded spring */
+    int8_t direction;  /* +1 or -1 */
+};
+
+struct cansimple_axis {
+    struct cansimple_axis_config config;
+    float position_turns;
+    uint32_t axis_error;
+    uint8_t axis_state;
+    uint16_t age_ticks;           /* of the position */
+    uint16_t heartbeat_age_ticks; /* of error and state */
+    uint16_t repeat_wait;         /* until mode or state request is sent again */
+    struct sea_latch_sender sender;
+};
+
+struct cansimple_drives {
+    struct cansimple_axis axis[LEG_COUNT];
+    uint32_t rx_malformed; /* wrong length, or a position that is not finite; saturates */
+};
+
+/* Starts with nothing received. config: LEG_COUNT entries, copied. */
+void cansimple_drives_init(struct cansimple_drives *drives,
+                           const struct cansimple_axis_config *config);
+
+/* The drives behind the common interface; *drives stays the caller's. */
+struct sea_drives cansimple_drives_interface(struct cansimple_drives *drives);
+
+/* Command numbers, shared with the virtual node. */
+enum cansimple_command {
+    CANSIMPLE_HEARTBEAT = 0x01,
+    CANSIMPLE_ESTOP = 0x02,
+    CANSIMPLE_SET_AXIS_STATE = 0x07,
+    CANSIMPLE_ENCODER_ESTIMATES = 0x09,
+    CANSIMPLE_SET_CONTROLLER_MODE = 0x0B,
+    CANSIMPLE_SET_INPUT_POS = 0x0C,
+    CANSIMPLE_CLEAR_ERRORS = 0x18
+};
+
+enum cansimple_axis_state { CANSIMPLE_STATE_IDLE = 1, CANSIMPLE_STATE_CLOSED_LOOP = 8 };
+
+enum { CANSIMPLE_MODE_POSITION = 3, CANSIMPLE_INPUT_PASSTHROUGH = 1 };
+
+#endif

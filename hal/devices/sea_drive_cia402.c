@@ -1,0 +1,253 @@
+#include "hal/devices/sea_drive_cia402.h"
+
+#include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
+#include "hal/devices/duplicate_id.h"
+
+/* Controlwords, object 0x6040 (CiA 402-2, table of device control commands). */
+enum {
+    CONTROLWORD_DISABLE_VOLTAGE = 0x00,
+    CONTROLWORD_QUICK_STOP = 0x02,
+    CONTROLWORD_SHUTDOWN = 0x06,
+    CONTROLWORD_SWITCH_ON = 0x07,
+    CONTROLWORD_ENABLE_OPERATION = 0x0F,
+    CONTROLWORD_FAULT_RESET = 0x80
+};
+
+/* Bit 12 in cyclic synchronous position: the drive follows its target (CiA 402-2); bit 14
+ * is the manufacturer's. */
+enum { STATUSWORD_FOLLOWS = 1 << 12, STATUSWORD_LATCH_CLOSED = 1 << 14 };
+
+/* States as the statusword 0x6041 spells them under its masks. */
+enum cia402_state {
+    CIA402_NOT_READY,
+    CIA402_SWITCH_ON_DISABLED,
+    CIA402_READY,
+    CIA402_SWITCHED_ON,
+    CIA402_ENABLED,
+    CIA402_QUICK_STOP,
+    CIA402_FAULT_REACTION,
+    CIA402_FAULT
+};
+
+/* By bits 0-3, 5 and 6, as CiA 402 masks them: bit 5 (quick stop) counts in some states
+ * only. What is not listed is not ready. */
+static const uint8_t state_by_bits[0x70] = {
+    [0x40] = CIA402_SWITCH_ON_DISABLED,
+    [0x60] = CIA402_SWITCH_ON_DISABLED,
+    [0x0F] = CIA402_FAULT_REACTION,
+    [0x2F] = CIA402_FAULT_REACTION,
+    [0x08] = CIA402_FAULT,
+    [0x28] = CIA402_FAULT,
+    [0x21] = CIA402_READY,
+    [0x23] = CIA402_SWITCHED_ON,
+    [0x27] = CIA402_ENABLED,
+    [0x07] = CIA402_QUICK_STOP,
+};
+
+static enum cia402_state state_of(uint16_t statusword)
+{
+    return (enum cia402_state)state_by_bits[statusword & 0x6Fu];
+}
+
+void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_config *config)
+{
+    *drives = (struct cia402_drives){0};
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        drives->axis[leg].config = config[leg];
+        drives->axis[leg].age_ticks = UINT16_MAX;
+        sea_latch_sender_init(&drives->axis[leg].sender);
+        drives->axis[leg].torque_age_ticks = UINT16_MAX - 1; /* missing, not without any */
+    }
+}
+
+static void count_malformed(struct cia402_drives *drives)
+{
+    if (drives->rx_malformed < UINT32_MAX) {
+        drives->rx_malformed++;
+    }
+}
+
+/* The slow PDO: torque, temperature, voltage. */
+static bool receive_slow(struct cia402_drives *drives, const struct can_msg *message)
+{
+    if (message->id != FRAME_DRIVE_SLOW_LEFT && message->id != FRAME_DRIVE_SLOW_RIGHT) {
+        return false;
+    }
+    if (message->length != FRAME_BYTES_DRIVE_SLOW_LEFT || message->flags != 0) {
+        count_malformed(drives);
+        return true;
+    }
+    struct cia402_axis *axis =
+        &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? LEG_RIGHT : LEG_LEFT];
+    axis->torque_per_mille = bytes_get_i16(message->data);
+    axis->torque_age_ticks = 0;
+    return true;
+}
+
+static bool receive(void *context, const struct can_msg *message)
+{
+    struct cia402_drives *drives = (struct cia402_drives *)context;
+    if (message->id != FRAME_DRIVE_STATE_LEFT && message->id != FRAME_DRIVE_STATE_RIGHT) {
+        return receive_slow(drives, message);
+    }
+    if (message->length != FRAME_BYTES_DRIVE_STATE_LEFT || message->flags != 0) {
+        count_malformed(drives);
+        return true;
+    }
+    struct cia402_axis *axis =
+        &drives->axis[message->id == FRAME_DRIVE_STATE_RIGHT ? LEG_RIGHT : LEG_LEFT];
+    const uint16_t statusword = bytes_get_u16(message->data);
+    const int32_t counts = bytes_get_i32(message->data + 2);
+    if (axis->age_ticks == 0 &&
+        (axis->statusword != statusword || axis->position_counts != counts)) {
+        sample_surplus_more(&axis->surplus);
+    }
+    axis->statusword = statusword;
+    axis->position_counts = counts;
+    axis->age_ticks = 0;
+    return true;
+}
+
+static float metres_from_counts(const struct cia402_axis_config *config, int32_t counts)
+{
+    int64_t travel = ((int64_t)counts - config->zero_counts) * config->direction;
+    /* Beyond 32 bits it is far out of any stroke either way, and there is no conversion of 64. */
+    travel = travel > INT32_MAX ? INT32_MAX : travel;
+    travel = travel < INT32_MIN ? INT32_MIN : travel;
+    return (float)(int32_t)travel / config->counts_per_m;
+}
+
+static int32_t counts_from_metres(const struct cia402_axis_config *config, float metres)
+{
+    const int32_t travel =
+        bytes_saturate_i32(metres * config->counts_per_m, INT32_MIN / 2, INT32_MAX / 2);
+    return config->zero_counts + travel * config->direction;
+}
+
+static void read_axis(const void *context, enum leg leg, struct sea_drive_reading *reading)
+{
+    const struct cia402_axis *axis = &((const struct cia402_drives *)context)->axis[leg];
+    static const enum sea_drive_state meaning[] = {
+        [CIA402_NOT_READY] = SEA_DRIVE_DISABLED,
+        [CIA402_SWITCH_ON_DISABLED] = SEA_DRIVE_DISABLED,
+        [CIA402_READY] = SEA_DRIVE_DISABLED,
+        [CIA402_SWITCHED_ON] = SEA_DRIVE_STARTING,
+        [CIA402_ENABLED] = SEA_DRIVE_ENABLED,
+        [CIA402_QUICK_STOP] = SEA_DRIVE_STOPPING,
+        [CIA402_FAULT_REACTION] = SEA_DRIVE_STOPPING,
+        [CIA402_FAULT] = SEA_DRIVE_FAULT,
+    };
+    const bool has_force = axis->config.rated_force_N > 0.0f;
+    reading->age_ticks = axis->age_ticks;
+    reading->foreign = axis->surplus >= SAMPLE_SURPLUS_LIMIT;
+    reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
+    reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
+                       axis->config.rated_force_N / 1000.0f;
+    reading->latch = axis->age_ticks == UINT16_MAX                       ? SEA_LATCH_STATE_UNKNOWN
+                     : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? SEA_LATCH_STATE_CLOSED
+                                                                         : SEA_LATCH_STATE_OPEN;
+    reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
+    const bool ignores = state_of(axis->statusword) == CIA402_ENABLED &&
+                         (axis->statusword & STATUSWORD_FOLLOWS) == 0;
+    reading->state = axis->age_ticks == UINT16_MAX ? SEA_DRIVE_UNKNOWN
+                     : ignores                     ? SEA_DRIVE_STOPPING
+                                                   : meaning[state_of(axis->statusword)];
+}
+
+static void age(void *context)
+{
+    struct cia402_drives *drives = (struct cia402_drives *)context;
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct cia402_axis *axis = &drives->axis[leg];
+        if (axis->age_ticks > 0) {
+            sample_surplus_missed(&axis->surplus);
+        }
+        if (axis->age_ticks < UINT16_MAX) {
+            axis->age_ticks++;
+        }
+        if (axis->torque_age_ticks < UINT16_MAX - 1) { /* once received it is never "never" */
+            axis->torque_age_ticks++;
+        }
+    }
+}
+
+/* The next controlword on the way from the reported state to the wish. */
+static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_wish *wish)
+{
+    const enum cia402_state state = state_of(axis->statusword);
+    const bool was_resetting = axis->resetting;
+    axis->resetting = false;
+    if (state == CIA402_FAULT) {
+        /* The reset acts on the rising edge: the bit must go away in between. */
+        axis->resetting = wish->clear_fault && !was_resetting;
+        return axis->resetting ? CONTROLWORD_FAULT_RESET : CONTROLWORD_DISABLE_VOLTAGE;
+    }
+    if (state == CIA402_QUICK_STOP) {
+        /* It unloads and then leaves this state by itself; to disable the voltage
+         * before would let a loaded spring drive the motor. */
+        return CONTROLWORD_QUICK_STOP;
+    }
+    if (!wish->enable) {
+        return state == CIA402_SWITCH_ON_DISABLED ? CONTROLWORD_DISABLE_VOLTAGE
+                                                  : CONTROLWORD_SHUTDOWN;
+    }
+    switch (state) {
+    case CIA402_READY:
+        return CONTROLWORD_SWITCH_ON;
+    case CIA402_SWITCHED_ON:
+    case CIA402_ENABLED:
+        return CONTROLWORD_ENABLE_OPERATION;
+    default:
+        return CONTROLWORD_SHUTDOWN;
+    }
+}
+
+static enum can_result send_axis_command(struct cia402_axis *axis, enum leg leg,
+                                         const struct sea_drive_wish *wish,
+                                         const struct can_bus *bus)
+{
+    if (axis->age_ticks == UINT16_MAX) {
+        return CAN_OK; /* whatever it is doing, it knows better than we */
+    }
+    const uint16_t controlword = next_controlword(axis, wish);
+    const bool armed = wish->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
+    return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
+}
+
+static enum can_result command(void *context, const struct sea_drive_wish *wish,
+                               const struct can_bus *bus)
+{
+    struct cia402_drives *drives = (struct cia402_drives *)context;
+    struct can_msg targets = {.id = FRAME_DRIVE_TARGETS, .length = FRAME_BYTES_DRIVE_TARGETS};
+    enum can_result first_failure = CAN_OK;
+    bool known = true; /* a target for a drive that was never heard would be a guess */
+
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        struct cia402_axis *axis = &drives->axis[leg];
+        known = known && axis->age_ticks != UINT16_MAX;
+        const bool follows = wish[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
+        const int32_t target = follows
+                                   ? counts_from_metres(&axis->config, wish[leg].precompression_m)
+                                   : axis->position_counts;
+        bytes_put_u32(targets.data + 4 * leg, (uint32_t)target);
+    }
+    if (known) {
+        first_failure = can_bus_send(bus, &targets);
+    }
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        const enum can_result result =
+            send_axis_command(&drives->axis[leg], (enum leg)leg, &wish[leg], bus);
+        if (first_failure == CAN_OK) {
+            first_failure = result;
+        }
+    }
+    return first_failure;
+}
+
+static const struct sea_drives_ops cia402_ops = {receive, read_axis, age, command};
+
+struct sea_drives cia402_drives_interface(struct cia402_drives *drives)
+{
+    return (struct sea_drives){&cia402_ops, drives, &drives->rx_malformed};
+}

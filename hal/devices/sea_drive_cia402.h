@@ -1,0 +1,50 @@
+/* SEA drives that speak CiA 402, cyclic synchronous position.
+ *
+ * Per cycle: one shared RPDO with both target positions; controlword and latch
+ * on change and every SLOW_PDO_TICKS; statusword and actual position come back
+ * at every SYNC (hal/bus/frame_table.h). Controlword and statusword bits: CiA 402-2,
+ * as collected with their sources in sim_host/nodes' drive.
+ *
+ * The motor's force comes with the slow PDO (0x6077); whether the latch holds the
+ * spring is the maker's bit 14 of the statusword.
+ *
+ * No kick on enable: until the drive reports "operation enabled" its target is
+ * its own actual position.
+ */
+#ifndef HAL_DEVICES_SEA_DRIVE_CIA402_H
+#define HAL_DEVICES_SEA_DRIVE_CIA402_H
+
+#include "hal/devices/sea_drives.h"
+#include "hal/devices/sea_latch.h"
+
+struct cia402_axis_config {
+    float counts_per_m;  /* motor counts per metre of spring, > 0 */
+    int32_t zero_counts; /* count at the unloaded spring */
+    int8_t direction;    /* +1 when counts rise with compression, else -1 */
+    float rated_force_N; /* 1000 per mille of 0x6077; 0 = the force is not known */
+};
+
+struct cia402_axis {
+    struct cia402_axis_config config;
+    int32_t position_counts;
+    uint16_t statusword;
+    int16_t torque_per_mille;
+    uint16_t age_ticks;
+    uint16_t torque_age_ticks;
+    struct sea_latch_sender sender; /* of controlword and outputs */
+    uint8_t surplus;                /* different states more than cycles: sample_surplus.h */
+    bool resetting;                 /* the fault reset bit was set in the last controlword */
+};
+
+struct cia402_drives {
+    struct cia402_axis axis[LEG_COUNT];
+    uint32_t rx_malformed; /* saturates */
+};
+
+/* Starts with nothing received. config: LEG_COUNT entries, copied. */
+void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_config *config);
+
+/* The drives behind the common interface; *drives stays the caller's. */
+struct sea_drives cia402_drives_interface(struct cia402_drives *drives);
+
+#endif

@@ -1,0 +1,94 @@
+/* Both SEA drives behind one interface, whatever protocol they speak.
+ *
+ * The controller thinks in metres of spring and in wishes ("enabled, at 0.05 m,
+ * armed"); a protocol turns that into frames, walks the drive's own state
+ * machine towards the wish, and turns frames into readings with their age.
+ */
+#ifndef HAL_DEVICES_SEA_DRIVES_H
+#define HAL_DEVICES_SEA_DRIVES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/bus/can_bus.h"
+#include "hal/legs.h"
+
+/* Values as in controller/signals.h, checked there. */
+enum sea_drive_state {
+    SEA_DRIVE_UNKNOWN = 0,
+    SEA_DRIVE_DISABLED = 1,
+    SEA_DRIVE_STARTING = 2,
+    SEA_DRIVE_ENABLED = 3,
+    SEA_DRIVE_STOPPING = 4,
+    SEA_DRIVE_FAULT = 5
+};
+
+enum sea_latch_state {
+    SEA_LATCH_STATE_UNKNOWN = 0,
+    SEA_LATCH_STATE_CLOSED = 1,
+    SEA_LATCH_STATE_OPEN = 2
+};
+
+struct sea_drive_reading {
+    float precompression_m; /* motor position in metres of spring */
+    float force_N;          /* of the motor on the spring, compression positive */
+    enum sea_drive_state state;
+    enum sea_latch_state latch; /* as the node reports it, with the position */
+    uint16_t age_ticks;         /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
+    uint16_t force_age_ticks;   /* UINT16_MAX = never, or the protocol has none */
+    bool foreign;               /* another node speaks with this drive's identifier */
+};
+
+struct sea_drive_wish {
+    float precompression_m;
+    bool enable;
+    bool latch_armed;
+    bool clear_fault; /* ask the drive to leave its fault state (rising edge) */
+};
+
+struct sea_drives_ops {
+    /* Takes a frame if it is one of the drives' and says whether it did. */
+    bool (*receive)(void *context, const struct can_msg *message);
+    void (*read)(const void *context, enum leg leg, struct sea_drive_reading *reading);
+    /* A cycle has ended: readings grow one tick older (saturating). */
+    void (*age)(void *context);
+    /* Sends this tick's command frames; LEG_COUNT wishes. Returns the first
+     * failure of can_bus_send, CAN_OK if none; frames not sent are sent again
+     * at the next tick. */
+    enum can_result (*command)(void *context, const struct sea_drive_wish *wish,
+                               const struct can_bus *bus);
+};
+
+struct sea_drives {
+    const struct sea_drives_ops *ops;
+    void *context;
+    const uint32_t *rx_malformed; /* frames of theirs that could not be read; saturates */
+};
+
+static inline bool sea_drives_receive(const struct sea_drives *drives,
+                                      const struct can_msg *message)
+{
+    return drives->ops->receive(drives->context, message);
+}
+
+static inline void sea_drives_read(const struct sea_drives *drives, enum leg leg,
+                                   struct sea_drive_reading *reading)
+{
+    /* What a protocol does not tell stays unknown. */
+    *reading = (struct sea_drive_reading){.age_ticks = UINT16_MAX, .force_age_ticks = UINT16_MAX};
+    drives->ops->read(drives->context, leg, reading);
+}
+
+static inline void sea_drives_age(const struct sea_drives *drives)
+{
+    drives->ops->age(drives->context);
+}
+
+static inline enum can_result sea_drives_command(const struct sea_drives *drives,
+                                                 const struct sea_drive_wish *wish,
+                                                 const struct can_bus *bus)
+{
+    return drives->ops->command(drives->context, wish, bus);
+}
+
+#endif

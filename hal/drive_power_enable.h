@@ -1,0 +1,26 @@
+/* The controller's word that the drives may have power.
+ *
+ * A line that must toggle: a charge pump behind it holds one channel of the safety relay in
+ * the drives' safe torque off. Whatever ends the toggling lets the relay fall: a processor
+ * that hangs or is in reset, a broken wire, and the firmware itself when a drive no
+ * longer does what it is told and no frame can help (README, Safety).
+ */
+#ifndef HAL_DRIVE_POWER_ENABLE_H
+#define HAL_DRIVE_POWER_ENABLE_H
+
+struct power_permit_ops {
+    /* Turns the line over: once for every time the watchdog is fed. Loop only; O(1). */
+    void (*toggle)(void *context);
+};
+
+struct power_permit {
+    const struct power_permit_ops *ops;
+    void *context;
+};
+
+static inline void power_permit_toggle(const struct power_permit *permit)
+{
+    permit->ops->toggle(permit->context);
+}
+
+#endif

@@ -1,0 +1,42 @@
+#include "hal/storage/crash_record.h"
+
+#include <stddef.h>
+
+#include "hal/storage/crc.h"
+
+static uint32_t crc_of(const struct crash_record *record)
+{
+    return crc32_update(CRC32_INIT, record, offsetof(struct crash_record, crc));
+}
+
+static bool is_sealed(const struct crash_record *record)
+{
+    return record->magic == (uint32_t)CRASH_RECORD_MAGIC && record->crc == crc_of(record);
+}
+
+void crash_record_seal(struct crash_record *record)
+{
+    record->magic = (uint32_t)CRASH_RECORD_MAGIC;
+    if (record->count < UINT32_MAX) {
+        record->count++;
+    }
+    record->crc = crc_of(record);
+}
+
+bool crash_record_is_valid(const struct crash_record *record)
+{
+    return is_sealed(record) && record->cause != (uint32_t)CRASH_NONE;
+}
+
+uint32_t crash_record_count(const struct crash_record *record)
+{
+    return is_sealed(record) ? record->count : 0U;
+}
+
+void crash_record_acknowledge(struct crash_record *record)
+{
+    if (is_sealed(record)) {
+        record->cause = (uint32_t)CRASH_NONE;
+        record->crc = crc_of(record);
+    }
+}

@@ -1,0 +1,62 @@
+/* What a fault leaves behind: a record in memory that a reset does not clear.
+ *
+ * A fault handler fills it and resets; the next start finds it, reports it over
+ * CAN, and keeps the orthosis in its safe state until an operator has seen it.
+ */
+#ifndef HAL_STORAGE_CRASH_RECORD_H
+#define HAL_STORAGE_CRASH_RECORD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { CRASH_RECORD_MAGIC = 0x43524153 };
+
+/* Values appear on the bus and in logs: they never change meaning. */
+enum crash_cause {
+    CRASH_NONE = 0,
+    CRASH_NMI = 1,
+    CRASH_HARD_FAULT = 2,
+    CRASH_MEMORY_FAULT = 3, /* MPU: also an overflow of the stack */
+    CRASH_BUS_FAULT = 4,
+    CRASH_USAGE_FAULT = 5,
+    CRASH_UNEXPECTED_INTERRUPT = 6,
+    CRASH_ASSERTION = 7,
+    CRASH_CLOCK_FAILED = 8, /* the crystal stopped, or never started */
+    CRASH_WATCHDOG = 9      /* nobody wrote a record: the watchdog reset the processor */
+};
+
+enum { CRASH_STACK_WORDS = 8 };
+
+struct crash_record {
+    uint32_t magic;
+    uint32_t cause; /* enum crash_cause */
+    uint32_t pc;    /* stacked return address, 0 when the stack was unreadable */
+    uint32_t lr;
+    uint32_t xpsr;
+    uint32_t r0, r1, r2, r3, r12;
+    uint32_t sp;   /* stack pointer before the exception */
+    uint32_t cfsr; /* configurable fault status */
+    uint32_t hfsr; /* hard fault status */
+    uint32_t fault_address;
+    uint32_t detail;                   /* interrupt number, or line of a failed assertion */
+    uint32_t time_ms;                  /* since start, 0 when unknown */
+    uint32_t count;                    /* crashes since power-up, this one included */
+    uint32_t stack[CRASH_STACK_WORDS]; /* what lay above the exception frame */
+    uint32_t crc;                      /* CRC-32 of all before */
+};
+
+/* Seals a record that the caller filled, `count` being the crashes before this
+ * one (crash_record_count): sets magic, counts this one, computes the CRC. Any
+ * context, faults included; about 2,000 instructions. */
+void crash_record_seal(struct crash_record *record);
+
+/* True when *record was sealed and is intact. After power-up it is not. */
+bool crash_record_is_valid(const struct crash_record *record);
+
+/* Number of crashes since power-up that *record knows of; 0 when invalid. */
+uint32_t crash_record_count(const struct crash_record *record);
+
+/* Marks the record as seen; the count survives. Loop only. */
+void crash_record_acknowledge(struct crash_record *record);
+
+#endif

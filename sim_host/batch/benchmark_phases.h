@@ -1,0 +1,33 @@
+/* A stride as three initial value problems with an event each, for general-purpose solvers.
+ *
+ * The equations are model/'s; the solver brings method and event location. Compiled in double; a program that
+ * includes this defines REAL_IS_DOUBLE first.
+ */
+#ifndef SIM_HOST_BATCH_BENCHMARK_PHASES_H
+#define SIM_HOST_BATCH_BENCHMARK_PHASES_H
+
+#include "model/double_support.h"
+#include "model/stride.h"
+#include "sim_host/batch/benchmark.h"
+
+enum bench_phase { PHASE_TO_STRIKE, PHASE_PUSH_OFF, PHASE_TO_APEX };
+
+/* Moves state to the phase's event: to strike ts + tn falls through zero; push-off r reaches r0 (rising);
+ * to the apex ts falls through zero. context: the solver's. Returns 0 when it could not. */
+typedef int bench_phase_fn(void *solver, enum bench_phase phase, double tolerance, double *state);
+
+struct bench_solver {
+    bench_phase_fn *run;
+    void *solver;
+    struct walker *walker;          /* of the stride in work: context of single_support_rates */
+    struct double_support *support; /* context of double_support_rates */
+};
+
+/* Value of the phase's event function; it falls through zero at the event. */
+double bench_event(enum bench_phase phase, const struct double_support *support,
+                   const double *state);
+
+/* All rows with a bench_solver as context: a bench_method_fn, setting: the tolerance. */
+int bench_solve(void *solver, const struct bench_rows *rows, double tolerance, double (*next)[3]);
+
+#endif

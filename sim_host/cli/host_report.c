@@ -1,0 +1,85 @@
+#include "sim_host/cli/host_report.h"
+
+#include <stdio.h>
+
+const char *host_report_state_name(enum supervisor_state state)
+{
+    static const char *const names[SUPERVISOR_STATES] = {"waiting for the nodes",
+                                                         "self test",
+                                                         "standby",
+                                                         "engaging",
+                                                         "walking",
+                                                         "unloading",
+                                                         "FAULT"};
+    return (unsigned)state < SUPERVISOR_STATES ? names[state] : "unknown";
+}
+
+bool host_report_is_refused(const struct control_task *task)
+{
+    const struct controller_objects *objects = &task->node.objects;
+    return objects->refused_node != 0 && objects->refused_verdict != -SETUP_SILENT;
+}
+
+void host_report_refusal(const struct control_task *task, uint32_t *told)
+{
+    const struct controller_objects *objects = &task->node.objects;
+    const uint32_t number = (uint32_t)objects->refused_node << 24 |
+                            (uint32_t)objects->refused_index << 8 | objects->refused_sub;
+    const bool differs = objects->refused_verdict == -SETUP_DIFFERS;
+    if (number == *told) {
+        return;
+    }
+    *told = objects->refused_node != 0 ? number : 0;
+    if (host_report_is_refused(task)) {
+        fprintf(stderr, "afo-host: node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X\n",
+                objects->refused_node, objects->refused_index, objects->refused_sub,
+                objects->refused_expected, differs ? "found" : "abort code",
+                objects->refused_found);
+    } else if (objects->refused_node != 0) {
+        fprintf(stderr, "afo-host: node %u does not answer (object 0x%04X:%02X), asked again\n",
+                objects->refused_node, objects->refused_index, objects->refused_sub);
+    }
+}
+
+void host_report_text(const struct control_task *task, const struct host_figures *figures,
+                      const struct pacer *pacer)
+{
+    struct can_bus_status status;
+    const struct can_bus bus = task->config.bus;
+    can_bus_get_status(&bus, &status);
+    printf("\n  steps      %u; last: %.6f rad/s measured, %.6f commanded, r0 %.6f m\n",
+           figures->steps, (double)task->controller.last_step.measured_speed_rad_s,
+           (double)task->controller.last_step.commanded_speed_rad_s,
+           (double)task->controller.last_step.r0_m);
+    printf("  ticks      %u; %llu cycles without all answers, %u answers late\n", task->tick,
+           (unsigned long long)figures->lost_cycles, task->node.objects.counters.late_answers);
+    printf("  bus        %u frames out, %u in, %u refused, %u lost on receive, %u error frames, "
+           "bus-off %u times, interface down %u times\n",
+           status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
+           status.error_frames, status.bus_off_count, figures->went_down);
+    printf("  state      %s, fault: %s\n", host_report_state_name(task->output.state),
+           supervisor_fault_name(task->output.fault));
+    if (pacer != NULL) {
+        pacer_report(pacer, stdout);
+    }
+}
+
+void host_report_json(const struct control_task *task, const struct host_figures *figures,
+                      const struct pacer *pacer)
+{
+    struct can_bus_status status;
+    const struct can_bus bus = task->config.bus;
+    can_bus_get_status(&bus, &status);
+    printf(
+        "{\"steps\": %u, \"ticks\": %u, \"lost_cycles\": %llu, \"late_answers\": %u, "
+        "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
+        "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
+        "\"error_frames\": %u, \"went_down\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
+        figures->steps, task->tick, (unsigned long long)figures->lost_cycles,
+        task->node.objects.counters.late_answers,
+        (double)task->controller.last_step.measured_speed_rad_s,
+        (double)task->controller.last_step.r0_m, (int)task->output.state, (int)task->output.fault,
+        figures->faults, status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
+        status.error_frames, figures->went_down, (unsigned long long)pacer->missed,
+        1e-3 * (double)pacer->worst_late_ns);
+}

@@ -1,0 +1,214 @@
+#include "sim_host/cli/sim_options.h"
+
+#include <argp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim_host/cli/recording_options.h"
+
+enum {
+    KEY_STEPS = 0x100,
+    KEY_SENSORS,
+    KEY_SEED,
+    KEY_CSV,
+    KEY_TICKS,
+    KEY_LOG,
+    KEY_WEARER,
+    KEY_COLUMN,
+    KEY_RATE,
+    KEY_ANGLES,
+    KEY_FAULT,
+    KEY_FAULT_STEP,
+    KEY_REAL_TIME,
+    KEY_ENGAGE
+};
+
+static const struct argp_option option_list[] = {
+    {0, 0, 0, 0, "The walk:", 2},
+    {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200; a recording: all)", 0},
+    {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
+    {"wearer", KEY_WEARER, "FILE.csv", 0, "recorded walking in the walker's place", 0},
+    {"column", KEY_COLUMN, "ROLE=NAME", 0,
+     "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
+    {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
+    {"angles", KEY_ANGLES, "UNIT", 0, "of the recording's angles: deg (default) or rad", 0},
+    {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
+    {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
+    {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
+    {"engage", KEY_ENGAGE, "STEPS", 0,
+     "the walker has a push-off of its own; the device takes over after so many steady steps "
+     "(a recorded person's has: 4)",
+     0},
+    {"real-time", KEY_REAL_TIME, 0, 0, "one tick a millisecond, with a report of the jitter", 0},
+    {0, 0, 0, 0, "What comes out:", 3},
+    {"csv", KEY_CSV, "FILE", 0, "one line per step", 0},
+    {"ticks", KEY_TICKS, 0, 0, "one line per tick in --csv instead", 0},
+    {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
+    {"json", 'j', 0, 0, "one JSON object on standard output instead of the report", 0},
+    {"quiet", 'q', 0, 0, "no report and no progress line", 0},
+    {0}};
+
+static void take_fault(struct argp_state *state, struct sim_options *options, const char *name)
+{
+    for (int i = 0; i < LOOP_FAULT_COUNT; i++) {
+        if (strcmp(name, loop_fault_name((enum loop_fault)i)) == 0) {
+            options->fault = (enum loop_fault)i;
+            return;
+        }
+    }
+    argp_error(state,
+               "--fault: \"%s\" is unknown, allowed is none, cut-drives, never-armed, swapped",
+               name);
+}
+
+enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
+
+/* An option that would do nothing is a mistake of the caller's, not a wish. */
+static void check_used(struct argp_state *state, const struct sim_options *options)
+{
+    if (options->wearer_path == NULL && options->format_given) {
+        argp_error(state, "--column, --rate and --angles describe the recording of --wearer");
+    }
+    if (options->wearer_path != NULL && ground_options_given(&options->ground)) {
+        argp_error(state,
+                   "--slope-deg, --terrain-mm and --push act on the simulated walker, not on "
+                   "the recorded one of --wearer");
+    }
+    if (options->wearer_path != NULL && options->walk.law_given &&
+        options->walk.law != LAW_WEARER) {
+        argp_error(state, "--law and --wearer exclude each other: a person's law is \"wearer\"");
+    }
+    if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
+        argp_error(state, "--fault-step needs --fault NAME");
+    }
+}
+
+static void check_together(struct argp_state *state, const struct sim_options *options)
+{
+    if (options->wearer_path != NULL && options->walk.speed_rad_s > 0.0) {
+        argp_error(state, "--speed and --wearer exclude each other: a person chooses their speed");
+    }
+    if (options->ticks && options->csv_path == NULL) {
+        argp_error(state, "--ticks needs --csv FILE");
+    }
+    if (options->csv_path != NULL && options->log_path != NULL &&
+        strcmp(options->csv_path, options->log_path) == 0) {
+        argp_error(state, "--csv and --log name the same file, %s", options->csv_path);
+    }
+    check_used(state, options);
+}
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct sim_options *options = (struct sim_options *)state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->walk;
+        state->child_inputs[1] = &options->sensor;
+        state->child_inputs[2] = &options->ground;
+        break;
+    case KEY_STEPS:
+        options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 10000000);
+        break;
+    case KEY_SENSORS:
+        if (!sensor_preset_from_name(text, &options->sensors)) {
+            argp_error(state, "--sensors: \"%s\" is unknown, allowed is ideal, 17bit, 14bit, 12bit",
+                       text);
+        }
+        options->sensors_name = text;
+        break;
+    case KEY_SEED:
+        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
+        break;
+    case KEY_CSV:
+        options->csv_path = text;
+        break;
+    case KEY_TICKS:
+        options->ticks = true;
+        break;
+    case KEY_LOG:
+        options->log_path = text;
+        break;
+    case KEY_WEARER:
+        options->wearer_path = text;
+        break;
+    case KEY_COLUMN:
+        options->format_given = true;
+        if (!wearer_options_column(&options->wearer_format, text)) {
+            argp_error(state, "--column: \"%s\" is not ROLE=NAME with one of the roles %s", text,
+                       wearer_options_roles);
+        }
+        break;
+    case KEY_RATE:
+        options->format_given = true;
+        options->wearer_format.sample_rate_hz = option_number(state, "--rate", text, 20.0, 5000.0);
+        break;
+    case KEY_ANGLES:
+        options->format_given = true;
+        if (strcmp(text, "rad") == 0) {
+            options->wearer_format.angle_unit_rad = 1.0;
+        } else if (strcmp(text, "deg") != 0) {
+            argp_error(state, "--angles: \"%s\" is unknown, allowed is deg, rad", text);
+        }
+        break;
+    case KEY_FAULT:
+        take_fault(state, options, text);
+        break;
+    case KEY_FAULT_STEP:
+        options->fault_step = (uint32_t)option_whole(state, "--fault-step", text, 0, 10000000);
+        break;
+    case KEY_ENGAGE:
+        options->engage_steps = (uint32_t)option_whole(state, "--engage", text, 1, 50);
+        break;
+    case KEY_REAL_TIME:
+        options->real_time = true;
+        break;
+    case 'q':
+        options->quiet = true;
+        break;
+    case 'j':
+        options->json = true;
+        break;
+    case ARGP_KEY_ARG:
+        argp_error(state, "unexpected argument \"%s\"", text);
+        break;
+    case ARGP_KEY_END:
+        check_together(state, options);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+void sim_options_parse(struct sim_options *options, int argc, char **argv)
+{
+    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1},
+                                                 {&sensor_options_parser, 0, "", 3},
+                                                 {&ground_options_parser, 0, "", 4},
+                                                 {0}};
+    static const struct argp parser = {
+        option_list,
+        take,
+        0,
+        "Walks the simulated walker in closed loop over an in-process CAN bus.\v"
+        "Exit status: 0 walked, 1 fell or stopped by a fault, 2 wrong usage or input.",
+        children,
+        0,
+        0};
+    *options = (struct sim_options){
+        .sensors = SENSORS_17BIT, .sensors_name = "17bit", .seed = 1, .fault_step = UINT32_MAX};
+    walk_options_init(&options->walk);
+    sensor_options_init(&options->sensor);
+    option_identity("afo-sim");
+    wearer_format_default(&options->wearer_format);
+    if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
+        exit(2);
+    }
+    if (options->steps == 0) {
+        options->steps = options->wearer_path != NULL ? UINT32_MAX : DEFAULT_STEPS;
+    }
+    if (options->fault_step == UINT32_MAX) {
+        options->fault_step = DEFAULT_FAULT_STEP;
+    }
+}

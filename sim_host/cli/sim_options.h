@@ -1,0 +1,39 @@
+/* Command line of afo-sim. */
+#ifndef SIM_HOST_CLI_SIM_OPTIONS_H
+#define SIM_HOST_CLI_SIM_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim_host/cli/ground_options.h"
+#include "sim_host/cli/sensor_options.h"
+#include "sim_host/cli/walk_options.h"
+#include "sim_host/loop/loop.h"
+
+struct sim_options {
+    struct walk_options walk;
+    uint32_t steps; /* UINT32_MAX: to the recording's end */
+    enum sensor_preset_kind sensors;
+    const char *sensors_name;
+    uint64_t seed;
+    const char *csv_path;
+    bool ticks;
+    const char *log_path;
+    const char *wearer_path;
+    struct wearer_format wearer_format;
+    bool format_given; /* some of wearer_format is not the default */
+    struct sensor_options sensor;
+    struct ground_options ground;
+    enum loop_fault fault;
+    uint32_t engage_steps; /* 0 = the bench: a walker without a push-off of its own */
+    uint32_t fault_step;
+    bool real_time; /* one tick a millisecond instead of as fast as it goes */
+    bool quiet;
+    bool json;
+};
+
+/* Parses the command line; --help and --version end the process with 0, a usage
+ * error with a message on standard error and 2. */
+void sim_options_parse(struct sim_options *options, int argc, char **argv);
+
+#endif

@@ -1,0 +1,287 @@
+#include "sim_host/cli/sim_report.h"
+
+#include <math.h>
+
+#include "firmware/version.h"
+#include "sim_host/cli/recording_report.h"
+#include "sim_host/subjects/law_name.h"
+
+static const char *side_name(enum side side)
+{
+    return side == SIDE_LEFT ? "left" : "right";
+}
+
+/* ---- JSON ------------------------------------------------------------------ */
+
+static void json_string(FILE *stream, const char *text)
+{
+    fputc('"', stream);
+    for (; *text != '\0'; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\') {
+            fprintf(stream, "\\%c", c);
+        } else if (c < 0x20) {
+            fprintf(stream, "\\u%04x", c);
+        } else {
+            fputc(c, stream);
+        }
+    }
+    fputc('"', stream);
+}
+
+static void json_number(FILE *stream, double value)
+{
+    if (isfinite(value)) {
+        fprintf(stream, "%.9g", value);
+    } else {
+        fputs("null", stream);
+    }
+}
+
+static double row_r0(const struct walk_row *row)
+{
+    return row->measured ? row->r0_m : (double)NAN;
+}
+
+void sim_report_json(FILE *stream, const struct sim_options *options, const struct loop *loop,
+                     const struct walk_record *record, const struct sim_outcome *outcome)
+{
+    fputs("{\"version\": ", stream);
+    json_string(stream, version_text());
+    fputs(", \"subject\": ", stream);
+    json_string(stream, loop->config.subject.name);
+    fprintf(stream, ", \"sensors\": \"%s\", \"seed\": %llu", options->sensors_name,
+            (unsigned long long)options->seed);
+    fprintf(stream, ", \"law\": \"%s\"", law_name_of((enum law_mode)loop->config.params.law));
+    fprintf(stream, ", \"fell\": %s, \"fault\": ", outcome->fell ? "true" : "false");
+    if (outcome->fault[0] != '\0') {
+        json_string(stream, outcome->fault);
+    } else {
+        fputs("null", stream);
+    }
+    fprintf(stream, ", \"steps\": %u, \"target_speed_rad_s\": ", record->count);
+    json_number(stream, loop->config.desired_speed_rad_s);
+    if (options->wearer_path != NULL) {
+        fprintf(stream, ", \"apexes_left\": %u, \"apexes_right\": %u", record->apexes[SIDE_LEFT],
+                record->apexes[SIDE_RIGHT]);
+        wearer_report_json(stream, &record->gait);
+    }
+    fputs(", \"apex_speed_rad_s\": [", stream);
+    for (uint32_t i = 0; i < record->count; i++) {
+        fputs(i > 0 ? ", " : "", stream);
+        json_number(stream, record->rows[i].apex_speed_rad_s);
+    }
+    fputs("], \"r0_m\": [", stream);
+    for (uint32_t i = 0; i < record->count; i++) {
+        fputs(i > 0 ? ", " : "", stream);
+        json_number(stream, row_r0(&record->rows[i]));
+    }
+    fputs("], \"fell_back\": [", stream);
+    for (uint32_t i = 0; i < record->count; i++) {
+        const struct walk_row *row = &record->rows[i];
+        fputs(i > 0 ? ", " : "", stream);
+        fputs(!row->measured ? "null" : row->fell_back ? "true" : "false", stream);
+    }
+    fputs("], \"bus_load\": ", stream);
+    json_number(stream, sim_bus_load(&loop->bus));
+    fputs(", \"simulated_s\": ", stream);
+    json_number(stream, (double)loop->tick * 1e-3);
+    fputs("}\n", stream);
+}
+
+/* ---- CSV ------------------------------------------------------------------- */
+
+void sim_report_csv(FILE *stream, const struct walk_record *record, double target_rad_s)
+{
+    fputs("step,time_s,side,apex_speed_rad_s,measured_speed_rad_s,target_speed_rad_s,r0_m,"
+          "step_time_s,step_length_m,fell_back\n",
+          stream);
+    for (uint32_t i = 0; i < record->count; i++) {
+        const struct walk_row *row = &record->rows[i];
+        const double step_time = i > 0 ? row->time_s - record->rows[i - 1].time_s : 0.0;
+        fprintf(stream, "%u,%.6f,%s,%.9f,", row->number, row->time_s, side_name(row->side),
+                row->apex_speed_rad_s);
+        if (row->measured) {
+            fprintf(stream, "%.9f,%.9f,%.9f,", row->measured_speed_rad_s, row->command_rad_s,
+                    row->r0_m);
+        } else {
+            fprintf(stream, ",%.9f,,", target_rad_s);
+        }
+        fprintf(stream, "%.6f,%.6f,%s\n", step_time, row->step_length_m,
+                !row->measured   ? ""
+                : row->fell_back ? "1"
+                                 : "0");
+    }
+}
+
+void sim_tick_header(FILE *stream)
+{
+    fputs("tick,time_s,stance,phase,theta_left_rad,theta_right_rad,rate_left_rad_s,"
+          "rate_right_rad_s,ankle_left_m,ankle_right_m,motor_left_m,motor_right_m,hip_x_m,hip_y_m,"
+          "event,supervisor\n",
+          stream);
+}
+
+static const char *event_name(int event)
+{
+    switch (event) {
+    case WALK_EVENT_APEX:
+        return "apex";
+    case WALK_EVENT_HEEL_STRIKE:
+        return "heel_strike";
+    case WALK_EVENT_RELEASE:
+        return "release";
+    case WALK_EVENT_LIFT_OFF:
+        return "lift_off";
+    case WALK_EVENT_FAULT:
+        return "fault";
+    case WALK_EVENT_LET_GO:
+        return "let_go";
+    case WALK_EVENT_TAKE_HOLD:
+        return "take_hold";
+    case WALK_EVENT_TOE_OFF:
+        return "toe_off";
+    case WALK_EVENT_RECLOSED:
+        return "reclosed";
+    default:
+        return "";
+    }
+}
+
+void sim_tick_line(FILE *stream, const struct loop *loop, int event)
+{
+    static const char *const phases[] = {"held", "single", "double", "down"};
+    struct plant_truth truth;
+    struct sea_output motor[SIDE_COUNT];
+    plant_truth(&loop->nodes.plant, &truth);
+    plant_sea_output(&loop->nodes.plant, SIDE_LEFT, &motor[SIDE_LEFT]);
+    plant_sea_output(&loop->nodes.plant, SIDE_RIGHT, &motor[SIDE_RIGHT]);
+    fprintf(stream, "%llu,%.3f,%s,%s,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%s,%d\n",
+            (unsigned long long)truth.tick, truth.time_s, side_name(truth.stance),
+            phases[truth.phase], truth.leg_angle_rad[0], truth.leg_angle_rad[1],
+            truth.leg_rate_rad_s[0], truth.leg_rate_rad_s[1], truth.ankle_m[0], truth.ankle_m[1],
+            motor[SIDE_LEFT].position_m, motor[SIDE_RIGHT].position_m, truth.hip_m[0],
+            truth.hip_m[1], event_name(event), (int)loop->rig.task.output.state);
+}
+
+/* ---- for people ------------------------------------------------------------ */
+
+static void step_lines(FILE *stream, const struct walk_record *record)
+{
+    /* The first, some between, the last five: enough to see the walk settle. */
+    const uint32_t stride = record->count > 16 ? (record->count - 6) / 10 : 1;
+    fputs("\n    step  stance   apex speed    measured     command          r0   step length\n"
+          "                     (rad/s)     (rad/s)     (rad/s)         (m)           (m)\n",
+          stream);
+    for (uint32_t i = 0; i < record->count; i++) {
+        const struct walk_row *row = &record->rows[i];
+        if (i % stride != 0 && i + 5 < record->count) {
+            continue;
+        }
+        fprintf(stream, "   %5u  %-6s   %10.6f  ", row->number, side_name(row->side),
+                row->apex_speed_rad_s);
+        if (row->measured) {
+            fprintf(stream, "%10.6f  %10.6f  %10.6f  ", row->measured_speed_rad_s,
+                    row->command_rad_s, row->r0_m);
+        } else {
+            fprintf(stream, "%10s  %10s  %10s  ", "-", "-", "-");
+        }
+        if (row->step_length_m > 0.0) {
+            fprintf(stream, "%12.6f\n", row->step_length_m);
+        } else {
+            fprintf(stream, "%12s\n", "-"); /* the walk ended before the foot landed */
+        }
+    }
+}
+
+static void fallback_line(FILE *stream, const struct walk_record *record)
+{
+    uint32_t count = 0, last = 0;
+    for (uint32_t i = 0; i < record->count; i++) {
+        if (record->rows[i].fell_back) {
+            count++;
+            last = record->rows[i].number;
+        }
+    }
+    if (count > 0) {
+        fprintf(
+            stream,
+            "  fell back  eq. (16) answered for the predictive law in %u of %u steps, last in %u\n",
+            count, record->count, last);
+    }
+}
+
+static void what_was_asked(FILE *stream, const struct sim_options *options, const struct loop *loop)
+{
+    const struct control_params *params = &loop->config.params;
+    fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
+            loop->config.subject.name, (double)params->torso_mass_kg, (double)params->leg_mass_kg,
+            (double)params->leg_length_m, (double)params->spring_stiffness_n_m);
+    if (params->law == (real)LAW_WEARER) {
+        fprintf(stream, "  law        wearer: r0* = %g m, v* = their own mean\n",
+                (double)params->start_r0_m);
+    } else if (params->law == (real)LAW_OPEN_LOOP) {
+        fprintf(stream, "  law        off: constant precompression r0 = %g m\n",
+                (double)params->open_loop_r0_m);
+    } else if (params->law == (real)LAW_PROPORTIONAL) {
+        fprintf(stream, "  law        eq. (16) with kp = %.4g m per rad/s, to %g rad/s\n",
+                (double)params->kp_m_s_rad, loop->config.desired_speed_rad_s);
+    } else {
+        fprintf(stream, "  law        %s, to %g rad/s\n", law_name_of((enum law_mode)params->law),
+                loop->config.desired_speed_rad_s);
+    }
+    fprintf(stream, "  sensors    %s, seed %llu\n", options->sensors_name,
+            (unsigned long long)options->seed);
+    if (loop->config.fault != LOOP_FAULT_NONE) {
+        fprintf(stream, "  fault      %s after step %u%s\n", loop_fault_name(loop->config.fault),
+                loop->config.fault_step, loop->fault_active ? "" : ": not reached");
+    }
+}
+
+/* Why a walk did not begin: the node that was refused, by what and by how much. */
+static void refused_node(FILE *stream, const struct controller_objects *objects)
+{
+    static const char *const verdicts[] = {"", "is not as the subject says", "refused the access",
+                                           "does not answer"};
+    const unsigned verdict = objects->refused_verdict;
+    if (objects->refused_node == 0 || verdict == 0 ||
+        verdict >= sizeof verdicts / sizeof verdicts[0]) {
+        return;
+    }
+    fprintf(stream, "  set-up     node %u: object %04X:%02X %s (expected %u, found %u)\n",
+            objects->refused_node, objects->refused_index, objects->refused_sub, verdicts[verdict],
+            objects->refused_expected, objects->refused_found);
+}
+
+static const char *plural(uint32_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
+void sim_report_text(FILE *stream, const struct sim_options *options, const struct loop *loop,
+                     const struct walk_record *record, const struct sim_outcome *outcome)
+{
+    const double simulated_s = (double)loop->tick * 1e-3;
+    const struct walk_summary last = walk_record_summary(record, 20);
+    fputs("\n", stream);
+    what_was_asked(stream, options, loop);
+    if (outcome->fault[0] != '\0') {
+        fprintf(stream, "  outcome    %s after %u step%s: %s\n", outcome->fell ? "FELL" : "STOPPED",
+                record->count, plural(record->count), outcome->fault);
+        refused_node(stream, &loop->rig.task.node.objects);
+    } else {
+        fprintf(stream, "  outcome    walked %u step%s\n", record->count, plural(record->count));
+    }
+    if (record->count > 0) {
+        step_lines(stream, record);
+        fprintf(stream, "\n  last %2u    mean %.6f rad/s, from %.6f to %.6f (spread %.3f %%)\n",
+                last.over, last.mean_rad_s, last.least_rad_s, last.greatest_rad_s,
+                100.0 * (last.greatest_rad_s - last.least_rad_s) / last.mean_rad_s);
+    }
+    fallback_line(stream, record);
+    fprintf(stream, "  bus        %.1f %% load at 1 Mbit/s, %llu frames, %llu error frames\n",
+            100.0 * sim_bus_load(&loop->bus), (unsigned long long)loop->bus.stats.frames,
+            (unsigned long long)loop->bus.stats.error_frames);
+    fprintf(stream, "  time       %.1f s of walking in %.2f s, %.0f times real time\n", simulated_s,
+            outcome->wall_s, outcome->wall_s > 0.0 ? simulated_s / outcome->wall_s : 0.0);
+}

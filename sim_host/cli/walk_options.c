@@ -1,0 +1,211 @@
+#include "sim_host/cli/walk_options.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "firmware/version.h"
+#include "sim_host/subjects/law_name.h"
+
+enum { KEY_SPEED = 0x400, KEY_OPEN_LOOP, KEY_R0, KEY_START_R0, KEY_KP, KEY_LAW, KEY_SUBJECT };
+
+static const struct argp_option option_list[] = {
+    {0, 0, 0, 0, "Who walks, and how:", 1},
+    {"speed", KEY_SPEED, "RAD_S", 0,
+     "forward apex speed to walk at (default: that of the start gait)", 0},
+    {"kp", KEY_KP, "GAIN", 0,
+     "gain of eq. (16) in m per rad/s (default: 0.042 scaled to the subject, or the subject's own where that does "
+     "not hold its gaits)",
+     0},
+    {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat, predictive or wearer", 0},
+    {"open-loop", KEY_OPEN_LOOP, 0, 0,
+     "no law: constant precompression --r0, reached by a slow ramp", 0},
+    {"r0", KEY_R0, "M", 0, "precompression of --open-loop, metres", 0},
+    {"start-r0", KEY_START_R0, "M", 0, "start from the steady gait of this precompression, metres",
+     0},
+    {"subject", KEY_SUBJECT, "FILE", 0, "subject file (INI; default: the paper's walker)", 0},
+    {0}};
+
+double option_number(struct argp_state *state, const char *option, const char *text, double low,
+                     double high)
+{
+    char *end = NULL;
+    errno = 0;
+    const double value = strtod(text, &end);
+    if (end == text || *end != '\0' || errno == ERANGE || !isfinite(value)) {
+        argp_error(state, "%s: \"%s\" is not a number", option, text);
+    }
+    if (value < low || value > high) {
+        argp_error(state, "%s: %s is out of range, allowed is %g to %g", option, text, low, high);
+    }
+    return value;
+}
+
+uint64_t option_whole(struct argp_state *state, const char *option, const char *text, uint64_t low,
+                      uint64_t high)
+{
+    char *end = NULL;
+    errno = 0;
+    const unsigned long long value = strtoull(text, &end, 10);
+    if (end == text || *end != '\0' || errno == ERANGE || text[0] == '-' || value < low ||
+        value > high) {
+        argp_error(state, "%s: \"%s\" is not a whole number from %llu to %llu", option, text,
+                   (unsigned long long)low, (unsigned long long)high);
+    }
+    return value;
+}
+
+static void check_together(struct argp_state *state, const struct walk_options *options)
+{
+    if (options->open_loop && options->r0_m <= 0.0) {
+        argp_error(state, "--open-loop needs --r0 M");
+    }
+    if (options->r0_m > 0.0 && !options->open_loop) {
+        argp_error(state, "--r0 is the constant of --open-loop; with the law use --speed");
+    }
+    if (options->open_loop && options->speed_rad_s > 0.0) {
+        argp_error(state, "--speed and --open-loop exclude each other");
+    }
+    if (options->open_loop && options->law_given) {
+        argp_error(state, "--law and --open-loop exclude each other");
+    }
+    if (options->open_loop && options->kp >= 0.0) {
+        argp_error(state, "--kp and --open-loop exclude each other");
+    }
+}
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct walk_options *options = (struct walk_options *)state->input;
+    switch (key) {
+    case KEY_SPEED:
+        options->speed_rad_s = option_number(state, "--speed", text, 1e-3, 20.0);
+        break;
+    case KEY_OPEN_LOOP:
+        options->open_loop = true;
+        break;
+    case KEY_R0:
+        options->r0_m = option_number(state, "--r0", text, 1e-4, 0.6);
+        break;
+    case KEY_START_R0:
+        options->start_r0_m = option_number(state, "--start-r0", text, 1e-4, 0.6);
+        break;
+    case KEY_KP:
+        options->kp = option_number(state, "--kp", text, 0.0, 1.0);
+        break;
+    case KEY_LAW:
+        options->law_given = true;
+        if (law_from_name(text, &options->law) != 0 || options->law == LAW_OPEN_LOOP) {
+            argp_error(state, "--law: \"%s\" is unknown, allowed is %s", text,
+                       "proportional, dlqr, deadbeat, predictive or wearer");
+        }
+        break;
+    case KEY_SUBJECT:
+        options->subject_path = text;
+        break;
+    case ARGP_KEY_END:
+        check_together(state, options);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+const struct argp walk_options_parser = {option_list, take, 0, 0, 0, 0, 0};
+
+void walk_options_init(struct walk_options *options)
+{
+    *options = (struct walk_options){.kp = -1.0};
+}
+
+static void override(struct subject *subject, const char *name, double value)
+{
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        if (strcmp(control_param_descriptors[i].name, name) == 0) {
+            subject->control_overridden[i] = true;
+            subject->control_override[i] = value;
+        }
+    }
+}
+
+static int check_speed(const struct control_params *params, double speed, char *message)
+{
+    real low_rad_s, high_rad_s;
+    control_params_speeds(params, &low_rad_s, &high_rad_s);
+    if ((real)speed >= low_rad_s && (real)speed <= high_rad_s) { /* as the node would be told it */
+        return 0;
+    }
+    snprintf(message, SUBJECT_MESSAGE_MAX,
+             "--speed %g is out of range: this law serves this subject from %.4g to %.4g rad/s",
+             speed, (double)low_rad_s, (double)high_rad_s);
+    return -1;
+}
+
+/* Puts the subject's file before a message about its numbers. */
+static void name_file(const char *path, char *message)
+{
+    char reason[SUBJECT_MESSAGE_MAX];
+    if (path != NULL) {
+        snprintf(reason, sizeof reason, "%s", message);
+        snprintf(message, SUBJECT_MESSAGE_MAX, "%.300s: %.400s", path, reason);
+    }
+}
+
+int walk_options_resolve(const struct walk_options *options, struct subject *subject,
+                         struct control_params *params, double *desired_speed_rad_s, char *message)
+{
+    subject_default(subject);
+    if (options->subject_path != NULL &&
+        subject_read(subject, options->subject_path, message) != 0) {
+        return -1;
+    }
+    if (options->kp >= 0.0) {
+        override(subject, "kp_m_s_rad", options->kp);
+    }
+    if (options->start_r0_m > 0.0) {
+        override(subject, "start_r0_m", options->start_r0_m);
+    }
+    if (options->law_given) {
+        override(subject, "law", (double)options->law);
+    }
+    if (options->open_loop) {
+        override(subject, "law", (double)LAW_OPEN_LOOP);
+        override(subject, "open_loop_r0_m", options->r0_m);
+    }
+    if (subject_control_params(subject, params, message) != 0) {
+        name_file(options->subject_path, message);
+        return -1;
+    }
+    if (options->kp >= 0.0 &&
+        (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT)) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "--kp does nothing with the law %s: its gains are the branch's",
+                 law_name_of((enum law_mode)params->law));
+        return -1;
+    }
+    *desired_speed_rad_s = (double)speed_table_speed(&params->table, params->start_r0_m);
+    if (options->speed_rad_s > 0.0) {
+        *desired_speed_rad_s = options->speed_rad_s;
+        return check_speed(params, options->speed_rad_s, message);
+    }
+    return 0;
+}
+
+static const char *program_name = "";
+
+static void print_version(FILE *stream, struct argp_state *state)
+{
+    (void)state;
+    fprintf(stream, "%s %s (build %08x)\n", program_name, version_text(),
+            (unsigned)version_build_id());
+}
+
+void option_identity(const char *program)
+{
+    program_name = program;
+    argp_err_exit_status = 2;
+    argp_program_version_hook = print_version;
+}

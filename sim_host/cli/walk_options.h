@@ -1,0 +1,45 @@
+/* Command-line options that say who walks, how fast and by which law: the same for
+ * every program that runs the control task.
+ */
+#ifndef SIM_HOST_CLI_WALK_OPTIONS_H
+#define SIM_HOST_CLI_WALK_OPTIONS_H
+
+#include <argp.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim_host/subjects/subject.h"
+
+struct walk_options {
+    double speed_rad_s; /* 0 = not given */
+    bool open_loop;
+    double r0_m;       /* 0 = not given */
+    double start_r0_m; /* 0 = not given */
+    double kp;         /* < 0 = not given */
+    bool law_given;
+    enum law_mode law;
+    const char *subject_path; /* NULL = the paper's walker */
+};
+
+/* Child parser: its input is a struct walk_options, set up by walk_options_init. */
+extern const struct argp walk_options_parser;
+
+void walk_options_init(struct walk_options *options);
+
+/* Subject file and options to what the control task needs: the subject, its
+ * parameters, the speed to walk at. Returns 0, or -1 with the reason in message
+ * (SUBJECT_MESSAGE_MAX bytes). */
+int walk_options_resolve(const struct walk_options *options, struct subject *subject,
+                         struct control_params *params, double *desired_speed_rad_s, char *message);
+
+/* For the parsers of the programs: a number within low..high, or a usage error. */
+double option_number(struct argp_state *state, const char *option, const char *text, double low,
+                     double high);
+uint64_t option_whole(struct argp_state *state, const char *option, const char *text, uint64_t low,
+                      uint64_t high);
+
+/* Sets what argp prints for --version ("NAME version (build id)") and the exit
+ * status of usage errors, 2. */
+void option_identity(const char *program);
+
+#endif

@@ -1,0 +1,75 @@
+/* Judges a run by the plant, not by the controller's opinion.
+ *
+ * Unsafe, each a bit:
+ *   RELEASE   spring energy released outside double support, or on the leading leg
+ *   LOADED    a spring above 5 % of its force at the notice (and of 1 % of the force at
+ *             full stroke) 300 ms after the fault was noticed, or had to be
+ *   FALLEN    a spring loaded that long after the walker went down and steps had to be
+ *             known to have stopped
+ *   FORCE     ankle force above that of the spring, as configured, at full stroke
+ *   STROKE    motor beyond its stops
+ *   RATE      motor faster than 1.3 of the drive's limit
+ *   ENABLED   a drive that follows targets, or has its latch armed, 100 ms after the
+ *             controller is in FAULT
+ *   STEP      commanded precompression jumps up: by more than the reference's speed allows in a
+ *             tick, or a step's r0 by more than its limit
+ * Noticed: the supervisor unloads or is in FAULT, or a drive is in its own reaction.
+ */
+#ifndef SIM_HOST_FAULTS_ORACLE_H
+#define SIM_HOST_FAULTS_ORACLE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim_host/loop/loop.h"
+
+enum judge_unsafe {
+    UNSAFE_RELEASE = 1 << 0,
+    UNSAFE_LOADED = 1 << 1,
+    UNSAFE_FALLEN = 1 << 2,
+    UNSAFE_FORCE = 1 << 3,
+    UNSAFE_STROKE = 1 << 4,
+    UNSAFE_RATE = 1 << 5,
+    UNSAFE_ENABLED = 1 << 6,
+    UNSAFE_STEP = 1 << 7,
+    UNSAFE_BITS = 8
+};
+
+/* Name of bit 0..7. */
+const char *judge_unsafe_name(int bit);
+
+enum { JUDGE_UNLOAD_MS = 300 };
+#define JUDGE_NEVER UINT32_MAX
+
+struct judge {
+    struct loop *loop; /* the caller's */
+    uint32_t tick;
+    uint32_t effect_tick; /* first difference from the run without the fault */
+    uint32_t noticed_tick;
+    uint32_t unloaded_tick;    /* both springs slack after the notice */
+    uint32_t must_notice_tick; /* JUDGE_NEVER: need not */
+    uint32_t fault_tick;       /* controller entered FAULT */
+    uint32_t down_tick;
+    uint32_t unsafe_tick; /* of the first unsafe bit */
+    unsigned unsafe;
+    double noticed_force_N[SIDE_COUNT];
+    double before_m[SIDE_COUNT]; /* last command */
+    bool was_enabled[SIDE_COUNT];
+    double r0_m;
+    uint32_t r0_number;
+    bool double_support; /* as the events told */
+    enum side trailing;
+    enum supervisor_fault fault; /* first latched */
+    enum walk_fault walk_fault;
+};
+
+/* At the moment the shots begin to count. */
+void judge_begin(struct judge *judge, struct loop *loop);
+
+/* After every tick. differs: bus or plant is not as it was without the fault. */
+void judge_tick(struct judge *judge, bool differs);
+
+/* Nothing more can happen that matters: torque off, slack, for a while. */
+bool judge_is_settled(const struct judge *judge);
+
+#endif

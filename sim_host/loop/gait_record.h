@@ -1,0 +1,57 @@
+/* What the controller said about the gait, and when it knew, beside the plant's truth.
+ *
+ * Times are in seconds of the plant, or of the recording when a wearer walks. The
+ * controller's are those of its own events: estimated moment and the tick in which
+ * the event was reported.
+ */
+#ifndef SIM_HOST_LOOP_GAIT_RECORD_H
+#define SIM_HOST_LOOP_GAIT_RECORD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "sim_host/loop/loop.h"
+
+struct gait_moment {
+    double event_s; /* when it happened, as estimated */
+    double known_s; /* when the controller reported it */
+};
+
+/* A list that grows; count entries are valid. */
+struct gait_moments {
+    struct gait_moment *at;
+    size_t count, capacity;
+};
+
+enum { GAIT_PHASE_TICKS = 4096 }; /* longest stride whose phase is judged */
+
+struct gait_record {
+    struct gait_moments seen[SIDE_COUNT][GAIT_EVENT_KINDS];
+    struct gait_moments release[SIDE_COUNT]; /* of the latch, by the plant */
+    struct gait_moments
+        true_strike[SIDE_COUNT]; /* by the plant or the recording; known_s = event_s */
+    struct gait_moments true_toe_off[SIDE_COUNT];
+    float phase[SIDE_COUNT][GAIT_PHASE_TICKS]; /* the controller's, since the last true strike */
+    uint32_t phase_count[SIDE_COUNT];
+    double phase_squares[SIDE_COUNT]; /* sum of squared errors, share of the stride */
+    uint64_t phase_judged[SIDE_COUNT];
+    double origin_s;    /* subtracted from the plant's time */
+    bool out_of_memory; /* something was not recorded */
+};
+
+/* Empty; times will count from origin_s of the plant. */
+void gait_record_init(struct gait_record *record, double origin_s);
+void gait_record_free(struct gait_record *record);
+
+/* One event of the plant. */
+void gait_record_truth(struct gait_record *record, const struct walk_event *event);
+
+/* After each loop_tick: the controller's events and gait phase of that tick. */
+void gait_record_take(struct gait_record *record, const struct loop *loop);
+
+/* RMS error of the leg's gait phase against the true heel strikes, share of a stride;
+ * NaN when nothing was judged. */
+double gait_record_phase_error(const struct gait_record *record, enum side side);
+
+#endif

@@ -1,0 +1,222 @@
+#include "sim_host/loop/loop.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "firmware/version.h"
+#include "hal/bus/frame_table.h"
+#include "sim_host/log/black_box_log.h"
+#include "sim_host/log/candump_log.h"
+
+enum { TICK_NS = TICK_PERIOD_US * 1000 };
+
+static_assert((int)SPEED_TABLE_MAX <= (int)OWN_PUSH_GAITS_MAX, "the wearer knows as many gaits");
+
+const char *loop_fault_name(enum loop_fault fault)
+{
+    static const char *const names[LOOP_FAULT_COUNT] = {"none", "cut-drives", "never-armed",
+                                                        "swapped"};
+    return (unsigned)fault < LOOP_FAULT_COUNT ? names[fault] : "unknown";
+}
+
+/* ---- configuration -------------------------------------------------------- */
+
+static void configure_actuators(struct plant_config *plant, const struct subject *subject)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct sea_params *sea = &plant->sea[side];
+        sea->counts_per_m = subject->counts_per_m;
+        sea->rated_force_N = subject_rated_force_N(subject);
+        if (subject->stroke_max_m > 0.0) {
+            sea->stroke_max_m = subject->stroke_max_m;
+            sea->end_stop_max_m = subject->stroke_max_m + 0.005 * subject->leg_length_m;
+        }
+        if (subject->speed_max_m_s > 0.0) {
+            sea->speed_limit_m_s = subject->speed_max_m_s;
+        }
+        if (subject->force_max_N > 0.0) {
+            sea->force_limit_N = subject->force_max_N;
+        }
+        struct sensor_params *sensors = &plant->sensors[side];
+        sensors->ankle_is_lever = subject->ankle == ANKLE_LEVER;
+        sensors->ankle_lever_m = subject->ankle_lever_m;
+        sensors->ankle_neutral_rad = subject->ankle_neutral_rad;
+    }
+}
+
+int loop_configure(struct loop_config *config, const struct subject *subject,
+                   const struct control_params *params, double desired_speed_rad_s,
+                   enum sensor_preset_kind sensors, uint64_t seed, char *message)
+{
+    memset(config, 0, sizeof *config);
+    config->subject = *subject;
+    config->params = *params;
+    config->desired_speed_rad_s = desired_speed_rad_s;
+    const struct gait_walker walker = subject_gait_walker(subject);
+    struct gait_point start;
+    const enum gait_curve_error error =
+        gait_curve(&walker, (double)config->params.start_r0_m, 0.0, 1, &start, NULL);
+    if (error != GAIT_CURVE_OK) {
+        snprintf(message, LOOP_MESSAGE_MAX, "no steady gait to start from at r0 = %g m: %s",
+                 (double)config->params.start_r0_m, gait_curve_error_name(error));
+        return -1;
+    }
+    const struct walker3_params body = {.hip_mass_kg = subject->torso_mass_kg,
+                                        .leg_mass_kg = subject->leg_mass_kg,
+                                        .leg_length_m = subject->leg_length_m,
+                                        .gravity_m_s2 = subject->gravity_m_s2};
+    plant_config_for(&body, subject->spring_N_per_m, SEA_REAL, sensors, &config->plant);
+    configure_actuators(&config->plant, subject);
+    config->plant.seed = seed;
+    config->plant.start = (struct walk_pose){.stance = SIDE_LEFT,
+                                             .theta_s_rad = start.lift_off[0],
+                                             .theta_n_rad = start.lift_off[1],
+                                             .theta_s_rate_rad_s = start.lift_off[2],
+                                             .theta_n_rate_rad_s = start.lift_off[3]};
+    return 0;
+}
+
+void loop_configure_wearer(struct loop_config *config, unsigned engage_steps)
+{
+    struct control_params *params = &config->params;
+    params->engage_steps = (real)engage_steps;
+    config->plant.support.least_load_m = 0.0;
+    config->own_push = (struct own_push_params){
+        .present = true,
+        .target_rad_s = config->desired_speed_rad_s,
+        .start_rad_s = (double)speed_table_speed(&params->table, params->start_r0_m),
+        .ramp_rad_s = (double)params->speed_ramp_rad_s,
+        .count = (int)params->table.count,
+        .rest_first_m = (double)params->table.r0_min_m,
+        .rest_step_m = (double)params->table.r0_step_m,
+        .gain_m_s_rad = (double)params->kp_m_s_rad,
+        .rest_max_m = (double)params->r0_max_m,
+        .spring_N_per_m = config->subject.spring_N_per_m,
+    };
+    for (int i = 0; i < config->own_push.count; i++) {
+        config->own_push.speed_rad_s[i] = (double)params->table.speed_rad_s[i];
+    }
+}
+
+/* ---- the bus's hooks ------------------------------------------------------- */
+
+static void write_log(void *context, const struct sim_bus_event *event)
+{
+    struct loop *loop = (struct loop *)context;
+    if (event->kind != SIM_BUS_FRAME || loop->log == NULL) {
+        return;
+    }
+    loop->logged_frames++;
+    /* The stream keeps its error; who opened it asks for it. */
+    (void)candump_write(loop->log, event->time_ns / 1000u, "can0", &event->message);
+}
+
+static bool is_drive_frame(uint32_t id)
+{
+    return id == FRAME_DRIVE_STATE_LEFT || id == FRAME_DRIVE_STATE_RIGHT ||
+           id == FRAME_DRIVE_TARGETS || id == FRAME_DRIVE_COMMAND_LEFT ||
+           id == FRAME_DRIVE_COMMAND_RIGHT;
+}
+
+static struct sim_bus_fault inject(void *context, const struct can_msg *message, unsigned sender,
+                                   uint64_t time_ns)
+{
+    const struct loop *loop = (const struct loop *)context;
+    struct sim_bus_fault fault = {.kind = SIM_BUS_FAULT_NONE};
+    (void)sender;
+    (void)time_ns;
+    if (!loop->fault_active) {
+        return fault;
+    }
+    if (loop->config.fault == LOOP_FAULT_CUT_DRIVES && is_drive_frame(message->id)) {
+        fault.kind = SIM_BUS_FAULT_DROP;
+    } else if (loop->config.fault == LOOP_FAULT_NEVER_ARMED &&
+               (message->id == FRAME_DRIVE_COMMAND_LEFT ||
+                message->id == FRAME_DRIVE_COMMAND_RIGHT) &&
+               (message->data[4] & 1u) != 0) {
+        fault.kind = SIM_BUS_FAULT_ALTER;
+        fault.flip[4] = 1; /* bit 16 of the outputs at bytes 2..5 */
+    }
+    return fault;
+}
+
+/* ---- building -------------------------------------------------------------- */
+
+static void wake_node(void *context, uint64_t now_ns)
+{
+    const struct loop_wake *wake = (const struct loop_wake *)context;
+    (void)walker_nodes_poll(&wake->loop->nodes, wake->node, now_ns);
+}
+
+static void wake_task(void *context, uint64_t now_ns)
+{
+    (void)now_ns;
+    (void)control_task_poll((struct control_task *)context);
+}
+
+static int init_nodes(struct loop *loop, char *message)
+{
+    static const char *const names[WALKER_NODES] = {"drive left", "sensor left", "drive right",
+                                                    "sensor right"};
+    struct can_bus ports[WALKER_NODES];
+    for (int i = 0; i < WALKER_NODES; i++) {
+        loop->wake[i] = (struct loop_wake){loop, (enum walker_node)i};
+        const int port = sim_bus_attach(&loop->bus, names[i], wake_node, &loop->wake[i]);
+        ports[i] = sim_bus_port(&loop->bus, port);
+    }
+    const struct walker_drives drives = subject_drives(&loop->config.subject);
+    return walker_nodes_init(&loop->nodes, &loop->config.plant, &drives, ports, 0, message);
+}
+
+int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, char *message)
+{
+    memset(loop, 0, sizeof *loop);
+    loop->config = *config;
+    loop->log = log;
+    own_push_init(&loop->own_push, &config->own_push);
+    sim_bus_init(&loop->bus, BUS_BITRATE);
+    sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
+    sim_bus_set_fault_hook(&loop->bus, inject, loop);
+    const int port = sim_bus_attach(&loop->bus, "controller", wake_task, &loop->rig.task);
+    struct can_bus bus = sim_bus_port(&loop->bus, port);
+    if (config->wrap_bus != NULL) {
+        bus = config->wrap_bus(config->wrap_context, bus);
+    }
+    if (task_rig_init(&loop->rig, &config->subject, &config->params, bus,
+                      config->desired_speed_rad_s, true) != CONTROL_PARAMS_OK) {
+        snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
+        return -1;
+    }
+    if (log != NULL) {
+        (void)black_box_log_identify(log, "can0", version_build_id(),
+                                     loop->rig.task.node.objects.params_crc, version_text());
+    }
+    return init_nodes(loop, message);
+}
+
+void loop_free(struct loop *loop)
+{
+    walker_nodes_free(&loop->nodes);
+}
+
+/* ---- one period ------------------------------------------------------------ */
+
+void loop_tick(struct loop *loop)
+{
+    const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
+    sim_bus_run_until(&loop->bus, sync_ns);
+    (void)control_task_start_cycle(&loop->rig.task); /* refused: counted, seen by the supervisor */
+    sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
+    for (int i = 0; i < WALKER_NODES; i++) {
+        (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, sync_ns + TICK_NS - 1);
+    }
+    own_push_tick(&loop->own_push, &loop->nodes.plant);
+    walker_nodes_advance(&loop->nodes);
+    if (!loop->fault_active && loop->config.fault != LOOP_FAULT_NONE &&
+        loop->rig.task.controller.last_step.number >= loop->config.fault_step) {
+        loop->fault_active = true;
+        loop->nodes.swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
+    }
+    walker_nodes_measure(&loop->nodes);
+    loop->tick++;
+}

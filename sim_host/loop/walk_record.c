@@ -1,0 +1,90 @@
+#include "sim_host/loop/walk_record.h"
+
+#include <stdlib.h>
+
+bool walk_record_init(struct walk_record *record, uint32_t capacity, double origin_s)
+{
+    *record = (struct walk_record){.capacity = capacity};
+    gait_record_init(&record->gait, origin_s);
+    record->rows = (struct walk_row *)calloc(capacity, sizeof *record->rows);
+    return record->rows != NULL;
+}
+
+void walk_record_free(struct walk_record *record)
+{
+    gait_record_free(&record->gait);
+    free(record->rows);
+    record->rows = NULL;
+}
+
+static void add_row(struct walk_record *record, const struct walk_event *event)
+{
+    if (record->count == 0) {
+        record->first_apex_s = event->time_s;
+    }
+    if (record->count < record->capacity) {
+        record->rows[record->count] = (struct walk_row){.number = record->count + 1,
+                                                        .side = event->side,
+                                                        .time_s = event->time_s,
+                                                        .apex_speed_rad_s = event->value};
+        record->count++;
+    }
+}
+
+/* The controller reports an apex some ticks after it happened: it belongs to the
+ * last row of that side that has none yet. */
+static void match_step(struct walk_record *record, const struct step_record *step)
+{
+    record->apexes[step->side]++;
+    for (uint32_t back = 0; back < 2 && back < record->count; back++) {
+        struct walk_row *row = &record->rows[record->count - 1 - back];
+        if (row->side == step->side && !row->measured) {
+            row->measured = true;
+            row->measured_speed_rad_s = (double)step->measured_speed_rad_s;
+            row->command_rad_s = (double)step->commanded_speed_rad_s;
+            row->r0_m = (double)step->r0_m;
+            row->fell_back = step->fell_back;
+            return;
+        }
+    }
+    record->unmatched++;
+}
+
+int walk_record_take(struct walk_record *record, struct loop *loop)
+{
+    struct walk_event event;
+    int kind = -1;
+    while (plant_next_event(&loop->nodes.plant, &event)) {
+        kind = (int)event.kind;
+        gait_record_truth(&record->gait, &event);
+        if (event.kind == WALK_EVENT_APEX) {
+            add_row(record, &event);
+        } else if (event.kind == WALK_EVENT_HEEL_STRIKE && record->count > 0) {
+            record->rows[record->count - 1].step_length_m = event.value;
+        }
+    }
+    gait_record_take(&record->gait, loop);
+    if (loop->rig.task.output.new_step) {
+        loop->rig.task.output.new_step = false; /* taken */
+        match_step(record, &loop->rig.task.controller.last_step);
+    }
+    return kind;
+}
+
+struct walk_summary walk_record_summary(const struct walk_record *record, uint32_t over)
+{
+    struct walk_summary summary = {.over = record->count < over ? record->count : over};
+    double sum = 0.0;
+    for (uint32_t i = record->count - summary.over; i < record->count; i++) {
+        const double speed = record->rows[i].apex_speed_rad_s;
+        sum += speed;
+        if (i == record->count - summary.over || speed < summary.least_rad_s) {
+            summary.least_rad_s = speed;
+        }
+        if (speed > summary.greatest_rad_s) {
+            summary.greatest_rad_s = speed;
+        }
+    }
+    summary.mean_rad_s = summary.over > 0 ? sum / summary.over : 0.0;
+    return summary;
+}

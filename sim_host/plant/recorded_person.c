@@ -1,0 +1,115 @@
+#include "sim_host/plant/recorded_person.h"
+
+#include <stddef.h>
+
+void wearer_format_default(struct wearer_format *format)
+{
+    *format = (struct wearer_format){
+        .time_column = "time_s",
+        .thigh_column = {"thigh_l_deg", "thigh_r_deg"},
+        .shank_column = {"shank_l_deg", "shank_r_deg"},
+        .ankle_column = {"ankle_l_deg", "ankle_r_deg"},
+        .contact_column = {"contact_l", "contact_r"},
+        .sample_rate_hz = 200.0,
+        .angle_unit_rad = 3.14159265358979323846 / 180.0,
+        .ankle_lever_m = 0.12,
+        .ankle_neutral_rad = 0.0,
+        .largest_gap_s = 0.1,
+    };
+}
+
+double wearer_span_rad(const struct wearer *wearer)
+{
+    double widest_rad = 0.0;
+    for (int side = 0; side < SIDE_COUNT && wearer->count > 0; side++) {
+        double low = wearer->samples[0].leg_angle_rad[side], high = low;
+        for (size_t i = 1; i < wearer->count; i++) {
+            const double angle = wearer->samples[i].leg_angle_rad[side];
+            low = angle < low ? angle : low;
+            high = angle > high ? angle : high;
+        }
+        widest_rad = high - low > widest_rad ? high - low : widest_rad;
+    }
+    return widest_rad;
+}
+
+/* The quantities that are interpolated, per side. */
+enum quantity { LEG_ANGLE, ANKLE };
+
+static double sampled(const struct wearer *wearer, size_t i, enum quantity quantity, int side)
+{
+    const struct wearer_sample *sample = &wearer->samples[i];
+    return quantity == LEG_ANGLE ? sample->leg_angle_rad[side] : sample->ankle_m[side];
+}
+
+/* Slope at sample i through its neighbours (one-sided at the ends). */
+static double slope_at(const struct wearer *wearer, size_t i, enum quantity quantity, int side)
+{
+    const size_t low = i > 0 ? i - 1 : 0;
+    const size_t high = i + 1 < wearer->count ? i + 1 : i;
+    const double span_s = wearer->samples[high].time_s - wearer->samples[low].time_s;
+    return (sampled(wearer, high, quantity, side) - sampled(wearer, low, quantity, side)) / span_s;
+}
+
+struct value {
+    double value, rate;
+};
+
+/* Catmull-Rom between samples i and i + 1, at part u of the way. */
+static struct value between(const struct wearer *wearer, size_t i, double u, enum quantity quantity,
+                            int side)
+{
+    const double h = wearer->samples[i + 1].time_s - wearer->samples[i].time_s;
+    const double a = sampled(wearer, i, quantity, side);
+    const double b = sampled(wearer, i + 1, quantity, side);
+    const double ra = h * slope_at(wearer, i, quantity, side);
+    const double rb = h * slope_at(wearer, i + 1, quantity, side);
+    const double c2 = 3.0 * (b - a) - 2.0 * ra - rb, c3 = 2.0 * (a - b) + ra + rb;
+    return (struct value){
+        .value = a + u * (ra + u * (c2 + u * c3)),
+        .rate = (ra + u * (2.0 * c2 + u * 3.0 * c3)) / h,
+    };
+}
+
+static void hold_sample(const struct wearer_sample *sample, struct wearer_state *state)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        state->leg_angle_rad[side] = sample->leg_angle_rad[side];
+        state->ankle_m[side] = sample->ankle_m[side];
+        state->contact[side] = sample->contact[side];
+        state->leg_rate_rad_s[side] = 0.0;
+        state->ankle_rate_m_s[side] = 0.0;
+    }
+}
+
+void wearer_at(const struct wearer *wearer, double time_s, size_t *cursor,
+               struct wearer_state *state)
+{
+    const struct wearer_sample *samples = wearer->samples;
+    size_t i = *cursor < wearer->count ? *cursor : wearer->count - 1;
+    while (i > 0 && samples[i].time_s > time_s) {
+        i--;
+    }
+    while (i + 1 < wearer->count && samples[i + 1].time_s <= time_s) {
+        i++;
+    }
+    *cursor = i;
+    state->finished = i + 1 == wearer->count;
+    if (state->finished || time_s <= 0.0) {
+        hold_sample(&samples[i], state);
+        return;
+    }
+    const double u = (time_s - samples[i].time_s) / (samples[i + 1].time_s - samples[i].time_s);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const struct value leg = between(wearer, i, u, LEG_ANGLE, side);
+        struct value ankle = between(wearer, i, u, ANKLE, side);
+        if (ankle.value <= 0.0) {
+            ankle = (struct value){0.0, 0.0}; /* the heel is down */
+        }
+        state->leg_angle_rad[side] = leg.value;
+        state->leg_rate_rad_s[side] = leg.rate;
+        state->ankle_m[side] = ankle.value;
+        state->ankle_rate_m_s[side] = ankle.rate;
+        state->contact[side] = samples[i].contact[side];
+    }
+}

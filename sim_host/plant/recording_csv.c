@@ -1,0 +1,402 @@
+/* Reading a recording: a CSV file, checked field by field. */
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/trig.h"
+#include "sim_host/plant/range.h"
+#include "sim_host/plant/recorded_person.h"
+
+static const double HALF_TURN_RAD = 3.14159265358979323846;
+
+enum column {
+    TIME,
+    THIGH_L,
+    THIGH_R,
+    SHANK_L,
+    SHANK_R,
+    ANKLE_L,
+    ANKLE_R,
+    CONTACT_L,
+    CONTACT_R,
+    COLUMN_COUNT
+};
+
+enum { LARGEST_FILE_BYTES = 1 << 30, ABSENT = -1, SHOWN_CHARACTERS = 40 };
+
+struct reader {
+    const char *path;
+    const struct wearer_format *format;
+    char *text; /* owned, zero-terminated */
+    size_t bytes;
+    const char *at;
+    size_t line;              /* of *at, from 1 */
+    long index[COLUMN_COUNT]; /* place of each column in a row, or ABSENT */
+    long columns;             /* per row */
+    struct wearer *wearer;
+    size_t capacity;
+    char *message;
+};
+
+/* A field: [begin, end), without surrounding blanks and quotes. */
+struct field {
+    const char *begin, *end;
+};
+
+static const char *column_name(const struct wearer_format *format, int column)
+{
+    switch ((enum column)column) {
+    case TIME:
+        return format->time_column;
+    case THIGH_L:
+    case THIGH_R:
+        return format->thigh_column[column - THIGH_L];
+    case SHANK_L:
+    case SHANK_R:
+        return format->shank_column[column - SHANK_L];
+    case ANKLE_L:
+    case ANKLE_R:
+        return format->ankle_column[column - ANKLE_L];
+    case CONTACT_L:
+    case CONTACT_R:
+        return format->contact_column[column - CONTACT_L];
+    case COLUMN_COUNT:
+        break;
+    }
+    return "";
+}
+
+static enum wearer_error fail_at(const struct reader *reader, enum wearer_error error, long column,
+                                 const char *what)
+{
+    if (column >= 0) {
+        (void)snprintf(reader->message, WEARER_ERROR_MAX, "%.200s: line %zu, column %ld: %.200s",
+                       reader->path, reader->line, column + 1, what);
+    } else {
+        (void)snprintf(reader->message, WEARER_ERROR_MAX, "%.200s: line %zu: %.200s", reader->path,
+                       reader->line, what);
+    }
+    return error;
+}
+
+static enum wearer_error check_format(const struct wearer_format *format, char *message)
+{
+    const struct range ranges[] = {
+        {"sample_rate_hz", format->sample_rate_hz, 1.0, 1e5},
+        {"ankle_lever_m", format->ankle_lever_m, 1e-3, 10.0},
+        {"ankle_neutral_rad", format->ankle_neutral_rad, -1.5, 1.5},
+        {"largest_gap_s", format->largest_gap_s, 1e-5, 1e3},
+        {"angle_unit_rad", format->angle_unit_rad, 1e-6, 1.0},
+    };
+    const char *bad = range_first_bad(ranges, sizeof ranges / sizeof ranges[0]);
+    for (int column = THIGH_L; column <= SHANK_R && bad == NULL; column++) {
+        if (column_name(format, column)[0] == '\0') {
+            bad = "a thigh or shank column's name (empty)";
+        }
+    }
+    if (bad == NULL) {
+        return WEARER_OK;
+    }
+    (void)snprintf(message, WEARER_ERROR_MAX, "recording's format: %s is out of range", bad);
+    return WEARER_BAD_FORMAT;
+}
+
+static enum wearer_error read_file(struct reader *reader)
+{
+    const char *why = NULL;
+    enum wearer_error error = WEARER_CANNOT_READ;
+    FILE *file = fopen(reader->path, "rb");
+    long size = -1;
+    if (file == NULL) {
+        why = strerror(errno);
+    } else if (fseek(file, 0, SEEK_END) != 0 || (size = ftell(file)) < 0 ||
+               fseek(file, 0, SEEK_SET) != 0) {
+        why = "cannot tell its size";
+    } else if (size > LARGEST_FILE_BYTES) {
+        why = "larger than 1 GB";
+    } else if ((reader->text = malloc((size_t)size + 1)) == NULL) {
+        why = "not enough memory";
+        error = WEARER_NO_MEMORY;
+    } else if (fread(reader->text, 1, (size_t)size, file) != (size_t)size) {
+        why = "cannot be read";
+    } else {
+        reader->text[size] = '\0';
+        reader->bytes = (size_t)size;
+        error = WEARER_OK;
+    }
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    if (error != WEARER_OK) {
+        (void)snprintf(reader->message, WEARER_ERROR_MAX, "%.200s: %.200s", reader->path, why);
+    }
+    return error;
+}
+
+/* The next field of the line; *more tells whether a comma followed. */
+static struct field next_field(struct reader *reader, bool *more)
+{
+    const char *begin = reader->at;
+    const char *end = begin + strcspn(begin, ",\n");
+    *more = *end == ',';
+    reader->at = *more ? end + 1 : end;
+    while (begin < end && (*begin == ' ' || *begin == '\t' || *begin == '"')) {
+        begin++;
+    }
+    while (end > begin &&
+           (end[-1] == ' ' || end[-1] == '\t' || end[-1] == '\r' || end[-1] == '"')) {
+        end--;
+    }
+    return (struct field){begin, end};
+}
+
+/* Goes to the next line that has anything in it; false at the end of the text. */
+static bool next_line(struct reader *reader)
+{
+    for (;;) {
+        if (*reader->at == '\n') {
+            reader->at++;
+            reader->line++;
+        } else if (*reader->at == '\r' && reader->at[1] == '\n') {
+            reader->at++;
+        } else {
+            return *reader->at != '\0';
+        }
+    }
+}
+
+static bool field_is(struct field field, const char *name)
+{
+    const size_t length = (size_t)(field.end - field.begin);
+    return strlen(name) == length && memcmp(field.begin, name, length) == 0;
+}
+
+static enum wearer_error read_header(struct reader *reader)
+{
+    char what[WEARER_NAME_MAX + 64];
+    bool more = true;
+    for (int column = 0; column < COLUMN_COUNT; column++) {
+        reader->index[column] = ABSENT;
+    }
+    if (strncmp(reader->at, "\xEF\xBB\xBF", 3) == 0) {
+        reader->at += 3;
+    }
+    if (!next_line(reader)) {
+        return fail_at(reader, WEARER_BAD_HEADER, ABSENT, "the file is empty");
+    }
+    for (; more; reader->columns++) {
+        const struct field field = next_field(reader, &more);
+        for (int column = 0; column < COLUMN_COUNT; column++) {
+            const char *name = column_name(reader->format, column);
+            if (name[0] == '\0' || !field_is(field, name)) {
+                continue;
+            }
+            if (reader->index[column] != ABSENT) {
+                (void)snprintf(what, sizeof what, "column '%s' is there twice", name);
+                return fail_at(reader, WEARER_BAD_HEADER, reader->columns, what);
+            }
+            reader->index[column] = reader->columns;
+        }
+    }
+    for (int column = 0; column < COLUMN_COUNT; column++) {
+        const char *name = column_name(reader->format, column);
+        if (name[0] != '\0' && reader->index[column] == ABSENT) {
+            (void)snprintf(what, sizeof what, "no column named '%s'", name);
+            return fail_at(reader, WEARER_BAD_HEADER, ABSENT, what);
+        }
+    }
+    return WEARER_OK;
+}
+
+static bool is_contact(int column)
+{
+    return column == CONTACT_L || column == CONTACT_R;
+}
+
+static enum wearer_error read_value(const struct reader *reader, struct field field, int column,
+                                    long place, double *value)
+{
+    char text[SHOWN_CHARACTERS], what[SHOWN_CHARACTERS + 80];
+    char *end;
+    const size_t length = (size_t)(field.end - field.begin);
+    const size_t kept = length < sizeof text ? length : sizeof text - 1;
+    memcpy(text, field.begin, kept);
+    text[kept] = '\0';
+    *value = strtod(text, &end);
+    const char *wrong = NULL;
+    if (length == 0 || length >= sizeof text || *end != '\0' || !(*value - *value == 0.0)) {
+        wrong = "is not a number";
+    } else if (is_contact(column) && *value != 0.0 && *value != 1.0) {
+        wrong = "is not a contact (0 or 1)";
+    } else if (column != TIME && !is_contact(column) &&
+               !(*value * reader->format->angle_unit_rad >= -HALF_TURN_RAD &&
+                 *value * reader->format->angle_unit_rad <= HALF_TURN_RAD)) {
+        wrong = "is not an angle (-180 to 180 degrees)";
+    }
+    if (wrong == NULL) {
+        return WEARER_OK;
+    }
+    (void)snprintf(what, sizeof what, "'%s' %s", text, wrong);
+    return fail_at(reader, WEARER_BAD_VALUE, place, what);
+}
+
+static enum wearer_error read_row(struct reader *reader, double values[COLUMN_COUNT])
+{
+    bool more = true;
+    long place = 0;
+    for (; more; place++) {
+        const struct field field = next_field(reader, &more);
+        for (int column = 0; column < COLUMN_COUNT; column++) {
+            if (reader->index[column] != place) {
+                continue;
+            }
+            const enum wearer_error error =
+                read_value(reader, field, column, place, &values[column]);
+            if (error != WEARER_OK) {
+                return error;
+            }
+        }
+    }
+    if (place != reader->columns) {
+        char what[80];
+        (void)snprintf(what, sizeof what, "%ld columns where the header has %ld", place,
+                       reader->columns);
+        return fail_at(reader, WEARER_BAD_ROW, ABSENT, what);
+    }
+    return WEARER_OK;
+}
+
+static enum wearer_error make_room(struct reader *reader)
+{
+    struct wearer *wearer = reader->wearer;
+    if (wearer->count < reader->capacity) {
+        return WEARER_OK;
+    }
+    const size_t wanted = reader->capacity == 0 ? 4096 : 2 * reader->capacity;
+    struct wearer_sample *grown =
+        wanted > SIZE_MAX / sizeof *grown ? NULL : realloc(wearer->samples, wanted * sizeof *grown);
+    if (grown == NULL) {
+        return fail_at(reader, WEARER_NO_MEMORY, ABSENT, "not enough memory");
+    }
+    wearer->samples = grown;
+    reader->capacity = wanted;
+    return WEARER_OK;
+}
+
+/* Time since the first row; *origin_s is that row's own. */
+static enum wearer_error row_time(struct reader *reader, const double values[COLUMN_COUNT],
+                                  double *origin_s, double *time_s)
+{
+    const struct wearer *wearer = reader->wearer;
+    if (reader->index[TIME] == ABSENT) {
+        *time_s = (double)wearer->count / reader->format->sample_rate_hz;
+        return WEARER_OK;
+    }
+    if (wearer->count == 0) {
+        *origin_s = values[TIME];
+    }
+    *time_s = values[TIME] - *origin_s;
+    if (wearer->count > 0) {
+        const double gap_s = *time_s - wearer->samples[wearer->count - 1].time_s;
+        if (!(gap_s > 0.0)) {
+            return fail_at(reader, WEARER_BAD_TIME, reader->index[TIME], "time does not ascend");
+        }
+        if (gap_s > reader->format->largest_gap_s) {
+            return fail_at(reader, WEARER_BAD_TIME, reader->index[TIME],
+                           "too long a gap since the row before");
+        }
+    }
+    return WEARER_OK;
+}
+
+static enum wearer_error fill_sample(const struct reader *reader, const double values[COLUMN_COUNT],
+                                     struct wearer_sample *sample)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const double unit_rad = reader->format->angle_unit_rad;
+        const double thigh_rad = values[THIGH_L + side] * unit_rad;
+        const double shank_rad = values[SHANK_L + side] * unit_rad;
+        const double knee_rad = thigh_rad - shank_rad;
+        if (!(knee_rad > -HALF_TURN_RAD && knee_rad < HALF_TURN_RAD)) {
+            return fail_at(reader, WEARER_BAD_VALUE, reader->index[SHANK_L + side],
+                           "thigh and shank point in opposite directions: no leg pitch");
+        }
+        /* The sum of two unit vectors points half way between them: this is
+         * atan2(sin thigh + sin shank, cos thigh + cos shank). */
+        sample->leg_angle_rad[side] = 0.5 * (thigh_rad + shank_rad);
+        sample->plantarflexion_rad[side] = -values[ANKLE_L + side] * unit_rad;
+        const double bent_rad =
+            sample->plantarflexion_rad[side] - reader->format->ankle_neutral_rad;
+        const bool has_ankle = reader->index[ANKLE_L + side] != ABSENT;
+        const double lifted_m = reader->format->ankle_lever_m * trig_sin_f64(bent_rad);
+        sample->ankle_m[side] = has_ankle && lifted_m > 0.0 ? lifted_m : 0.0;
+        sample->contact[side] = values[CONTACT_L + side] != 0.0;
+    }
+    return WEARER_OK;
+}
+
+static enum wearer_error read_rows(struct reader *reader)
+{
+    double origin_s = 0.0;
+    while (next_line(reader)) {
+        double values[COLUMN_COUNT] = {0.0};
+        struct wearer_sample sample = {0};
+        enum wearer_error error = make_room(reader);
+        if (error == WEARER_OK) {
+            error = read_row(reader, values);
+        }
+        if (error == WEARER_OK) {
+            error = row_time(reader, values, &origin_s, &sample.time_s);
+        }
+        if (error == WEARER_OK) {
+            error = fill_sample(reader, values, &sample);
+        }
+        if (error != WEARER_OK) {
+            return error;
+        }
+        reader->wearer->samples[reader->wearer->count++] = sample;
+    }
+    reader->wearer->start_s = origin_s;
+    /* A zero byte ends the text early: not a text file. */
+    if (reader->at != reader->text + reader->bytes) {
+        return fail_at(reader, WEARER_BAD_VALUE, ABSENT, "a zero byte: this is not a text file");
+    }
+    if (reader->wearer->count < 2) {
+        return fail_at(reader, WEARER_TOO_SHORT, ABSENT, "fewer than two rows of data");
+    }
+    return WEARER_OK;
+}
+
+enum wearer_error wearer_load(struct wearer *wearer, const char *path,
+                              const struct wearer_format *format, char *message)
+{
+    struct reader reader = {
+        .path = path, .format = format, .line = 1, .wearer = wearer, .message = message};
+    *wearer = (struct wearer){0};
+    message[0] = '\0';
+    enum wearer_error error = check_format(format, message);
+    if (error == WEARER_OK) {
+        error = read_file(&reader);
+    }
+    if (error == WEARER_OK) {
+        reader.at = reader.text;
+        error = read_header(&reader);
+    }
+    if (error == WEARER_OK) {
+        error = read_rows(&reader);
+    }
+    wearer->has_contact = reader.index[CONTACT_L] != ABSENT && reader.index[CONTACT_R] != ABSENT;
+    free(reader.text);
+    if (error != WEARER_OK) {
+        wearer_free(wearer);
+    }
+    return error;
+}
+
+void wearer_free(struct wearer *wearer)
+{
+    free(wearer->samples);
+    *wearer = (struct wearer){0};
+}

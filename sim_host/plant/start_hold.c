@@ -1,0 +1,95 @@
+#include "sim_host/plant/start_hold.h"
+
+#include <stddef.h>
+
+#include "sim_host/plant/range.h"
+
+void support_params_default(double leg_length_m, struct support_params *params)
+{
+    *params = (struct support_params){
+        .release_tick = 1000,
+        .release_grid_ticks = 100,
+        .settle_ticks = 20,
+        .position_tolerance_m = 5e-4 * leg_length_m,
+        .least_load_m = 1e-3 * leg_length_m,
+        .hold_after_fall = false,
+        .fall_ticks = 500,
+    };
+}
+
+const char *support_params_check(const struct support_params *params)
+{
+    const struct range ranges[] = {
+        {"release_grid_ticks", (double)params->release_grid_ticks, 1.0, 1e6},
+        {"settle_ticks", (double)params->settle_ticks, 0.0, 1e6},
+        {"position_tolerance_m", params->position_tolerance_m, 1e-9, 1.0},
+        {"least_load_m", params->least_load_m, 0.0, 1.0},
+        {"fall_ticks", (double)params->fall_ticks, 0.0, 1e7},
+    };
+    return range_first_bad(ranges, sizeof ranges / sizeof ranges[0]);
+}
+
+void support_init(struct support *support, const struct support_params *params)
+{
+    *support = (struct support){
+        .params = *params, .holding = true, .grid_origin_tick = params->release_tick};
+}
+
+static double magnitude(double x)
+{
+    return x < 0.0 ? -x : x;
+}
+
+/* The stance spring stands loaded where its drive was told to. */
+static bool is_settled(const struct support_params *params, const struct support_view *view)
+{
+    /* Still enough not to leave the tolerance within a tenth of a second. */
+    return view->drives_enabled && view->stance_target_m >= params->least_load_m &&
+           magnitude(view->stance_position_m - view->stance_target_m) <=
+               params->position_tolerance_m &&
+           magnitude(view->stance_speed_m_s) <= 10.0 * params->position_tolerance_m;
+}
+
+static enum support_action hold(struct support *support, uint64_t tick,
+                                const struct support_view *view)
+{
+    const struct support_params *params = &support->params;
+    if (!is_settled(params, view)) {
+        support->settled_ticks = 0;
+        return SUPPORT_NONE;
+    }
+    if (support->settled_ticks < params->settle_ticks) {
+        support->settled_ticks++;
+        return SUPPORT_NONE;
+    }
+    if (tick < support->grid_origin_tick ||
+        (tick - support->grid_origin_tick) % params->release_grid_ticks != 0) {
+        return SUPPORT_NONE;
+    }
+    support->holding = false;
+    return SUPPORT_LET_GO;
+}
+
+enum support_action support_tick(struct support *support, uint64_t tick,
+                                 const struct support_view *view)
+{
+    if (support->holding) {
+        return hold(support, tick, view);
+    }
+    if (!view->fault) {
+        support->fallen = false;
+        return SUPPORT_NONE;
+    }
+    if (!support->fallen) {
+        support->fallen = true;
+        support->fallen_since_tick = tick;
+    }
+    if (!support->params.hold_after_fall ||
+        tick - support->fallen_since_tick < support->params.fall_ticks) {
+        return SUPPORT_NONE;
+    }
+    support->holding = true;
+    support->fallen = false;
+    support->settled_ticks = 0;
+    return SUPPORT_TAKE_HOLD;
+}

@@ -1,0 +1,20 @@
+/* How the studies put their problems to the batch engine: walker, law and accuracy. */
+#ifndef SIM_HOST_STUDY_BATCH_ADAPTER_H
+#define SIM_HOST_STUDY_BATCH_ADAPTER_H
+
+#include "sim_host/batch/batch.h"
+#include "sim_host/gait/orbit.h"
+
+#define ENGINE_ACCURACY 1e-11   /* of an apex, as that of the scalar map's accurate settings */
+#define ENGINE_LEAVE_ALONE (-1) /* an item's fault before it starts: the engine passes it over */
+
+struct batch_walker engine_walker(const struct walker_params *params);
+
+/* Writes the push-off of the problem's law at the item's apex into the item. */
+void engine_push(const struct problem *problem, struct batch_item *item);
+
+/* The derivative of the next apex by the apex with the problem's law, from the engine's by apex and push-off. */
+void engine_by_apex(const struct problem *problem, const struct batch_slopes *slopes,
+                    double by_x[3][3]);
+
+#endif

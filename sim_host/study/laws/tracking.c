@@ -1,0 +1,205 @@
+/* Holding a speed where the world is not as believed: slopes, a wrong body, noisy sensing; and what it costs.
+ * One walk each, at three speeds; reported is the mean speed of the last steps against the command. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "sim_host/study/laws/session.h"
+
+enum { SPEEDS = 3, CASES_MAX = 24, STEPS = 200, LAST = 50 };
+static const double speeds[SPEEDS] = {0.4, 0.6, 0.8};
+
+struct hold_case {
+    char label[24];
+    struct subject truth;
+    double slope_rad, noise_rms;
+};
+
+struct hold_result {
+    bool fell;
+    int steps, fallbacks;
+    double speed_share, spread, energy_J_per_m, cost_of_transport;
+};
+
+struct hold {
+    const struct laws_options *options;
+    int cases;
+    struct hold_case item[CASES_MAX];
+    struct hold_result result[ENTRANTS][CASES_MAX][SPEEDS];
+};
+
+static void judge(const struct hold *hold, const struct hold_case *item, double speed,
+                  const struct session_result *walk, struct hold_result *r)
+{
+    const int first = walk->steps > LAST ? walk->steps - LAST : 0;
+    double energy_J = 0.0, way_m = 0.0, least = 1e9, most = 0.0;
+    r->fell = walk->fell;
+    r->steps = walk->steps;
+    r->fallbacks = walk->fallbacks;
+    for (int k = first; k < walk->steps; k++) {
+        const struct session_step *step = &walk->step[k];
+        least = step->speed_rad_s < least ? step->speed_rad_s : least;
+        most = step->speed_rad_s > most ? step->speed_rad_s : most;
+        energy_J += 0.5 * item->truth.spring_N_per_m * step->r0_m * step->r0_m;
+        way_m += step->step_length_m;
+    }
+    const double weight_N = (item->truth.torso_mass_kg + 2.0 * item->truth.leg_mass_kg) *
+                            hold->options->subject.gravity_m_s2;
+    r->speed_share = session_mean_speed(walk, LAST) / speed;
+    r->spread = (most - least) / speed;
+    r->energy_J_per_m = way_m > 0.0 ? energy_J / way_m : 0.0;
+    r->cost_of_transport = r->energy_J_per_m / weight_N;
+}
+
+static struct session_config session_of(const struct hold *hold, int e,
+                                        const struct hold_case *item, int v)
+{
+    const double speed = speeds[v] * laws_speed_unit(hold->options);
+    return (struct session_config){.entrant = (enum laws_entrant)e,
+                                   .truth = &item->truth,
+                                   .from_rad_s = speed,
+                                   .to_rad_s = speed,
+                                   .steps = STEPS,
+                                   .slope_rad = item->slope_rad,
+                                   .slope_ramp_rad = 0.001, /* 0.06 degrees a step */
+                                   .noise_rms = item->noise_rms,
+                                   .seed = hold->options->seed};
+}
+
+/* All cases and speeds under one law. */
+static int walk_all(struct hold *hold, int e)
+{
+    struct session_config config[CASES_MAX * SPEEDS];
+    struct session_result result[CASES_MAX * SPEEDS];
+    const int count = hold->cases * SPEEDS;
+    for (int i = 0; i < count; i++) {
+        config[i] = session_of(hold, e, &hold->item[i / SPEEDS], i % SPEEDS);
+    }
+    if (session_records(config, count, result) != 0) {
+        return -1;
+    }
+    const int status = session_run(hold->options, config, count, result);
+    for (int i = 0; i < count && status == 0; i++) {
+        judge(hold, &hold->item[i / SPEEDS], config[i].to_rad_s, &result[i],
+              &hold->result[e][i / SPEEDS][i % SPEEDS]);
+    }
+    session_records_free(result);
+    return status;
+}
+
+static void print(const struct hold *hold, int e, const char *what, bool energy, FILE *csv)
+{
+    printf("  %s, %s (mean speed over command; spread; - = fell)\n", laws_entrant_names[e], what);
+    for (int c = 0; c < hold->cases; c++) {
+        printf("    %-14s", hold->item[c].label);
+        for (int v = 0; v < SPEEDS; v++) {
+            const struct hold_result *r = &hold->result[e][c][v];
+            if (r->fell) {
+                printf("  %.1f: - at %-12d", speeds[v], r->steps + 1);
+            } else {
+                printf("  %.1f: %6.4f %6.4f%s", speeds[v], r->speed_share, r->spread,
+                       r->fallbacks > 0 ? "*" : " ");
+            }
+            if (energy && !r->fell) {
+                printf(" %.4g J/m, cost of transport %.4f", r->energy_J_per_m,
+                       r->cost_of_transport);
+            }
+            if (csv != NULL) {
+                fprintf(csv, "%s,%s,%.1f,%d,%d,%.6g,%.6g,%d,%.6g,%.6g\n", laws_entrant_names[e],
+                        hold->item[c].label, speeds[v], r->fell, r->steps, r->speed_share,
+                        r->spread, r->fallbacks, r->energy_J_per_m, r->cost_of_transport);
+            }
+        }
+        printf("\n");
+    }
+}
+
+static int run(struct hold *hold, const char *study, const char *what, bool energy)
+{
+    bool failed;
+    struct output_file file;
+    FILE *csv = laws_csv(hold->options, study,
+                         "law,case,speed_rad_s,fell,steps,speed_share,spread,fallbacks,"
+                         "energy_J_per_m,cost_of_transport",
+                         &file, &failed);
+    for (int e = 0; e < ENTRANTS && !failed; e++) {
+        if (hold->options->entrant[e] && e != ENTRANT_RAMP) {
+            failed = walk_all(hold, e) != 0;
+            if (!failed) {
+                print(hold, e, what, energy, csv);
+            }
+        }
+    }
+    return laws_csv_close(&file, failed);
+}
+
+static struct hold *make(const struct laws_options *options)
+{
+    struct hold *hold = calloc(1, sizeof *hold);
+    if (hold == NULL) {
+        fprintf(stderr, "afo-study laws: out of memory\n");
+        return NULL;
+    }
+    hold->options = options;
+    return hold;
+}
+
+static struct hold_case *add(struct hold *hold)
+{
+    struct hold_case *item = &hold->item[hold->cases++];
+    item->truth = hold->options->subject;
+    return item;
+}
+
+int laws_slope(const struct laws_options *options)
+{
+    struct hold *hold = make(options);
+    if (hold == NULL) {
+        return -1;
+    }
+    for (int half = -8; half <= 8; half++) {
+        struct hold_case *item = add(hold);
+        item->slope_rad = 0.5 * half * 0.017453292519943295;
+        snprintf(item->label, sizeof item->label, "%+.1f deg", 0.5 * half);
+    }
+    const int status = run(hold, "slope", "slopes, uphill positive", false);
+    free(hold);
+    return status;
+}
+
+int laws_mismatch(const struct laws_options *options)
+{
+    static const char *const names[] = {"M", "m", "l", "k"};
+    struct hold *hold = make(options);
+    if (hold == NULL) {
+        return -1;
+    }
+    for (int i = 0; i < 8; i++) {
+        struct hold_case *item = add(hold);
+        const double factor = i % 2 == 0 ? 0.9 : 1.1;
+        double *const field[] = {&item->truth.torso_mass_kg, &item->truth.leg_mass_kg,
+                                 &item->truth.leg_length_m, &item->truth.spring_N_per_m};
+        *field[i / 2] *= factor;
+        snprintf(item->label, sizeof item->label, "%s %+.0f %%", names[i / 2],
+                 100.0 * (factor - 1.0));
+    }
+    const int status = run(hold, "mismatch", "the walker's true parameters differ", false);
+    free(hold);
+    return status;
+}
+
+int laws_energy(const struct laws_options *options)
+{
+    static const double noise[] = {0.0, 0.001, 0.003, 0.01};
+    struct hold *hold = make(options);
+    if (hold == NULL) {
+        return -1;
+    }
+    for (int i = 0; i < (options->chain ? 1 : 4); i++) {
+        struct hold_case *item = add(hold);
+        item->noise_rms = noise[i];
+        snprintf(item->label, sizeof item->label, "noise %.1f %%", 100.0 * noise[i]);
+    }
+    const int status = run(hold, "energy", "spring energy per metre", true);
+    free(hold);
+    return status;
+}

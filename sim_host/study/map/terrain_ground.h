@@ -1,0 +1,107 @@
+/* What the best of all laws can do on uneven ground: dynamic programming on the return map.
+ *
+ * A law knows the apex and chooses the push-off; then the height of the next foothold is drawn, against the one
+ * before and evenly over equally likely rises (Byl, Tedrake 2009: Metastable walking machines; the mean first passage
+ * to the fall). The most steps that can be expected from an apex x are
+ *
+ *     V(x) = 1 + max over r0 of mean over rises of V(next(x, r0, rise)),    0 when the stride ends in a fault,
+ *
+ * found by iteration on a grid. The stride parts at the heel strike: apex and rise make an angle between the legs and a
+ * rate of the ankle, and these, the rise and r0 the next apex; so two tables of three and four dimensions
+ * stand for one of five. Values between nodes are interpolated (MIDDLE: an estimate, and the law made from it can
+ * be walked: from below), or are those of the best corner of the cell (OUTER: from above, as far as a corner is
+ * better than all of its cell).
+ *
+ * Without a word on speed the best law walks off at the speed that bears the ground best, and then need not fall at all:
+ * then the chance to be still up after n steps is asked for instead, V_0 = 1, V_n = max mean V_(n-1). A price on speed
+ * asks for the most steps among laws whose mean speed over the walk stays below a limit: for every price p >= 0
+ *     V_p(x) = 1 + max mean [ V_p(next) - p (v_next / limit - 1) ]
+ * is at least that (weak duality of Lagrange), and the least over p is the bound.
+ *
+ * Plain doubles, SI units. The same bits for any number of threads.
+ */
+#ifndef SIM_HOST_STUDY_MAP_TERRAIN_GROUND_H
+#define SIM_HOST_STUDY_MAP_TERRAIN_GROUND_H
+
+#include <stdbool.h>
+
+#include "sim_host/gait/gait_curve.h"
+
+enum { ROUGH_PUSHES_MAX = 256, ROUGH_PUSHES_BLOCK = 8, ROUGH_RISES_MAX = 64 };
+
+/* An axis of a grid: nodes from low to high, closer together near low by the power of their number. */
+struct rough_axis {
+    double low, high, power; /* value = low + (high - low) (i / (count - 1))^power */
+    int count;               /* at least 2 */
+};
+
+struct rough_range {
+    struct rough_axis speed, angle, swing; /* forward rad/s, rad, rad/s: of the apex */
+    struct rough_axis legs,
+        ankle;              /* after the strike: rad, and ankle rate over (that times sqrt(g l)) */
+    struct rough_axis push; /* r0, m; a whole number of blocks of nodes */
+    int rises;              /* equally likely, at the middles of as many parts of the range */
+    double rise_most;       /* the range is +- this, leg lengths */
+};
+
+/* Positions on the grids, in cells from its first node; what lies beyond is put on its edge. */
+struct rough_strike {
+    float legs, ankle; /* legs NEGATIVE: no heel strike */
+};
+struct rough_apex {
+    float speed, angle, swing; /* speed NEGATIVE: the stride ends in a fault */
+};
+
+struct rough_table {
+    struct gait_walker walker;
+    struct rough_range range;
+    struct rough_strike *
+        strike; /* [(apex node) * rises + rise]; node = (speed * angles + angle) * swings + swing */
+    struct rough_apex *apex; /* [((rise * legs + leg) * ankles + ankle) * pushes + push] */
+};
+
+enum rough_side { ROUGH_MIDDLE, ROUGH_OUTER };
+
+enum rough_question {
+    ROUGH_STEPS, /* most steps to be expected, at a price on speed */
+    ROUGH_CHANCE /* greatest chance to be still up after so many rounds */
+};
+
+struct rough_goal {
+    enum rough_question question;
+    double price;       /* 0: any speed will do; of ROUGH_STEPS alone */
+    double limit_rad_s; /* above 0: of the mean forward apex speed */
+};
+
+/* The value of being at a node, and of having pushed off there: what rough_solve() makes. */
+struct rough_value {
+    enum rough_side side;
+    struct rough_goal goal;
+    float *apex; /* by apex node */
+    float *push; /* as the table's apex */
+    int rounds;
+    bool
+        settled; /* steps: what all rounds to come would change at the start is below a thousandth, by the ratio of the
+                     last changes; chance: the last round changed none by 1e-5 */
+};
+
+/* Computes the tables on `threads` cores: about 8 us an entry that can be reached at all. Returns 0, or -1 without
+ * memory or with a range out of bounds. Release with rough_free(). */
+int rough_make(struct rough_table *table, const struct gait_walker *walker,
+               const struct rough_range *range, int threads);
+void rough_free(struct rough_table *table);
+
+/* Iterates until the value at `start` (stance rate, swing angle, swing rate) is settled, at most rounds_max rounds.
+ * Steps begin at 0 and leap ahead where changes shrink by a steady ratio; values of a chance fall from round to
+ * round, each a bound of all that follow. Returns 0, or -1 without memory. Release with rough_value_free(). */
+int rough_solve(const struct rough_table *table, enum rough_side side,
+                const struct rough_goal *goal, const double start[3], int rounds_max, int threads,
+                struct rough_value *value);
+void rough_value_free(struct rough_value *value);
+
+/* The law made from a value: the push-off within low_m..high_m that promises the most from an apex, whose
+ * strikes are computed, not read off the grid. *worth: how much. */
+double rough_law(const struct rough_table *table, const struct rough_value *value,
+                 const double apex[3], double low_m, double high_m, double *worth);
+
+#endif

@@ -1,0 +1,68 @@
+/* What any push-offs at all can do: the stride on a grid of all the states it can begin from.
+ *
+ * After heel strike two numbers are left of a walker's state, the angle between its legs and the rate at which the
+ * ankle begins to extend; all that follows until the next heel strike is a function of them and of r0. So the
+ * question "does any sequence of push-offs keep it up?" is one about sets in a plane: the largest set of states each
+ * of which has a push-off that leads back into it (Aubin's viability kernel), found by taking away states
+ * that have none until nothing changes. On a grid it is found twice. From outside, in cells: a cell stays while the
+ * box around what some push-off (from one of the grid's to the next) makes of its corners meets a cell that
+ * stays; what leaves the grid stays. From inside, in nodes: a node stays while some push-off leads it into a cell
+ * all of whose corners stay. The truth lies between; a finer grid brings the two together.
+ *
+ * Plain doubles, SI units. The same bits for any number of threads.
+ */
+#ifndef SIM_HOST_STUDY_MAP_VIABILITY_KERNEL_H
+#define SIM_HOST_STUDY_MAP_VIABILITY_KERNEL_H
+
+#include <stdbool.h>
+
+#include "sim_host/gait/gait_curve.h"
+
+/* Between legs (rad, spaced by ratio), ankle rate over (angle times sqrt(g l)) (spaced evenly). */
+struct viable_state {
+    double legs_rad, rate;
+};
+
+struct viable_range {
+    double legs_low_rad, legs_high_rad; /* above 0 */
+    double rate_low, rate_high;         /* from 0 on */
+    double r0_low_m, r0_high_m;         /* above 0; spaced by ratio */
+    int legs, rates, pushes;            /* number of each, at least 2 */
+};
+
+/* What one push-off at a node leads to. */
+struct viable_image {
+    float log_legs; /* VIABLE_NO_IMAGE: the stride ends in a fault */
+    float rate;
+};
+#define VIABLE_NO_IMAGE 1e9f
+
+struct viable_grid {
+    struct gait_walker walker;
+    struct viable_range range;
+    struct viable_image *image; /* [node * pushes + push], node = legs index * rates + rate index */
+    int nodes;
+};
+
+/* Computes the grid's images on `threads` cores: about a microsecond each. Returns 0, or -1 without memory. Release with
+ * viable_free(). */
+int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
+                const struct viable_range *range, int threads);
+void viable_free(struct viable_grid *grid);
+
+/* The state after the heel strike that follows an apex; false when there is none. */
+bool viable_after_apex(const struct gait_walker *walker, const double apex[3],
+                       struct viable_state *state);
+
+enum viable_side { VIABLE_OUTER, VIABLE_INNER };
+
+/* The largest set that has push-offs leading back into it, of cells (outer; named by their lower corner's node) or
+ * of nodes (inner). set[nodes] receives 1 or 0. Returns the number of rounds it took to come to rest,
+ * 0 without memory. */
+int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigned char *set);
+
+/* Whether a state lies in a set of that side. What lies beyond the grid is in the outer ones. */
+bool viable_has(const struct viable_grid *grid, enum viable_side side, const unsigned char *set,
+                const struct viable_state *state);
+
+#endif

@@ -1,0 +1,29 @@
+/* The control task with its drives, as every host program sets it up: in the
+ * loop, on SocketCAN, on a replayed log. One place, so that they cannot differ.
+ */
+#ifndef SIM_HOST_SUBJECTS_HOST_TASK_H
+#define SIM_HOST_SUBJECTS_HOST_TASK_H
+
+#include "firmware/control_task.h"
+#include "hal/devices/sea_drive_cansimple.h"
+#include "hal/devices/sea_drive_cia402.h"
+#include "hal/devices/sea_drive_mit.h"
+#include "sim_host/subjects/subject.h"
+
+struct task_rig {
+    struct control_params params;
+    struct cia402_drives cia402; /* one of the three speaks, the subject says which */
+    struct cansimple_drives cansimple;
+    struct mit_drives mit;
+    struct control_task task;
+    bool stop_pressed; /* what the task's emergency stop input reads */
+};
+
+/* Sets up the task for a subject on a bus; the bus's context must outlive the
+ * rig. Do not move the rig afterwards. Returns CONTROL_PARAMS_OK, or what
+ * control_task_init says. */
+int task_rig_init(struct task_rig *rig, const struct subject *subject,
+                  const struct control_params *params, struct can_bus bus,
+                  double desired_speed_rad_s, bool walk_requested);
+
+#endif

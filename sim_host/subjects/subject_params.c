@@ -1,0 +1,268 @@
+/* From a subject to the controller's parameters: gains and limits scaled from the
+ * paper's walker, finv computed for this very walker. */
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "sim_host/gait/gait_curve.h"
+#include "sim_host/gait/laws_table.h"
+#include "sim_host/subjects/subject.h"
+
+/* Paper's walker, which all gains are scaled from. */
+#define PAPER_LENGTH_M 1.0
+#define PAPER_GRAVITY_M_S2 9.80665
+#define PAPER_KP 0.042
+#define LOW_R0 0.03 /* from here on its gaits must be held by eq. (16) */
+#define PAPER_SPRING_RATIO (100.0 * 1.0 / (1.0 * 9.80665)) /* k l / (M g) */
+
+/* The push-offs 0.005 to 0.3 of the paper's walker, scaled by length_scale, must lie
+ * where gaits are computed: GAIT_CURVE_FLOOR to GAIT_CURVE_CEILING leg lengths. */
+static int check_spring(const struct subject *subject, double length_scale, char *message)
+{
+    const double l = subject->leg_length_m;
+    if (0.005 * length_scale >= GAIT_CURVE_FLOOR * l &&
+        0.3 * length_scale <= GAIT_CURVE_CEILING * l) {
+        return 0;
+    }
+    const double paper_like = subject->spring_N_per_m * length_scale * length_scale / (l * l);
+    const double stiffest = 0.005 / GAIT_CURVE_FLOOR, softest = 0.3 / GAIT_CURVE_CEILING;
+    snprintf(message, SUBJECT_MESSAGE_MAX,
+             "key \"k\" (ankle spring, N/m): %g does not suit this body, allowed is %.3g to %.3g",
+             subject->spring_N_per_m, paper_like * softest * softest,
+             paper_like * stiffest * stiffest);
+    return -1;
+}
+
+static int make_speed_table(const struct subject *subject, double length_scale,
+                            struct speed_table *table, char *message)
+{
+    const struct gait_walker walker = subject_gait_walker(subject);
+    const double first_m = 0.005 * length_scale;
+    const double step_m = (0.3 * length_scale - first_m) / (SPEED_TABLE_MAX - 1);
+    struct gait_point points[SPEED_TABLE_MAX];
+    int reached = 0;
+    const enum gait_curve_error error =
+        gait_curve(&walker, first_m, step_m, SPEED_TABLE_MAX, points, &reached);
+    if (error != GAIT_CURVE_OK) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "no curve of steady gaits for this walker from r0 = %g m on: %s",
+                 first_m + step_m * reached, gait_curve_error_name(error));
+        return -1;
+    }
+    table->count = SPEED_TABLE_MAX;
+    table->r0_min_m = (real)first_m;
+    table->r0_step_m = (real)step_m;
+    for (int i = 0; i < SPEED_TABLE_MAX; i++) {
+        table->speed_rad_s[i] = (real)points[i].speed_rad_s;
+    }
+    return 0;
+}
+
+/* What the laws beyond eq. (16) need, and eq. (16)'s gain for this very walker; a walker whose branch cannot be
+ * followed has eq. (16) only, with the paper's gain scaled. */
+static void make_branch(const struct subject *subject, double length_scale, double scaled_kp,
+                        struct gait_branch *branch, double *kp)
+{
+    const struct gait_walker walker = subject_gait_walker(subject);
+    const struct laws_weights weights = laws_weights_default();
+    struct laws_table table;
+    double largest;
+    *branch = (struct gait_branch){.count = 0};
+    *kp = scaled_kp;
+    const enum laws_table_error error = laws_table_make(&walker, length_scale, &weights, &table);
+    if (error == LAWS_TABLE_NO_CURVE || error == LAWS_TABLE_LOST) {
+        return;
+    }
+    *kp = laws_table_gain(&table, LOW_R0 * length_scale, scaled_kp, scaled_kp / PAPER_KP, &largest);
+    if (error != LAWS_TABLE_OK) {
+        return;
+    }
+    branch->count = (uint32_t)table.count;
+    branch->speed_min_rad_s = (real)table.speed_min_rad_s;
+    branch->speed_step_rad_s = (real)table.speed_step_rad_s;
+    branch->r0_weight = (real)table.r0_weight;
+    branch->travel_weight = (real)table.travel_weight;
+    for (int i = 0; i < table.count; i++) {
+        const struct laws_point *from = &table.point[i];
+        struct gait_branch_point *to = &branch->point[i];
+        to->r0_m = (real)from->r0_m;
+        to->swing_angle_rad = (real)from->swing_angle_rad;
+        to->swing_rate_rad_s = (real)from->swing_rate_rad_s;
+        for (int k = 0; k < GAIT_BRANCH_COSTS; k++) {
+            to->cost[k] = (real)from->cost[k];
+        }
+        for (int k = 0; k < 3; k++) {
+            to->lqr_gain[k] = (real)from->lqr_gain[k];
+            to->deadbeat_gain[k] = (real)from->deadbeat_gain[k];
+        }
+    }
+}
+
+/* Branches that were made, each once, kept for good: parameters point to them. */
+struct kept_branch {
+    struct gait_branch branch;
+    struct gait_walker walker;
+    double length_scale, kp;
+    struct kept_branch *next;
+};
+
+static bool is_same_walker(const struct gait_walker *a, const struct gait_walker *b)
+{
+    return a->hip_mass_kg == b->hip_mass_kg && a->leg_mass_kg == b->leg_mass_kg &&
+           a->leg_length_m == b->leg_length_m && a->ankle_stiffness_N_m == b->ankle_stiffness_N_m &&
+           a->gravity_m_s2 == b->gravity_m_s2;
+}
+
+static const struct gait_branch *branch_of(const struct subject *subject, double length_scale,
+                                           double scaled_kp, double *kp)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    static struct kept_branch *kept;
+    const struct gait_walker walker = subject_gait_walker(subject);
+    struct kept_branch *entry;
+
+    pthread_mutex_lock(&lock);
+    for (entry = kept; entry != NULL; entry = entry->next) {
+        if (is_same_walker(&entry->walker, &walker) && entry->length_scale == length_scale) {
+            break;
+        }
+    }
+    if (entry == NULL && (entry = calloc(1, sizeof *entry)) != NULL) {
+        entry->walker = walker;
+        entry->length_scale = length_scale;
+        make_branch(subject, length_scale, scaled_kp, &entry->branch, &entry->kp);
+        entry->next = kept;
+        kept = entry;
+    }
+    pthread_mutex_unlock(&lock);
+    *kp = entry != NULL ? entry->kp : scaled_kp;
+    return entry != NULL && entry->branch.count > 0 ? &entry->branch : NULL;
+}
+
+static double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static bool overridden(const struct subject *subject, size_t offset)
+{
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        if (control_param_descriptors[i].offset == offset) {
+            return subject->control_overridden[i];
+        }
+    }
+    return false;
+}
+
+/* Puts what control_params_validate found into words. */
+static void explain(const struct control_params *params, int verdict, char *message)
+{
+    if (verdict < CONTROL_PARAM_COUNT) {
+        const struct control_param_descriptor *d = &control_param_descriptors[verdict];
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "controller parameter %s = %g %s is out of range, allowed is %g to %g", d->name,
+                 (double)*(const real *)((const char *)params + d->offset), d->unit,
+                 (double)d->minimum, (double)d->maximum);
+    } else if (verdict == CONTROL_PARAMS_R0_ORDER) {
+        snprintf(
+            message, SUBJECT_MESSAGE_MAX,
+            "start_r0_m %g m lies outside what this subject's walker and SEA allow, %g to %g m",
+            (double)params->start_r0_m, (double)params->r0_min_m, (double)params->r0_max_m);
+    } else if (verdict == CONTROL_PARAMS_OPEN_LOOP) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "open-loop r0 %g m lies outside what this subject allows, %g to %g m",
+                 (double)params->open_loop_r0_m, (double)params->r0_min_m,
+                 (double)params->r0_max_m);
+    } else if (verdict == CONTROL_PARAMS_R0_STROKE) {
+        snprintf(message, SUBJECT_MESSAGE_MAX, "r0_max_m %g m is above 0.4 leg lengths, %g m",
+                 (double)params->r0_max_m, 0.4 * (double)params->leg_length_m);
+    } else if (verdict == CONTROL_PARAMS_LAW) {
+        snprintf(message, SUBJECT_MESSAGE_MAX, "controller parameter law = %g is no law",
+                 (double)params->law);
+    } else if (verdict == CONTROL_PARAMS_BRANCH) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "this law needs the walker's branch of gaits, which could not be computed");
+    } else {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "controller parameters do not fit together (code %d)", verdict);
+    }
+}
+
+int subject_control_params(const struct subject *subject, struct control_params *params,
+                           char *message)
+{
+    const double l = subject->leg_length_m;
+    const double g = subject->gravity_m_s2;
+    const double weight_N = subject->torso_mass_kg * g;
+    const double time_scale = sqrt(l / g) / sqrt(PAPER_LENGTH_M / PAPER_GRAVITY_M_S2);
+    /* Same spring energy in units of M g l. */
+    const double length_scale =
+        l * sqrt(PAPER_SPRING_RATIO / (subject->spring_N_per_m * l / weight_N));
+    const double stroke = subject_stroke_m(subject);
+    const double speed = subject->speed_max_m_s > 0.0 ? subject->speed_max_m_s : 0.6 * sqrt(g * l);
+    const double force =
+        subject->force_max_N > 0.0 ? subject->force_max_N : 2.5 * subject->spring_N_per_m * stroke;
+
+    *params = (struct control_params){
+        .torso_mass_kg = (real)subject->torso_mass_kg,
+        .leg_mass_kg = (real)subject->leg_mass_kg,
+        .leg_length_m = (real)l,
+        .spring_stiffness_n_m = (real)subject->spring_N_per_m,
+        .gravity_m_s2 = (real)g,
+        .law = (real)LAW_PROPORTIONAL,
+        .kp_m_s_rad = (real)(PAPER_KP * length_scale * time_scale),
+        .start_r0_m = (real)(0.05 * length_scale),
+        .speed_ramp_rad_s = (real)(0.005 / time_scale),
+        .r0_min_m = (real)(0.005 * length_scale),
+        .r0_max_m =
+            (real)smaller(0.3 * length_scale, smaller(stroke, force / subject->spring_N_per_m)),
+        .r0_change_max_m = (real)(0.05 * length_scale),
+        .open_loop_r0_m = (real)(0.05 * length_scale),
+        .open_loop_ramp_m = (real)(0.0005 * length_scale),
+        .apex_window_s = (real)(0.08 * time_scale),
+        .angle_hysteresis_rad = REAL(0.01),
+        .sensor_latency_s = REAL(0.0001), /* an absolute encoder that samples at SYNC */
+        .sea_speed_max_m_s = (real)(0.8 * speed),
+        .sea_acceleration_m_s2 = (real)(g),
+        .sea_tolerance_m = (real)(0.001 * l),
+        .sensor_age_max_s = REAL(0.01),
+        .step_timeout_s = (real)(3.0 * time_scale),
+        .fall_angle_rad = REAL(1.2),
+        .unload_timeout_s = REAL(0.6),
+        .engage_steps = REAL(0.0), /* the paper's walker has no push-off of its own */
+        .engage_ramp_steps = REAL(10.0),
+        .rough_speed_rad_s = REAL(0.0), /* nobody gets faster than asked unless it is said so */
+    };
+    if (check_spring(subject, length_scale, message) != 0 ||
+        make_speed_table(subject, length_scale, &params->table, message) != 0) {
+        return -1;
+    }
+    double kp;
+    params->branch = branch_of(subject, length_scale, (double)params->kp_m_s_rad, &kp);
+    params->kp_m_s_rad = (real)kp;
+    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
+        if (subject->control_overridden[i]) {
+            *(real *)((char *)params + control_param_descriptors[i].offset) =
+                (real)subject->control_override[i];
+        }
+    }
+    if (params->law == (real)LAW_PREDICTIVE &&
+        !overridden(subject, offsetof(struct control_params, r0_change_max_m))) {
+        params->r0_change_max_m =
+            params->r0_max_m; /* what the motor can do limits it, step by step */
+    }
+    /* Not with the parameters' own checks: the controller does not know the SEA. */
+    if ((double)params->r0_max_m > (double)(real)stroke) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "r0_max_m %g m is more than the SEA's stroke_max_m, %g m",
+                 (double)params->r0_max_m, stroke);
+        return -1;
+    }
+    const int verdict = control_params_validate(params);
+    if (verdict != CONTROL_PARAMS_OK) {
+        explain(params, verdict, message);
+        return -1;
+    }
+    return 0;
+}

@@ -1,0 +1,429 @@
+/* Each check of the sensors and drives: what trips it, after how long, and what does not. */
+#include "controller/screening/checks.h"
+#include "tests/support/assert_close.h"
+
+#include <string.h>
+
+/* A leg of 1 m, a spring of 100 N/m, everything well: legs swing, motors at zero. */
+struct rig {
+    struct control_params params;
+    struct checks checks;
+    struct controller_input input;
+    struct sea_request command[SIDE_COUNT];
+    enum supervisor_state state;
+};
+
+static void start(struct rig *rig, enum supervisor_state state)
+{
+    memset(rig, 0, sizeof *rig);
+    rig->params.leg_length_m = REAL(1.0);
+    rig->params.gravity_m_s2 = REAL(9.81);
+    rig->params.spring_stiffness_n_m = REAL(100.0);
+    rig->params.r0_max_m = REAL(0.3);
+    rig->params.sea_speed_max_m_s = REAL(1.5);
+    rig->params.sea_tolerance_m = REAL(0.001);
+    rig->params.sensor_age_max_s = REAL(0.01);
+    rig->params.fall_angle_rad = REAL(1.2);
+    rig->params.body = (real)BODY_COMPASS;
+    rig->state = state;
+    rig->input.desired_speed_rad_s = REAL(0.5);
+    rig->input.nodes_operational = true;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        rig->input.sea[side] = (struct sea_measurement){
+            .state = supervisor_may_enable(state) ? DRIVE_ENABLED : DRIVE_DISABLED,
+            .latch = LATCH_CLOSED,
+            .force_age_ticks = 1};
+        rig->command[side].enable = supervisor_may_enable(state);
+    }
+    checks_init(&rig->checks);
+}
+
+static enum supervisor_fault tick(struct rig *rig)
+{
+    struct controller_input screened = rig->input;
+    const struct checks_context context = {rig->state, rig->command};
+    checks_screen(&rig->checks, &rig->params, &screened);
+    return checks_find(&rig->checks, &rig->params, &rig->input, &screened, &context);
+}
+
+/* Legs that swing against each other, 1 rad/s. */
+static void swing(struct rig *rig)
+{
+    rig->input.leg[SIDE_LEFT].leg_angle_rad += REAL(0.001);
+    rig->input.leg[SIDE_RIGHT].leg_angle_rad -= REAL(0.001);
+}
+
+/* Ticks until the first fault, which is *fault; limit if there is none. */
+static int ticks_until(struct rig *rig, int limit, bool swinging, enum supervisor_fault *fault)
+{
+    for (int i = 1; i <= limit; i++) {
+        if (swinging) {
+            swing(rig);
+        }
+        *fault = tick(rig);
+        if (*fault != SUPERVISOR_FAULT_NONE) {
+            return i;
+        }
+    }
+    return limit;
+}
+
+static void warm_up(struct rig *rig, enum supervisor_state state)
+{
+    enum supervisor_fault fault;
+    start(rig, state);
+    ck_assert_int_eq(ticks_until(rig, 50, true, &fault), 50);
+}
+
+static void expect(struct rig *rig, enum supervisor_fault wanted, int from, int to, bool swinging)
+{
+    enum supervisor_fault fault;
+    const int ticks = ticks_until(rig, 4 * to, swinging, &fault);
+    ck_assert_msg(fault == wanted, "%s, not %s", supervisor_fault_name(fault),
+                  supervisor_fault_name(wanted));
+    ck_assert_msg(ticks >= from && ticks <= to, "%s after %d ticks, not %d to %d",
+                  supervisor_fault_name(fault), ticks, from, to);
+}
+
+START_TEST(nothing_is_wrong)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    start(&rig, SUPERVISOR_WALKING);
+    ck_assert_int_eq(ticks_until(&rig, 500, true, &fault), 500);
+    ck_assert_int_eq(fault, SUPERVISOR_FAULT_NONE);
+}
+END_TEST
+
+START_TEST(wrong_at_once)
+{
+    struct rig rig;
+    const real nan = (real)(__builtin_nanf(""));
+    warm_up(&rig, SUPERVISOR_WALKING);
+    const struct rig well = rig;
+#define AT_ONCE(change, fault) \
+    rig = well;                \
+    change;                    \
+    ck_assert_int_eq(tick(&rig), fault)
+    AT_ONCE(rig.input.emergency_stop = true, SUPERVISOR_FAULT_EMERGENCY_STOP);
+    AT_ONCE(rig.input.nodes_operational = false, SUPERVISOR_FAULT_NODE_LOST);
+    AT_ONCE(rig.input.foreign_node = true, SUPERVISOR_FAULT_FOREIGN);
+    AT_ONCE(rig.input.parameters_corrupt = true, SUPERVISOR_FAULT_PARAMETERS);
+    AT_ONCE(rig.input.desired_speed_rad_s = nan, SUPERVISOR_FAULT_NOT_FINITE);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        AT_ONCE(rig.input.leg[side].age_ticks = 11, SUPERVISOR_FAULT_SENSOR_STALE);
+        AT_ONCE(rig.input.leg[side].age_ticks = 10, SUPERVISOR_FAULT_NONE);
+        AT_ONCE(rig.input.sea[side].age_ticks = 11, SUPERVISOR_FAULT_DRIVE_STALE);
+        AT_ONCE(rig.input.sea[side].age_ticks = 10, SUPERVISOR_FAULT_NONE);
+        AT_ONCE(rig.input.sea[side].force_age_ticks = 351, SUPERVISOR_FAULT_DRIVE_STALE);
+        AT_ONCE(rig.input.sea[side].force_age_ticks = AGE_NEVER, SUPERVISOR_FAULT_NONE);
+        AT_ONCE(rig.input.leg[side].leg_angle_rad = nan, SUPERVISOR_FAULT_NOT_FINITE);
+        AT_ONCE(rig.input.leg[side].ankle_extension_m = nan, SUPERVISOR_FAULT_NOT_FINITE);
+        AT_ONCE(rig.input.sea[side].precompression_m = nan, SUPERVISOR_FAULT_NOT_FINITE);
+        AT_ONCE(rig.input.sea[side].force_N = nan, SUPERVISOR_FAULT_NOT_FINITE);
+        AT_ONCE(rig.input.sea[side].state = DRIVE_FAULT, SUPERVISOR_FAULT_DRIVE);
+        AT_ONCE(rig.input.sea[side].state = DRIVE_STOPPING, SUPERVISOR_FAULT_DRIVE);
+    }
+#undef AT_ONCE
+}
+END_TEST
+
+/* First samples are believed whatever they are: then the range decides. */
+START_TEST(out_of_range)
+{
+    static const struct {
+        real angle, extension, motor;
+        enum supervisor_fault fault;
+    } cases[] = {
+        {REAL(1.19), REAL(0.0), REAL(0.0), SUPERVISOR_FAULT_NONE},
+        {REAL(1.21), REAL(0.0), REAL(0.0), SUPERVISOR_FAULT_FALL},
+        {REAL(-1.21), REAL(0.0), REAL(0.0), SUPERVISOR_FAULT_FALL},
+        {REAL(3.2), REAL(0.0), REAL(0.0), SUPERVISOR_FAULT_SENSOR_RANGE},
+        {REAL(0.0), REAL(-0.019), REAL(0.0), SUPERVISOR_FAULT_NONE},
+        {REAL(0.0), REAL(-0.021), REAL(0.0), SUPERVISOR_FAULT_SENSOR_RANGE},
+        {REAL(0.0), REAL(0.49), REAL(0.0), SUPERVISOR_FAULT_NONE},
+        {REAL(0.0), REAL(0.51), REAL(0.0), SUPERVISOR_FAULT_SENSOR_RANGE},
+        {REAL(0.0), REAL(0.0), REAL(-0.051), SUPERVISOR_FAULT_SENSOR_RANGE},
+        {REAL(0.0), REAL(0.0), REAL(0.39), SUPERVISOR_FAULT_NONE},
+        {REAL(0.0), REAL(0.0), REAL(0.41), SUPERVISOR_FAULT_SENSOR_RANGE},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            struct rig rig;
+            start(&rig, SUPERVISOR_WALKING);
+            rig.input.leg[side].leg_angle_rad = cases[i].angle;
+            rig.input.leg[side].ankle_extension_m = cases[i].extension;
+            rig.input.sea[side].precompression_m = cases[i].motor;
+            ck_assert_msg(tick(&rig) == cases[i].fault, "case %zu", i);
+        }
+    }
+}
+END_TEST
+
+/* Lying down is no fall while nothing is powered. */
+START_TEST(a_fall_counts_while_powered)
+{
+    struct rig rig;
+    start(&rig, SUPERVISOR_STANDBY);
+    rig.input.leg[SIDE_LEFT].leg_angle_rad = REAL(1.5);
+    ck_assert_int_eq(tick(&rig), SUPERVISOR_FAULT_NONE);
+}
+END_TEST
+
+START_TEST(one_wild_sample_is_bridged_at_the_last_rate)
+{
+    struct rig rig;
+    warm_up(&rig, SUPERVISOR_WALKING);
+    struct controller_input screened;
+    swing(&rig);
+    screened = rig.input;
+    screened.leg[SIDE_LEFT].leg_angle_rad += REAL(0.5);
+    screened.leg[SIDE_RIGHT].ankle_extension_m += REAL(0.3);
+    screened.sea[SIDE_LEFT].precompression_m += REAL(0.2);
+    checks_screen(&rig.checks, &rig.params, &screened);
+    assert_close((double)screened.leg[SIDE_LEFT].leg_angle_rad,
+                 (double)rig.input.leg[SIDE_LEFT].leg_angle_rad, 1e-6, 0.0);
+    assert_close((double)screened.leg[SIDE_RIGHT].ankle_extension_m, 0.0, 1e-9, 0.0);
+    assert_close((double)screened.sea[SIDE_LEFT].precompression_m, 0.0, 1e-9, 0.0);
+    ck_assert_int_eq(tick(&rig), SUPERVISOR_FAULT_NONE); /* and forgotten */
+}
+END_TEST
+
+START_TEST(a_lasting_jump_is_a_fault_while_walking)
+{
+    struct rig rig;
+    warm_up(&rig, SUPERVISOR_WALKING);
+    rig.input.leg[SIDE_LEFT].leg_angle_rad -= REAL(0.6);
+    expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
+    warm_up(&rig, SUPERVISOR_WALKING);
+    rig.input.leg[SIDE_RIGHT].ankle_extension_m = REAL(0.45);
+    expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
+    warm_up(&rig, SUPERVISOR_WALKING);
+    rig.input.sea[SIDE_RIGHT].precompression_m = REAL(0.2);
+    expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
+    /* Somebody puts it on: believed in the end. */
+    enum supervisor_fault fault;
+    warm_up(&rig, SUPERVISOR_STANDBY);
+    rig.input.leg[SIDE_LEFT].leg_angle_rad -= REAL(0.6);
+    ck_assert_int_eq(ticks_until(&rig, 300, true, &fault), 300);
+}
+END_TEST
+
+/* Held for 50 ticks at the last rate, then where it is. */
+START_TEST(a_lost_angle_does_not_run_away)
+{
+    struct rig rig;
+    warm_up(&rig, SUPERVISOR_STANDBY);
+    const real last = rig.input.leg[SIDE_LEFT].leg_angle_rad;
+    struct controller_input screened = rig.input;
+    for (uint16_t age = 1; age < 1000; age++) {
+        screened = rig.input;
+        screened.leg[SIDE_LEFT].age_ticks = age;
+        checks_screen(&rig.checks, &rig.params, &screened);
+    }
+    assert_close((double)(screened.leg[SIDE_LEFT].leg_angle_rad - last), 0.05, 1e-4, 0.0);
+}
+END_TEST
+
+START_TEST(a_stuck_angle)
+{
+    struct rig rig;
+    enum supervisor_fault fault = SUPERVISOR_FAULT_NONE;
+    warm_up(&rig, SUPERVISOR_WALKING);
+    int ticks = 0;
+    for (; ticks < 300 && fault == SUPERVISOR_FAULT_NONE; ticks++) {
+        rig.input.leg[SIDE_RIGHT].leg_angle_rad -= REAL(0.001);
+        fault = tick(&rig);
+    }
+    ck_assert_int_eq(fault, SUPERVISOR_FAULT_SENSOR_STUCK);
+    ck_assert_int_ge(ticks, 100);
+    ck_assert_int_le(ticks, 103);
+    warm_up(&rig, SUPERVISOR_WALKING); /* standing still is no stuck sensor */
+    ck_assert_int_eq(ticks_until(&rig, 1000, false, &fault), 1000);
+}
+END_TEST
+
+static void load(struct rig *rig, real motor_m, real force_N)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        rig->input.sea[side].precompression_m = motor_m;
+        rig->input.sea[side].force_N = force_N;
+        rig->command[side].precompression_m = motor_m;
+    }
+}
+
+/* Force samples come every 100 ticks. */
+static enum supervisor_fault two_force_samples(struct rig *rig)
+{
+    enum supervisor_fault fault = SUPERVISOR_FAULT_NONE;
+    for (int i = 1; i <= 240 && fault == SUPERVISOR_FAULT_NONE; i++) {
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            rig->input.sea[side].force_age_ticks = (uint16_t)(i % 100);
+        }
+        swing(rig);
+        fault = tick(rig);
+    }
+    return fault;
+}
+
+START_TEST(force_against_spring)
+{
+    static const struct {
+        real force_N;
+        enum supervisor_fault fault;
+    } cases[] = {
+        {REAL(10.0), SUPERVISOR_FAULT_NONE},  {REAL(13.0), SUPERVISOR_FAULT_NONE},
+        {REAL(7.0), SUPERVISOR_FAULT_NONE},   {REAL(0.0), SUPERVISOR_FAULT_SPRING},
+        {REAL(5.9), SUPERVISOR_FAULT_SPRING}, {REAL(14.0), SUPERVISOR_FAULT_SPRING},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct rig rig;
+        start(&rig, SUPERVISOR_WALKING);
+        load(&rig, REAL(0.1), cases[i].force_N);
+        ck_assert_msg(two_force_samples(&rig) == cases[i].fault, "%g N", (double)cases[i].force_N);
+        if (cases[i].fault != SUPERVISOR_FAULT_NONE) { /* not where the force is another's */
+            start(&rig, SUPERVISOR_WALKING);
+            load(&rig, REAL(0.1), cases[i].force_N);
+            rig.input.sea[SIDE_LEFT].latch = LATCH_UNKNOWN;
+            rig.input.sea[SIDE_RIGHT].latch = LATCH_UNKNOWN;
+            ck_assert_int_eq(two_force_samples(&rig), SUPERVISOR_FAULT_NONE);
+        }
+    }
+}
+END_TEST
+
+/* A spring that stays unexplained stays a fault, however long that lasts: the count ends at its
+ * limit. Force samples in every tick, 600 of them. */
+START_TEST(a_wrong_force_is_never_forgotten)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    start(&rig, SUPERVISOR_UNLOADING);
+    load(&rig, REAL(0.1), REAL(0.0));
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        rig.input.sea[side].force_age_ticks = 0;
+    }
+    ck_assert_int_lt(ticks_until(&rig, 300, true, &fault), 300);
+    for (int i = 0; i < 600; i++) {
+        swing(&rig);
+        ck_assert_int_eq(tick(&rig), fault);
+    }
+    ck_assert_int_eq(fault, SUPERVISOR_FAULT_SPRING);
+}
+END_TEST
+
+START_TEST(ankle_against_latch)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    warm_up(&rig, SUPERVISOR_WALKING);
+    rig.input.leg[SIDE_LEFT].ankle_extension_m = REAL(0.021);
+    expect(&rig, SUPERVISOR_FAULT_SPRING, 21, 23, true);
+    warm_up(&rig, SUPERVISOR_WALKING); /* somebody with a push-off of their own may */
+    rig.params.engage_steps = REAL(4.0);
+    rig.input.leg[SIDE_LEFT].ankle_extension_m = REAL(0.021);
+    ck_assert_int_eq(ticks_until(&rig, 300, true, &fault), 300);
+    warm_up(&rig, SUPERVISOR_WALKING); /* so may a person */
+    rig.params.body = (real)BODY_PERSON;
+    rig.input.leg[SIDE_LEFT].ankle_extension_m = REAL(0.021);
+    ck_assert_int_eq(ticks_until(&rig, 300, true, &fault), 300);
+}
+END_TEST
+
+START_TEST(a_released_spring_must_move_the_ankle)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    start(&rig, SUPERVISOR_WALKING);
+    load(&rig, REAL(0.1), REAL(10.0));
+    ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
+    rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    expect(&rig, SUPERVISOR_FAULT_SPRING, 100, 104, true);
+    start(&rig, SUPERVISOR_WALKING); /* it does */
+    load(&rig, REAL(0.1), REAL(10.0));
+    ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
+    rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    for (int i = 0; i < 300; i++) {
+        swing(&rig);
+        rig.input.leg[SIDE_LEFT].ankle_extension_m =
+            REAL(0.1) * (real)(i < 200 ? i : 200) / REAL(200.0);
+        ck_assert_int_eq(tick(&rig), SUPERVISOR_FAULT_NONE);
+    }
+    rig.input.leg[SIDE_LEFT].ankle_extension_m = REAL(0.121); /* beyond its motor */
+    expect(&rig, SUPERVISOR_FAULT_SPRING, 21, 23, true);
+}
+END_TEST
+
+START_TEST(following_error)
+{
+    struct rig rig;
+    warm_up(&rig, SUPERVISOR_WALKING);
+    rig.command[SIDE_LEFT].precompression_m = REAL(0.101);
+    expect(&rig, SUPERVISOR_FAULT_FOLLOWING, 26, 32, true);
+    warm_up(&rig, SUPERVISOR_WALKING);
+    rig.command[SIDE_RIGHT].precompression_m = REAL(0.011);
+    expect(&rig, SUPERVISOR_FAULT_FOLLOWING, 251, 257, true);
+    enum supervisor_fault fault;
+    warm_up(&rig, SUPERVISOR_WALKING);
+    rig.command[SIDE_RIGHT].precompression_m = REAL(0.009);
+    ck_assert_int_eq(ticks_until(&rig, 600, true, &fault), 600);
+}
+END_TEST
+
+START_TEST(drives_that_disobey)
+{
+    struct rig rig;
+    start(&rig, SUPERVISOR_ENGAGING); /* never comes */
+    rig.input.sea[SIDE_LEFT].state = DRIVE_STARTING;
+    expect(&rig, SUPERVISOR_FAULT_DRIVE, 501, 501, true);
+    start(&rig, SUPERVISOR_STANDBY); /* never goes */
+    rig.input.sea[SIDE_RIGHT].state = DRIVE_ENABLED;
+    expect(&rig, SUPERVISOR_FAULT_DRIVE, 1001, 1001, true);
+    warm_up(&rig, SUPERVISOR_ENGAGING); /* was there, and left */
+    rig.input.sea[SIDE_RIGHT].state = DRIVE_DISABLED;
+    expect(&rig, SUPERVISOR_FAULT_DRIVE, 1, 1, true);
+}
+END_TEST
+
+START_TEST(standstill_and_slack)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    start(&rig, SUPERVISOR_STANDBY);
+    (void)ticks_until(&rig, 499, false, &fault);
+    ck_assert(!checks_standstill(&rig.checks));
+    (void)ticks_until(&rig, 5, false, &fault);
+    ck_assert(checks_standstill(&rig.checks));
+    (void)ticks_until(&rig, 25, true, &fault);
+    ck_assert(!checks_standstill(&rig.checks));
+    ck_assert(checks_springs_slack(&rig.params, &rig.input));
+    rig.input.sea[SIDE_LEFT].precompression_m = REAL(0.0011);
+    ck_assert(!checks_springs_slack(&rig.params, &rig.input));
+    rig.input.sea[SIDE_LEFT].precompression_m = REAL(0.0);
+    rig.input.sea[SIDE_RIGHT].age_ticks = 1; /* not known now */
+    ck_assert(!checks_springs_slack(&rig.params, &rig.input));
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("checks");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, nothing_is_wrong);
+    tcase_add_test(tests, wrong_at_once);
+    tcase_add_test(tests, out_of_range);
+    tcase_add_test(tests, a_fall_counts_while_powered);
+    tcase_add_test(tests, one_wild_sample_is_bridged_at_the_last_rate);
+    tcase_add_test(tests, a_lasting_jump_is_a_fault_while_walking);
+    tcase_add_test(tests, a_lost_angle_does_not_run_away);
+    tcase_add_test(tests, a_stuck_angle);
+    tcase_add_test(tests, force_against_spring);
+    tcase_add_test(tests, a_wrong_force_is_never_forgotten);
+    tcase_add_test(tests, ankle_against_latch);
+    tcase_add_test(tests, a_released_spring_must_move_the_ankle);
+    tcase_add_test(tests, following_error);
+    tcase_add_test(tests, drives_that_disobey);
+    tcase_add_test(tests, standstill_and_slack);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

@@ -1,0 +1,176 @@
+/* What counts as a verified, steady step. */
+#include "controller/supervisor/step_monitor.h"
+#include "tests/support/assert_close.h"
+
+struct walk {
+    struct step_monitor monitor;
+    uint32_t tick;
+};
+
+static void strike(struct walk *walk, enum side side)
+{
+    struct gait_state gait = {0};
+    gait.event[GAIT_HEEL_STRIKE] =
+        (struct gait_event){.happened = true, .side = side, .tick = walk->tick};
+    ck_assert(!step_monitor_update(&walk->monitor, &gait, walk->tick));
+}
+
+/* An apex `ms` after the last one, with one heel strike of the other foot between. */
+static void step(struct walk *walk, enum side side, uint32_t ms)
+{
+    struct gait_state gait = {0};
+    strike(walk, side);
+    walk->tick += ms;
+    gait.event[GAIT_APEX] = (struct gait_event){.happened = true, .side = side, .tick = walk->tick};
+    ck_assert(step_monitor_update(&walk->monitor, &gait, walk->tick + 40));
+}
+
+static void start(struct walk *walk)
+{
+    walk->tick = 1000;
+    step_monitor_init(&walk->monitor);
+    step(walk, SIDE_LEFT, 0);
+}
+
+START_TEST(equal_steps_are_steady_from_the_third_apex_on)
+{
+    struct walk walk;
+    start(&walk);
+    ck_assert_uint_eq(walk.monitor.steady, 0);
+    step(&walk, SIDE_RIGHT, 600);
+    ck_assert_uint_eq(walk.monitor.steady, 0); /* nothing to compare with */
+    for (unsigned i = 1; i <= 6; i++) {
+        step(&walk, i % 2 != 0 ? SIDE_LEFT : SIDE_RIGHT, 600 + 20 * i);
+        ck_assert_uint_eq(walk.monitor.steady, i);
+    }
+    ck_assert_uint_eq(walk.monitor.unsteady, 0);
+    ck_assert_uint_eq(walk.monitor.known_tick, walk.tick + 40);
+}
+END_TEST
+
+static const struct {
+    const char *what;
+    enum side side;
+    uint32_t ms;
+    int extra_strikes;
+} breaks[] = {
+    {"half as long", SIDE_RIGHT, 300, 0},
+    {"twice as long", SIDE_RIGHT, 1200, 0},
+    {"the same leg again", SIDE_LEFT, 600, 0},
+    {"two heel strikes", SIDE_RIGHT, 600, 1},
+};
+
+START_TEST(a_step_unlike_the_others_begins_anew)
+{
+    struct walk walk;
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 600);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 600);
+    ck_assert_uint_eq(walk.monitor.steady, 3);
+    for (int i = 0; i < breaks[_i].extra_strikes; i++) {
+        strike(&walk, breaks[_i].side);
+    }
+    step(&walk, breaks[_i].side, breaks[_i].ms);
+    ck_assert_msg(walk.monitor.steady == 0, "%s", breaks[_i].what);
+    ck_assert_uint_eq(walk.monitor.unsteady, 1);
+    ck_assert_int_eq(walk.monitor.same_side, breaks[_i].side == SIDE_LEFT);
+}
+END_TEST
+
+START_TEST(a_step_without_heel_strike_is_none)
+{
+    struct walk walk;
+    struct gait_state gait = {0};
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 600);
+    ck_assert_uint_eq(walk.monitor.steady, 1);
+    walk.tick += 600;
+    gait.event[GAIT_APEX] =
+        (struct gait_event){.happened = true, .side = SIDE_RIGHT, .tick = walk.tick};
+    (void)step_monitor_update(&walk.monitor, &gait, walk.tick);
+    ck_assert_uint_eq(walk.monitor.steady, 0);
+}
+END_TEST
+
+START_TEST(the_legs_may_limp_by_a_third_not_more)
+{
+    struct walk walk;
+    start(&walk);
+    for (int i = 0; i < 10; i++) {
+        step(&walk, i % 2 == 0 ? SIDE_RIGHT : SIDE_LEFT, i % 2 == 0 ? 500 : 700);
+    }
+    ck_assert_uint_eq(walk.monitor.steady, 9);
+    start(&walk);
+    for (int i = 0; i < 10; i++) {
+        step(&walk, i % 2 == 0 ? SIDE_RIGHT : SIDE_LEFT, i % 2 == 0 ? 400 : 700);
+        ck_assert_uint_eq(walk.monitor.steady, 0);
+    }
+    ck_assert_uint_eq(walk.monitor.unsteady, 11);
+}
+END_TEST
+
+/* Each step is like the one before, and the walk slows down all the same. */
+START_TEST(a_step_is_held_to_the_two_before)
+{
+    struct walk walk;
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 440);
+    ck_assert_uint_eq(walk.monitor.steady, 1);
+    step(&walk, SIDE_RIGHT, 330); /* three quarters of the last, but half of the one before */
+    ck_assert_uint_eq(walk.monitor.steady, 0);
+    ck_assert_uint_eq(walk.monitor.unsteady, 1);
+}
+END_TEST
+
+/* Counters end at their limit, they do not begin again. */
+START_TEST(counters_saturate)
+{
+    struct walk walk;
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    walk.monitor.steady = UINT32_MAX;
+    step(&walk, SIDE_LEFT, 600);
+    ck_assert_uint_eq(walk.monitor.steady, UINT32_MAX);
+    walk.monitor.unsteady = UINT32_MAX;
+    step(&walk, SIDE_LEFT, 600);
+    ck_assert_uint_eq(walk.monitor.unsteady, UINT32_MAX);
+    for (int i = 0; i < 300; i++) {
+        strike(&walk, SIDE_RIGHT);
+    }
+    ck_assert_uint_eq(walk.monitor.strikes, UINT8_MAX);
+}
+END_TEST
+
+/* The clock of ticks runs over after 49 days. */
+START_TEST(steps_across_the_end_of_the_clock)
+{
+    struct walk walk = {.tick = UINT32_MAX - 1500};
+    step_monitor_init(&walk.monitor);
+    step(&walk, SIDE_LEFT, 0);
+    for (int i = 0; i < 6; i++) {
+        step(&walk, i % 2 == 0 ? SIDE_RIGHT : SIDE_LEFT, 600);
+    }
+    ck_assert_uint_lt(walk.tick, 5000);
+    ck_assert_uint_eq(walk.monitor.steady, 5);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("step monitor");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, equal_steps_are_steady_from_the_third_apex_on);
+    tcase_add_loop_test(tests, a_step_unlike_the_others_begins_anew, 0,
+                        (int)(sizeof breaks / sizeof breaks[0]));
+    tcase_add_test(tests, a_step_without_heel_strike_is_none);
+    tcase_add_test(tests, the_legs_may_limp_by_a_third_not_more);
+    tcase_add_test(tests, a_step_is_held_to_the_two_before);
+    tcase_add_test(tests, counters_saturate);
+    tcase_add_test(tests, steps_across_the_end_of_the_clock);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

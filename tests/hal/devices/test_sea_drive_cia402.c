@@ -1,0 +1,313 @@
+/* The master's half of CiA 402, driven by statuswords as the standard spells them. */
+#include "hal/bus/frame_table.h"
+#include "hal/devices/sea_drive_cia402.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
+
+#include <string.h>
+
+static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 500, 1, 50.0f},
+                                                          {1.0e6f, -500, -1, 50.0f}};
+
+struct bench {
+    struct fake_bus fake;
+    struct can_bus bus;
+    struct cia402_drives cia402;
+    struct sea_drives drives;
+    struct sea_drive_wish wish[LEG_COUNT];
+};
+
+static void start(struct bench *b)
+{
+    memset(b, 0, sizeof *b);
+    fake_bus_init(&b->fake);
+    b->bus = fake_bus_interface(&b->fake);
+    cia402_drives_init(&b->cia402, axes);
+    b->drives = cia402_drives_interface(&b->cia402);
+}
+
+static void answer(struct bench *b, uint32_t id, uint16_t statusword, int32_t position)
+{
+    const uint32_t p = (uint32_t)position;
+    const struct can_msg frame = {.id = id,
+                                  .length = 6,
+                                  .data = {(uint8_t)(statusword & 255u), (uint8_t)(statusword >> 8),
+                                           (uint8_t)(p & 255u), (uint8_t)((p >> 8) & 255u),
+                                           (uint8_t)((p >> 16) & 255u), (uint8_t)(p >> 24)}};
+    ck_assert(sea_drives_receive(&b->drives, &frame));
+}
+
+/* The controlword sent to the left drive for this statusword and the present wish. */
+static int controlword_for(struct bench *b, uint16_t statusword)
+{
+    answer(b, 0x181, statusword, 500);
+    b->cia402.axis[LEG_LEFT].sender.ticks_since_sent = SLOW_PDO_TICKS; /* due again */
+    fake_bus_clear(&b->fake);
+    ck_assert_int_eq(sea_drives_command(&b->drives, b->wish, &b->bus), CAN_OK);
+    const struct can_msg *frame = fake_bus_last(&b->fake, 0x301);
+    ck_assert_ptr_nonnull(frame);
+    ck_assert_int_eq(frame->length, 6);
+    return frame->data[0] | frame->data[1] << 8;
+}
+
+static int32_t target_of(const struct bench *b, int leg)
+{
+    const struct can_msg *frame = fake_bus_last(&b->fake, 0x201);
+    ck_assert_ptr_nonnull(frame);
+    int32_t value;
+    memcpy(&value, frame->data + 4 * leg, sizeof value);
+    return value;
+}
+
+START_TEST(way_to_enabled_and_back)
+{
+    struct bench b;
+    start(&b);
+    b.wish[LEG_LEFT].enable = true;
+    ck_assert_int_eq(controlword_for(&b, 0x0240), 0x06); /* switch-on disabled: shutdown */
+    ck_assert_int_eq(controlword_for(&b, 0x0221), 0x07); /* ready: switch on */
+    ck_assert_int_eq(controlword_for(&b, 0x0223), 0x0F); /* switched on: enable */
+    ck_assert_int_eq(controlword_for(&b, 0x0227), 0x0F); /* enabled: stay */
+    b.wish[LEG_LEFT].enable = false;
+    ck_assert_int_eq(controlword_for(&b, 0x0227), 0x06);
+    ck_assert_int_eq(controlword_for(&b, 0x0221), 0x06);
+    ck_assert_int_eq(controlword_for(&b, 0x0207), 0x02); /* quick stop: let it unload */
+}
+END_TEST
+
+START_TEST(fault_reset_is_an_edge_and_only_on_demand)
+{
+    struct bench b;
+    start(&b);
+    b.wish[LEG_LEFT].enable = true;
+    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
+    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
+    b.wish[LEG_LEFT].clear_fault = true;
+    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
+    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00); /* falls, so that it can rise again */
+    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
+}
+END_TEST
+
+START_TEST(states_are_read_as_the_standard_spells_them)
+{
+    static const struct {
+        uint16_t statusword;
+        enum sea_drive_state state;
+    } cases[] = {
+        {0x0000, SEA_DRIVE_DISABLED}, {0x0240, SEA_DRIVE_DISABLED}, {0x0260, SEA_DRIVE_DISABLED},
+        {0x0231, SEA_DRIVE_DISABLED}, {0x0233, SEA_DRIVE_STARTING}, {0x1637, SEA_DRIVE_ENABLED},
+        {0x0637, SEA_DRIVE_STOPPING}, /* enabled, but ignores its target */
+        {0x0002, SEA_DRIVE_DISABLED}, /* none of the profile's */
+        {0x0217, SEA_DRIVE_STOPPING}, {0x021F, SEA_DRIVE_STOPPING}, {0x0218, SEA_DRIVE_FAULT}};
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_int_eq(reading.state, SEA_DRIVE_UNKNOWN);
+    ck_assert_int_eq(reading.age_ticks, UINT16_MAX);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        answer(&b, 0x181, cases[i].statusword, 500);
+        sea_drives_read(&b.drives, LEG_LEFT, &reading);
+        ck_assert_msg(reading.state == cases[i].state, "statusword %04x read as %d",
+                      cases[i].statusword, (int)reading.state);
+    }
+}
+END_TEST
+
+/* Somebody else with the drive's identifier. One frame that came late is none. */
+START_TEST(more_states_than_cycles_are_a_foreign_node)
+{
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    for (int cycle = 0; cycle < 100; cycle++) {
+        answer(&b, 0x182, 0x0240, -500);
+        answer(&b, 0x182, 0x0240, -500); /* CAN's own repetition */
+        sea_drives_age(&b.drives);
+        answer(&b, 0x181, 0x0240, 500 + cycle);
+        answer(&b, 0x181, 0x0240, 501 + cycle); /* the one before was missed */
+        sea_drives_age(&b.drives);
+        sea_drives_age(&b.drives);
+    }
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        sea_drives_read(&b.drives, (enum leg)leg, &reading);
+        ck_assert(!reading.foreign);
+    }
+    for (int frame = 0; frame < 3; frame++) { /* one by another statusword, one by its position */
+        answer(&b, 0x181, frame == 1 ? 0x1237 : 0x0240, frame == 2 ? 7 : 500);
+    }
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert(reading.foreign);
+    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    ck_assert(!reading.foreign);
+}
+END_TEST
+
+START_TEST(no_kick_target_is_the_position_until_enabled)
+{
+    struct bench b;
+    start(&b);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.05f, true, true, false};
+    b.wish[LEG_RIGHT] = (struct sea_drive_wish){0.05f, true, true, false};
+    answer(&b, 0x181, 0x0223, 1234);
+    answer(&b, 0x182, 0x0227, -700);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(target_of(&b, 0), 1234);
+    ck_assert_int_eq(target_of(&b, 1), -500 - 50000); /* reversed axis with its own zero */
+    ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 0); /* not armed before enabled */
+    ck_assert_int_eq(fake_bus_last(&b.fake, 0x302)->data[4], 1);
+}
+END_TEST
+
+START_TEST(no_target_before_both_positions_are_known)
+{
+    struct bench b;
+    start(&b);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.05f, true, false, false};
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    answer(&b, 0x181, 0x0227, 700000);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 0);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x302), 0);
+    answer(&b, 0x182, 0x0240, 5);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 1);
+    ck_assert_int_eq(target_of(&b, 1), 5);
+}
+END_TEST
+
+START_TEST(positions_scale_and_saturate)
+{
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    answer(&b, 0x181, 0x0227, 500 + 123456);
+    answer(&b, 0x182, 0x0227, -500 - 123456);
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        sea_drives_read(&b.drives, (enum leg)leg, &reading);
+        assert_close(reading.precompression_m, 0.123456, 1e-8, 1e-6);
+    }
+    answer(&b, 0x181, 0x0227, INT32_MIN);
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    assert_close(reading.precompression_m, -2147.484148, 1e-3, 0.0);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){1e30f, true, false, false};
+    b.wish[LEG_RIGHT] = (struct sea_drive_wish){-1e30f, true, false, false};
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_gt(target_of(&b, 0), 1000000000);
+    ck_assert_int_gt(target_of(&b, 1), 1000000000); /* minus times minus */
+}
+END_TEST
+
+START_TEST(commands_go_out_on_change_and_now_and_then)
+{
+    struct bench b;
+    start(&b);
+    for (int tick = 0; tick < 1000; tick++) {
+        answer(&b, 0x181, 0x0240, 500);
+        answer(&b, 0x182, 0x0240, -500);
+        ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+        if (tick % 50 == 49) {
+            fake_bus_clear(&b.fake);
+        }
+    }
+    fake_bus_clear(&b.fake);
+    for (int tick = 0; tick < 100; tick++) {
+        ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    }
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 100);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x301), 1);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x302), 1);
+}
+END_TEST
+
+START_TEST(a_refused_frame_is_sent_again)
+{
+    struct bench b;
+    start(&b);
+    answer(&b, 0x181, 0x0227, 500);
+    answer(&b, 0x182, 0x0227, -500);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.0f, true, true, false};
+    b.fake.verdict = CAN_FULL;
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_FULL);
+    b.fake.verdict = CAN_OK;
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x301));
+    ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 1);
+}
+END_TEST
+
+START_TEST(malformed_frames_change_nothing_and_are_counted)
+{
+    struct bench b;
+    start(&b);
+    answer(&b, 0x181, 0x0227, 777);
+    struct can_msg frame = {.id = 0x181, .length = 8};
+    ck_assert(sea_drives_receive(&b.drives, &frame));
+    frame.length = 5;
+    ck_assert(sea_drives_receive(&b.drives, &frame));
+    ck_assert_uint_eq(b.cia402.rx_malformed, 2);
+    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].position_counts, 777);
+    frame.id = 0x183;
+    ck_assert(!sea_drives_receive(&b.drives, &frame));
+}
+END_TEST
+
+/* Torque in per mille of the rated force (50 N here), signed by the axis' direction. */
+START_TEST(force_and_latch)
+{
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    struct can_msg slow = {.id = 0x381, .length = 8, .data = {0xC8, 0x00}}; /* 200 per mille */
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX - 1); /* missing, not without any */
+    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_UNKNOWN);
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    slow.id = 0x382;
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    answer(&b, 0x181, 0x5237, 500);
+    answer(&b, 0x182, 0x1237, -500);
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    assert_close((double)reading.force_N, 10.0, 1e-5, 0.0);
+    ck_assert_uint_eq(reading.force_age_ticks, 0);
+    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_CLOSED);
+    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    assert_close((double)reading.force_N, -10.0, 1e-5, 0.0);
+    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_OPEN);
+    for (int i = 0; i < 70000; i++) {
+        sea_drives_age(&b.drives);
+    }
+    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX - 1); /* old, but once received */
+    slow.length = 6;
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    ck_assert_uint_eq(b.cia402.rx_malformed, 1);
+    slow.length = 8;
+    slow.flags = CAN_FRAME_REMOTE; /* a question has no torque in it */
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    ck_assert_uint_eq(b.cia402.rx_malformed, 2);
+    b.cia402.axis[LEG_LEFT].config.rated_force_N = 0.0f;
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("sea_drive_cia402");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, way_to_enabled_and_back);
+    tcase_add_test(tests, fault_reset_is_an_edge_and_only_on_demand);
+    tcase_add_test(tests, states_are_read_as_the_standard_spells_them);
+    tcase_add_test(tests, no_kick_target_is_the_position_until_enabled);
+    tcase_add_test(tests, no_target_before_both_positions_are_known);
+    tcase_add_test(tests, positions_scale_and_saturate);
+    tcase_add_test(tests, commands_go_out_on_change_and_now_and_then);
+    tcase_add_test(tests, a_refused_frame_is_sent_again);
+    tcase_add_test(tests, malformed_frames_change_nothing_and_are_counted);
+    tcase_add_test(tests, force_and_latch);
+    tcase_add_test(tests, more_states_than_cycles_are_a_foreign_node);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

@@ -1,0 +1,258 @@
+/* CANSimple and MIT mode frames against bytes worked out by hand from the makers'
+ * descriptions, and the way to enabled and back. */
+#include "hal/bus/frame_table.h"
+#include "hal/devices/sea_drive_cansimple.h"
+#include "hal/devices/sea_drive_mit.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
+
+#include <string.h>
+
+/* ---- CANSimple: node 1 = 0x020.., node 2 = 0x040.. ------------------------- */
+
+struct odrive_bench {
+    struct fake_bus fake;
+    struct can_bus bus;
+    struct cansimple_drives axes;
+    struct sea_drives drives;
+    struct sea_drive_wish wish[LEG_COUNT];
+};
+
+static void start_odrive(struct odrive_bench *b)
+{
+    static const struct cansimple_axis_config config[LEG_COUNT] = {{1, 200.0f, 0.5f, 1},
+                                                                   {2, 200.0f, 0.0f, -1}};
+    memset(b, 0, sizeof *b);
+    fake_bus_init(&b->fake);
+    b->bus = fake_bus_interface(&b->fake);
+    cansimple_drives_init(&b->axes, config);
+    b->drives = cansimple_drives_interface(&b->axes);
+}
+
+static bool give(const struct sea_drives *drives, uint32_t id, const uint8_t *data, uint8_t length)
+{
+    struct can_msg frame = {.id = id, .length = length};
+    memcpy(frame.data, data, length);
+    return sea_drives_receive(drives, &frame);
+}
+
+/* 10.5 turns = 0x41280000; 0 turns/s. */
+static const uint8_t at_10_5_turns[8] = {0x00, 0x00, 0x28, 0x41};
+static const uint8_t heartbeat_idle[8] = {0, 0, 0, 0, 1};
+static const uint8_t heartbeat_closed_loop[8] = {0, 0, 0, 0, 8};
+static const uint8_t heartbeat_watchdog[8] = {0x00, 0x08, 0, 0, 1};
+
+START_TEST(cansimple_reads_estimates_and_heartbeats)
+{
+    struct odrive_bench b;
+    struct sea_drive_reading reading;
+    start_odrive(&b);
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_int_eq(reading.state, SEA_DRIVE_UNKNOWN);
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    assert_close(reading.precompression_m, 0.05, 1e-7, 0.0); /* (10.5 - 0.5) / 200 */
+    ck_assert_int_eq(reading.state, SEA_DRIVE_ENABLED);
+    ck_assert(give(&b.drives, 0x021, heartbeat_watchdog, 8));
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_int_eq(reading.state, SEA_DRIVE_FAULT);
+    for (int i = 0; i < HEARTBEAT_TIMEOUT_MS + 1; i++) {
+        sea_drives_age(&b.drives);
+    }
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_int_eq(reading.state, SEA_DRIVE_UNKNOWN);
+    ck_assert(!give(&b.drives, 0x080, at_10_5_turns, 0)); /* SYNC is not node 4's */
+}
+END_TEST
+
+START_TEST(cansimple_refuses_what_is_no_number)
+{
+    static const uint8_t nan_turns[8] = {0x00, 0x00, 0xC0, 0x7F};
+    struct odrive_bench b;
+    struct sea_drive_reading reading;
+    start_odrive(&b);
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x029, nan_turns, 8));
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 4));
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    assert_close(reading.precompression_m, 0.05, 1e-7, 0.0);
+    ck_assert_uint_eq(b.axes.rx_malformed, 2);
+}
+END_TEST
+
+START_TEST(cansimple_way_to_closed_loop_without_a_kick)
+{
+    struct odrive_bench b;
+    start_odrive(&b);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.1f, true, true, false};
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    const struct can_msg *position = fake_bus_last(&b.fake, 0x02C);
+    ck_assert_ptr_nonnull(position);
+    ck_assert_mem_eq(position->data, at_10_5_turns, 4); /* where it is, not where it shall go */
+    const struct can_msg *mode = fake_bus_last(&b.fake, 0x02B);
+    const struct can_msg *state = fake_bus_last(&b.fake, 0x027);
+    ck_assert_ptr_nonnull(mode);
+    ck_assert_ptr_nonnull(state);
+    ck_assert_int_eq(mode->data[0], 3);
+    ck_assert_int_eq(mode->data[4], 1);
+    ck_assert_int_eq(state->data[0], 8);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 0); /* latch: not yet */
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
+    fake_bus_clear(&b.fake);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    /* 0.5 + 0.1 * 200 = 20.5 turns = 0x41A40000 */
+    static const uint8_t at_20_5_turns[4] = {0x00, 0x00, 0xA4, 0x41};
+    ck_assert_mem_eq(fake_bus_last(&b.fake, 0x02C)->data, at_20_5_turns, 4);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 1);
+    b.wish[LEG_LEFT].enable = false;
+    for (int i = 0; i < 110; i++) {
+        ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+        if (i == 50) {
+            fake_bus_clear(&b.fake);
+        }
+    }
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x027));
+    ck_assert_int_eq(fake_bus_last(&b.fake, 0x027)->data[0], 1); /* idle */
+}
+END_TEST
+
+/* ---- MIT mode -------------------------------------------------------------- */
+
+struct ak_bench {
+    struct fake_bus fake;
+    struct can_bus bus;
+    struct mit_drives axes;
+    struct sea_drives drives;
+    struct sea_drive_wish wish[LEG_COUNT];
+};
+
+static void start_ak(struct ak_bench *b)
+{
+    struct mit_axis_config config[LEG_COUNT];
+    for (int leg = 0; leg < LEG_COUNT; leg++) {
+        config[leg] = (struct mit_axis_config){.motor_id = (uint8_t)(1 + leg),
+                                               .answer_id = (uint16_t)(0x11 + leg),
+                                               .rad_per_m = 50.0f,
+                                               .zero_rad = -12.0f,
+                                               .direction = 1,
+                                               .kp_Nm_rad = 500.0f,
+                                               .kd_Nms_rad = 5.0f,
+                                               .spring_N_per_m = 100.0f,
+                                               .stroke_max_m = 0.35f,
+                                               .ranges = {12.5f, 50.0f, 18.0f, 500.0f, 5.0f}};
+    }
+    memset(b, 0, sizeof *b);
+    fake_bus_init(&b->fake);
+    b->bus = fake_bus_interface(&b->fake);
+    mit_drives_init(&b->axes, config);
+    b->drives = mit_drives_interface(&b->axes);
+}
+
+START_TEST(mit_fields_at_their_ends_and_in_the_middle)
+{
+    ck_assert_uint_eq(mit_encode(-12.5f, 12.5f, false, 16), 0);
+    ck_assert_uint_eq(mit_encode(12.5f, 12.5f, false, 16), 65535);
+    ck_assert_uint_eq(mit_encode(0.0f, 12.5f, false, 16), 32768);
+    ck_assert_uint_eq(mit_encode(99.0f, 18.0f, false, 12), 4095);
+    ck_assert_uint_eq(mit_encode(-99.0f, 18.0f, false, 12), 0);
+    ck_assert_uint_eq(mit_encode(250.0f, 500.0f, true, 12), 2048);
+    ck_assert_uint_eq(mit_encode(0.0f, 5.0f, true, 12), 0);
+    assert_close(mit_decode(65535, 12.5f, false, 16), 12.5, 1e-6, 0.0);
+    assert_close(mit_decode(0, 12.5f, false, 16), -12.5, 1e-6, 0.0);
+    assert_close(mit_decode(0, 500.0f, true, 12), 0.0, 0.0, 0.0);
+    assert_close(mit_decode(4095, 500.0f, true, 12), 500.0, 0.0, 1e-6);
+    for (uint32_t field = 0; field < 65536; field += 7) {
+        ck_assert_uint_eq(mit_encode(mit_decode(field, 12.5f, false, 16), 12.5f, false, 16), field);
+    }
+}
+END_TEST
+
+/* -12 rad of +-12.5 rad: 0.5 / 25 * 65535 = 1310.7 -> 1311 = 0x051F. */
+static const uint8_t answer_at_zero[8] = {1, 0x05, 0x1F, 0x7F, 0xF7, 0xFF, 30, 0};
+
+START_TEST(mit_enters_after_an_answer_and_commands_bytes_in_order)
+{
+    static const uint8_t enter[8] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFC};
+    struct ak_bench b;
+    struct sea_drive_reading reading;
+    start_ak(&b);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.25f, true, true, false};
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[3] & 0x0F, 0); /* kp 0 until entered */
+    ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[4], 0);
+    ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    assert_close(reading.precompression_m, 0.0, 5e-6, 0.0);
+    ck_assert_int_eq(reading.state, SEA_DRIVE_DISABLED);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_mem_eq(fake_bus_last(&b.fake, 1)->data, enter, 8);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    /* position -12 + 12.5 = 0.5 rad -> 34078 = 0x851E; velocity 0 -> 0x800 (rounded
+     * half up); kp 500 -> 0xFFF; kd 5 -> 0xFFF; torque 100 * 0.25 / 50 = 0.5 Nm -> 2104 = 0x838 */
+    static const uint8_t expected[8] = {0x85, 0x1E, 0x80, 0x0F, 0xFF, 0xFF, 0xF8, 0x38};
+    ck_assert_mem_eq(fake_bus_last(&b.fake, 1)->data, expected, 8);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 1);
+}
+END_TEST
+
+START_TEST(mit_never_spells_a_special_frame_by_accident)
+{
+    struct ak_bench b;
+    start_ak(&b);
+    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.0f, true, false, false};
+    ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    b.wish[LEG_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert(fake_bus_last(&b.fake, 1)->data[1] != 0xFF);
+}
+END_TEST
+
+START_TEST(mit_refuses_a_motor_with_other_ranges)
+{
+    static const uint8_t far_away[8] = {1, 0xF0, 0x00, 0x7F, 0xF7, 0xFF, 30, 0};
+    struct ak_bench b;
+    struct sea_drive_reading reading;
+    start_ak(&b);
+    b.wish[LEG_LEFT].enable = true;
+    ck_assert(give(&b.drives, 0x11, far_away, 8));
+    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    ck_assert_int_eq(reading.state, SEA_DRIVE_FAULT);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert(fake_bus_last(&b.fake, 1)->data[7] != MIT_ENTER);
+}
+END_TEST
+
+START_TEST(mit_error_and_withdrawal_leave_motor_mode)
+{
+    static const uint8_t answer_with_error[8] = {1, 0x05, 0x1F, 0x7F, 0xF7, 0xFF, 90, 3};
+    struct ak_bench b;
+    start_ak(&b);
+    b.wish[LEG_LEFT].enable = true;
+    ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert(give(&b.drives, 0x11, answer_with_error, 8));
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[7], MIT_EXIT);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[0], 0xFF);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("sea_drive_foreign");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, cansimple_reads_estimates_and_heartbeats);
+    tcase_add_test(tests, cansimple_refuses_what_is_no_number);
+    tcase_add_test(tests, cansimple_way_to_closed_loop_without_a_kick);
+    tcase_add_test(tests, mit_fields_at_their_ends_and_in_the_middle);
+    tcase_add_test(tests, mit_enters_after_an_answer_and_commands_bytes_in_order);
+    tcase_add_test(tests, mit_never_spells_a_special_frame_by_accident);
+    tcase_add_test(tests, mit_refuses_a_motor_with_other_ranges);
+    tcase_add_test(tests, mit_error_and_withdrawal_leave_motor_mode);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

@@ -1,0 +1,104 @@
+#include "tests/hal/port_cortex_m/mmio_model.h"
+
+#include <check.h>
+
+#include "hal/port_cortex_m/mmio.h"
+
+struct region {
+    uint32_t base;
+    uint32_t bytes;
+    mmio_model_read read;
+    mmio_model_write write;
+    void *context;
+};
+
+enum { REGION_MAX = 16 };
+
+static struct region regions[REGION_MAX];
+static int region_count;
+static int locked;
+static void (*on_sleep)(void);
+
+void mmio_model_reset(void)
+{
+    region_count = 0;
+    locked = 0;
+    on_sleep = NULL;
+}
+
+void mmio_model_map(uint32_t base, uint32_t bytes, mmio_model_read read, mmio_model_write write,
+                    void *context)
+{
+    ck_assert_int_lt(region_count, REGION_MAX);
+    regions[region_count++] = (struct region){base, bytes, read, write, context};
+}
+
+static uint32_t memory_read(void *context, uint32_t offset)
+{
+    return ((uint32_t *)context)[offset / 4];
+}
+
+static void memory_write(void *context, uint32_t offset, uint32_t value)
+{
+    ((uint32_t *)context)[offset / 4] = value;
+}
+
+void mmio_model_map_memory(uint32_t base, uint32_t bytes, uint32_t *words)
+{
+    mmio_model_map(base, bytes, memory_read, memory_write, words);
+}
+
+int mmio_model_locked(void)
+{
+    return locked;
+}
+
+static const struct region *find(uint32_t address)
+{
+    if (address % 4 != 0) { /* not an assertion: Check makes a note of each, thousands of times */
+        ck_abort_msg("access to %#x is not aligned", address);
+    }
+    for (int i = 0; i < region_count; i++) {
+        if (address - regions[i].base < regions[i].bytes) {
+            return &regions[i];
+        }
+    }
+    ck_abort_msg("nothing is at address %#x", address);
+}
+
+uint32_t mmio_read(uint32_t address)
+{
+    const struct region *region = find(address);
+    return region->read(region->context, address - region->base);
+}
+
+void mmio_write(uint32_t address, uint32_t value)
+{
+    const struct region *region = find(address);
+    region->write(region->context, address - region->base, value);
+}
+
+uint32_t mmio_lock(void)
+{
+    return (uint32_t)locked++;
+}
+
+void mmio_unlock(uint32_t state)
+{
+    locked = (int)state;
+}
+
+void mmio_model_on_sleep(void (*function)(void))
+{
+    on_sleep = function;
+}
+
+void mmio_sleep(void)
+{
+    ck_assert_msg(on_sleep != NULL, "nothing would end this sleep");
+    on_sleep();
+}
+
+void mmio_barrier(void)
+{
+}

@@ -1,0 +1,27 @@
+/* Where the drivers' register accesses go on the host: to models of peripherals,
+ * each at its addresses. An access to any other address fails the test. */
+#ifndef TESTS_HAL_PORT_CORTEX_M_MMIO_MODEL_H
+#define TESTS_HAL_PORT_CORTEX_M_MMIO_MODEL_H
+
+#include <stdint.h>
+
+typedef uint32_t (*mmio_model_read)(void *context, uint32_t offset);
+typedef void (*mmio_model_write)(void *context, uint32_t offset, uint32_t value);
+
+/* Forgets all models. */
+void mmio_model_reset(void);
+
+/* Puts a model at `bytes` addresses from `base`. */
+void mmio_model_map(uint32_t base, uint32_t bytes, mmio_model_read read, mmio_model_write write,
+                    void *context);
+
+/* Plain memory: reads back what was written. `words` stays the caller's. */
+void mmio_model_map_memory(uint32_t base, uint32_t bytes, uint32_t *words);
+
+/* Calls `function` in mmio_sleep from now on; NULL after a reset: sleeping fails the test. */
+void mmio_model_on_sleep(void (*function)(void));
+
+/* Nesting of mmio_lock; a test ends with 0. */
+int mmio_model_locked(void);
+
+#endif

@@ -1,0 +1,84 @@
+/* The record a fault leaves: seen once, counted over resets, gone at power-up. */
+#include "hal/storage/crash_record.h"
+
+#include <string.h>
+
+#include "tests/support/assert_close.h"
+
+static struct crash_record record;
+
+static void crash(uint32_t cause)
+{
+    uint32_t before = crash_record_count(&record);
+
+    memset(&record, 0, sizeof record);
+    record.cause = cause;
+    record.pc = 0x08001234;
+    record.count = before;
+    crash_record_seal(&record);
+}
+
+START_TEST(memory_after_power_up_is_no_record)
+{
+    memset(&record, 0x5A, sizeof record);
+    ck_assert(!crash_record_is_valid(&record));
+    ck_assert_uint_eq(crash_record_count(&record), 0);
+    crash_record_acknowledge(&record); /* has nothing to do */
+    ck_assert_uint_eq(record.cause, 0x5A5A5A5A);
+}
+END_TEST
+
+START_TEST(a_sealed_record_is_found_and_counted)
+{
+    memset(&record, 0x5A, sizeof record);
+    crash(CRASH_BUS_FAULT);
+    ck_assert(crash_record_is_valid(&record));
+    ck_assert_uint_eq(crash_record_count(&record), 1);
+    crash(CRASH_WATCHDOG);
+    ck_assert_uint_eq(crash_record_count(&record), 2);
+    ck_assert_uint_eq(record.cause, CRASH_WATCHDOG);
+    record.count = UINT32_MAX; /* the count stays at its end */
+    crash_record_seal(&record);
+    ck_assert(crash_record_is_valid(&record));
+    ck_assert_uint_eq(crash_record_count(&record), UINT32_MAX);
+}
+END_TEST
+
+START_TEST(an_acknowledged_record_counts_but_is_not_reported_again)
+{
+    memset(&record, 0, sizeof record);
+    crash(CRASH_HARD_FAULT);
+    crash_record_acknowledge(&record);
+    ck_assert(!crash_record_is_valid(&record));
+    ck_assert_uint_eq(crash_record_count(&record), 1);
+    crash(CRASH_HARD_FAULT);
+    ck_assert_uint_eq(crash_record_count(&record), 2);
+}
+END_TEST
+
+START_TEST(any_flipped_bit_spoils_the_record)
+{
+    memset(&record, 0, sizeof record);
+    crash(CRASH_ASSERTION);
+    for (size_t bit = 0; bit < 8 * sizeof record; bit++) {
+        uint8_t *byte = (uint8_t *)&record + bit / 8;
+        *byte = (uint8_t)(*byte ^ (1U << (bit % 8)));
+        ck_assert(!crash_record_is_valid(&record));
+        *byte = (uint8_t)(*byte ^ (1U << (bit % 8)));
+    }
+    ck_assert(crash_record_is_valid(&record));
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("crash_record");
+    TCase *tcase = tcase_create("crash_record");
+
+    tcase_add_test(tcase, memory_after_power_up_is_no_record);
+    tcase_add_test(tcase, a_sealed_record_is_found_and_counted);
+    tcase_add_test(tcase, an_acknowledged_record_counts_but_is_not_reported_again);
+    tcase_add_test(tcase, any_flipped_bit_spoils_the_record);
+    suite_add_tcase(suite, tcase);
+    return run_suite(suite);
+}
