@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "model/real.h"
+#include "model/sea_state.h"
 #include "model/side.h"
 
 enum { CONTROL_RATE_HZ = 1000 };
@@ -39,23 +40,6 @@ struct leg_measurement {
     real leg_angle_rad;     /* -pi..pi */
     real ankle_extension_m; /* 0 = heel down; positive = ankle extended */
     uint16_t age_ticks;     /* 0 = sampled at the newest SYNC; AGE_NEVER = no value yet */
-};
-
-/* A drive as the controller needs to know it, whatever its protocol. */
-enum drive_state {
-    DRIVE_UNKNOWN = 0,  /* no valid status received */
-    DRIVE_DISABLED = 1, /* alive, no torque */
-    DRIVE_STARTING = 2, /* on its way to enabled */
-    DRIVE_ENABLED = 3,  /* follows its target */
-    DRIVE_STOPPING = 4, /* quick stop or fault reaction under way */
-    DRIVE_FAULT = 5
-};
-
-/* The latch that holds the loaded spring's output, as its node reports it. */
-enum latch_state {
-    LATCH_UNKNOWN = 0, /* the drive's protocol does not tell */
-    LATCH_CLOSED = 1,
-    LATCH_OPEN = 2
 };
 
 struct sea_measurement {

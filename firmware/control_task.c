@@ -7,16 +7,6 @@
 #include "hal/contract.h"
 #include "hal/devices/duplicate_id.h"
 
-static_assert((int)SIDE_LEFT == (int)LEG_LEFT && (int)SIDE_RIGHT == (int)LEG_RIGHT,
-              "controller and HAL index legs alike");
-static_assert((int)DRIVE_ENABLED == (int)SEA_DRIVE_ENABLED &&
-                  (int)DRIVE_FAULT == (int)SEA_DRIVE_FAULT &&
-                  (int)DRIVE_STOPPING == (int)SEA_DRIVE_STOPPING &&
-                  (int)DRIVE_STARTING == (int)SEA_DRIVE_STARTING &&
-                  (int)DRIVE_DISABLED == (int)SEA_DRIVE_DISABLED &&
-                  (int)LATCH_CLOSED == (int)SEA_LATCH_STATE_CLOSED &&
-                  (int)LATCH_OPEN == (int)SEA_LATCH_STATE_OPEN,
-              "drive and latch states mean the same in controller and HAL");
 static_assert(sizeof(real) == sizeof(float), "the flown controller is float32");
 
 enum { FORCE_STOP_TICKS = 50 };
@@ -111,10 +101,10 @@ static void collect_input(struct control_task *task, struct controller_input *in
         .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
         .reset_requested = task->node.objects.reset_requested != 0,
         .zero_requested = task->node.objects.zero_requested != 0};
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct leg_sensor_reading *reading = &task->sensors.reading[leg];
         struct sea_drive_reading drive;
-        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        sea_drives_read(&task->config.drives, (enum side)leg, &drive);
         input->leg[leg] = (struct leg_measurement){reading->leg_angle_rad,
                                                    reading->ankle_extension_m, reading->age_ticks};
         input->sea[leg] =
@@ -132,8 +122,8 @@ static void collect_input(struct control_task *task, struct controller_input *in
 /* Returns true when the bus took them all. */
 static bool send_commands(struct control_task *task)
 {
-    struct sea_drive_wish wish[LEG_COUNT];
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    struct sea_drive_wish wish[SIDE_COUNT];
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct sea_request *command = &task->output.sea[leg];
         wish[leg] =
             (struct sea_drive_wish){command->precompression_m, command->enable,
@@ -153,16 +143,16 @@ static void force_stop(struct control_task *task)
     const bool stops =
         task->output.state == SUPERVISOR_UNLOADING || task->output.state == SUPERVISOR_FAULT;
     bool off = true;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
-        struct sea_drive_reading drive = {.state = SEA_DRIVE_DISABLED};
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        struct sea_drive_reading drive = {.state = DRIVE_DISABLED};
         if (stops) {
-            sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+            sea_drives_read(&task->config.drives, (enum side)leg, &drive);
         }
         const bool heard = drive.age_ticks <= FORCE_STOP_TICKS;
-        off = off && heard && (drive.state == SEA_DRIVE_DISABLED || drive.state == SEA_DRIVE_FAULT);
+        off = off && heard && (drive.state == DRIVE_DISABLED || drive.state == DRIVE_FAULT);
         /* What a silent one said last may be of before it was switched off and on. */
         const bool disobeys =
-            heard && task->output.state == SUPERVISOR_FAULT && drive.state == SEA_DRIVE_ENABLED;
+            heard && task->output.state == SUPERVISOR_FAULT && drive.state == DRIVE_ENABLED;
         /* One telegram that says otherwise does not outweigh the others. */
         if (disobeys) {
             task->disobeys[leg]++;
@@ -317,9 +307,9 @@ bool control_task_power_must_go(const struct control_task *task)
 
 bool control_task_cycle_complete(const struct control_task *task)
 {
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct sea_drive_reading drive;
-        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        sea_drives_read(&task->config.drives, (enum side)leg, &drive);
         if (task->sensors.reading[leg].age_ticks != 0 || drive.age_ticks != 0) {
             return false;
         }

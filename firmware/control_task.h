@@ -39,7 +39,7 @@ struct control_task_config {
     struct can_bus bus;
     struct sea_drives drives;
     struct emergency_stop stop;
-    struct leg_sensor_config leg_sensor[LEG_COUNT];
+    struct leg_sensor_config leg_sensor[SIDE_COUNT];
     struct node_setup_config setup; /* what the nodes are told, and must be like */
     bool configure_nodes;           /* false: nodes of another protocol than CANopen */
     float desired_speed_rad_s;      /* at the start; forward apex speed */
@@ -59,9 +59,9 @@ struct control_task {
     uint8_t configured;  /* bit i: node i of the network is set up */
     uint16_t sync_waits; /* cycles the SYNC under way has been waited for; 0 = none is */
     bool foreign;        /* in this tick: another node sends with an identifier of ours */
-    uint16_t powered_ticks;      /* while it stops: a drive is silent or under torque for so long */
-    uint8_t disobeys[LEG_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
-    bool emergency_stop;         /* as used in the last tick, and as sent */
+    uint16_t powered_ticks; /* while it stops: a drive is silent or under torque for so long */
+    uint8_t disobeys[SIDE_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
+    bool emergency_stop;          /* as used in the last tick, and as sent */
 };
 
 /* Prepares the task; nothing is sent yet. *config is copied, what it points to

@@ -45,7 +45,8 @@ static uint32_t save_settings(void *context)
     struct control_params *params = &task->node.objects.params;
     const struct settings_parts parts = {
         .control = params,
-        .axis = {&orthosis->drives.axis[LEG_LEFT].config, &orthosis->drives.axis[LEG_RIGHT].config},
+        .axis = {&orthosis->drives.axis[SIDE_LEFT].config,
+                 &orthosis->drives.axis[SIDE_RIGHT].config},
         .sensor = task->sensors.config,
         .setup = &task->config.setup,
         .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,

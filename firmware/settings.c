@@ -37,7 +37,7 @@ void settings_default(struct settings *settings)
     control->table.speed_rad_s[1] = 0.7f;
     control->table.speed_rad_s[2] = 1.2f;
     control->table.speed_rad_s[3] = 1.6f;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         settings->axis[leg].counts_per_m = 13107200.0f;
         settings->axis[leg].direction = 1;
         settings->sensor[leg].angle_direction = 1;
@@ -115,7 +115,7 @@ enum settings_result settings_check(const struct settings *settings)
     if (control_params_validate(&settings->control) != CONTROL_PARAMS_OK) {
         return SETTINGS_BAD_CONTROL;
     }
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         enum settings_result result =
             check_leg(&settings->axis[leg], &settings->sensor[leg], settings->control.r0_max_m);
         if (result == SETTINGS_OK) {
@@ -176,9 +176,9 @@ static void list_pieces(const struct settings_parts *parts, struct piece pieces[
          parts->control},
         {offsetof(struct settings_values, table), sizeof parts->control->table,
          &parts->control->table},
-        {offsetof(struct settings_values, axis), axis_bytes, parts->axis[LEG_LEFT]},
-        {offsetof(struct settings_values, axis) + axis_bytes, axis_bytes, parts->axis[LEG_RIGHT]},
-        {offsetof(struct settings_values, sensor), LEG_COUNT * sizeof *parts->sensor,
+        {offsetof(struct settings_values, axis), axis_bytes, parts->axis[SIDE_LEFT]},
+        {offsetof(struct settings_values, axis) + axis_bytes, axis_bytes, parts->axis[SIDE_RIGHT]},
+        {offsetof(struct settings_values, sensor), SIDE_COUNT * sizeof *parts->sensor,
          parts->sensor},
         {offsetof(struct settings_values, setup), sizeof *parts->setup, parts->setup},
         {offsetof(struct settings_values, desired_speed_rad_s), sizeof(float),
@@ -228,7 +228,7 @@ enum param_store_result settings_save(struct settings *settings, struct param_st
 {
     const struct settings_parts parts = {
         .control = &settings->control,
-        .axis = {&settings->axis[LEG_LEFT], &settings->axis[LEG_RIGHT]},
+        .axis = {&settings->axis[SIDE_LEFT], &settings->axis[SIDE_RIGHT]},
         .sensor = settings->sensor,
         .setup = &settings->setup,
         .desired_speed_rad_s = settings->desired_speed_rad_s,

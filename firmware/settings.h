@@ -15,8 +15,8 @@ enum { SETTINGS_VERSION = 3 }; /* another layout of struct settings_record is an
 
 struct settings {
     struct control_params control; /* its branch lies elsewhere and is only pointed to */
-    struct cia402_axis_config axis[LEG_COUNT];
-    struct leg_sensor_config sensor[LEG_COUNT];
+    struct cia402_axis_config axis[SIDE_COUNT];
+    struct leg_sensor_config sensor[SIDE_COUNT];
     struct node_setup_config setup; /* what the nodes are told, and must be like */
     float desired_speed_rad_s;      /* at the start, forward apex speed, > 0 */
     uint32_t walk_at_start;         /* 0 or 1: assist without being asked over the bus */
@@ -26,8 +26,8 @@ struct settings {
 struct settings_values {
     real control[CONTROL_PARAM_COUNT]; /* in the order of CONTROL_PARAM_TABLE */
     struct speed_table table;
-    struct cia402_axis_config axis[LEG_COUNT];
-    struct leg_sensor_config sensor[LEG_COUNT];
+    struct cia402_axis_config axis[SIDE_COUNT];
+    struct leg_sensor_config sensor[SIDE_COUNT];
     struct node_setup_config setup;
     float desired_speed_rad_s;
     uint32_t walk_at_start;
@@ -66,8 +66,8 @@ enum param_store_result settings_load(struct settings *settings, struct param_st
 /* The same where it lies while it is in force; all stay the caller's. */
 struct settings_parts {
     const struct control_params *control;
-    const struct cia402_axis_config *axis[LEG_COUNT];
-    const struct leg_sensor_config *sensor; /* LEG_COUNT of them */
+    const struct cia402_axis_config *axis[SIDE_COUNT];
+    const struct leg_sensor_config *sensor; /* SIDE_COUNT of them */
     const struct node_setup_config *setup;
     float desired_speed_rad_s;
     uint32_t walk_at_start;

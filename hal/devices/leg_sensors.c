@@ -10,7 +10,7 @@
 void leg_sensors_init(struct leg_sensors *sensors, const struct leg_sensor_config *config)
 {
     *sensors = (struct leg_sensors){0};
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         sensors->config[leg] = config[leg];
         sensors->reading[leg].age_ticks = UINT16_MAX;
     }
@@ -40,7 +40,7 @@ static float ankle_extension_m(const struct leg_sensor_config *config, int16_t c
 
 bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *message)
 {
-    const enum leg leg = message->id == FRAME_LEG_STATE_RIGHT ? LEG_RIGHT : LEG_LEFT;
+    const enum side leg = message->id == FRAME_LEG_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT;
     if (message->id != FRAME_LEG_STATE_LEFT && message->id != FRAME_LEG_STATE_RIGHT) {
         return false;
     }
@@ -67,7 +67,7 @@ bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *mess
 
 void leg_sensors_age(struct leg_sensors *sensors)
 {
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct leg_sensor_reading *reading = &sensors->reading[leg];
         if (reading->age_ticks > 0) {
             sample_surplus_missed(&reading->surplus);

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "hal/bus/can_frame.h"
-#include "hal/legs.h"
+#include "model/side.h"
 
 /* How one leg's counts become a leg angle and an ankle extension. */
 struct leg_sensor_config {
@@ -30,12 +30,12 @@ struct leg_sensor_reading {
 };
 
 struct leg_sensors {
-    struct leg_sensor_config config[LEG_COUNT];
-    struct leg_sensor_reading reading[LEG_COUNT];
+    struct leg_sensor_config config[SIDE_COUNT];
+    struct leg_sensor_reading reading[SIDE_COUNT];
     uint32_t rx_malformed; /* right identifier, wrong length or type; saturates */
 };
 
-/* Starts with no readings. config: LEG_COUNT entries, copied. */
+/* Starts with no readings. config: SIDE_COUNT entries, copied. */
 void leg_sensors_init(struct leg_sensors *sensors, const struct leg_sensor_config *config);
 
 /* Takes a frame if it belongs to a leg sensor and says whether it did. A frame

@@ -86,11 +86,12 @@ static struct setup_step common_step(unsigned step, uint32_t profile)
 
 enum { COMMON_STEPS = 3, DRIVE_PDOS = 4, DRIVE_PDO_END = COMMON_STEPS + DRIVE_PDOS * PDO_STEPS };
 
-static struct setup_step drive_pdo_step(enum leg leg, uint32_t node, unsigned number, unsigned part)
+static struct setup_step drive_pdo_step(enum side leg, uint32_t node, unsigned number,
+                                        unsigned part)
 {
     const uint32_t dummy = 0x00040020; /* INTEGER32: the other drive's half */
     const uint32_t target = 0x607A0020;
-    const bool left = leg == LEG_LEFT;
+    const bool left = leg == SIDE_LEFT;
     const struct pdo_plan plans[DRIVE_PDOS] = {
         {0x1400, FRAME_DRIVE_TARGETS, 1, 2, {left ? target : dummy, left ? dummy : target, 0}},
         {0x1401, 0x300 + node, 255, 2, {0x60400010, 0x60FE0120, 0}},
@@ -103,7 +104,7 @@ static struct setup_step drive_pdo_step(enum leg leg, uint32_t node, unsigned nu
 static struct setup_step drive_step(const struct node_setup_config *config, uint8_t node,
                                     unsigned step)
 {
-    const enum leg leg = node == NODE_DRIVE_LEFT ? LEG_LEFT : LEG_RIGHT;
+    const enum side leg = node == NODE_DRIVE_LEFT ? SIDE_LEFT : SIDE_RIGHT;
     if (step < COMMON_STEPS) {
         return common_step(step, 402);
     }
@@ -164,7 +165,7 @@ static struct setup_step drive_step(const struct node_setup_config *config, uint
 static struct setup_step sensor_step(const struct node_setup_config *config, uint8_t node,
                                      unsigned step)
 {
-    const enum leg leg = node == NODE_SENSOR_LEFT ? LEG_LEFT : LEG_RIGHT;
+    const enum side leg = node == NODE_SENSOR_LEFT ? SIDE_LEFT : SIDE_RIGHT;
     const struct pdo_plan plan = {0x1801, 0x280u + node, 1, 2, {0x20200118, 0x20200210, 0}};
     if (step < COMMON_STEPS) {
         return common_step(step, 406);
@@ -238,7 +239,7 @@ static float turns_per_nm(const uint32_t *v)
 }
 
 /* counts per metre = counts per motor turn * motor turns per metre. */
-static enum setup_verdict check_scaling(struct node_setup *setup, enum leg leg)
+static enum setup_verdict check_scaling(struct node_setup *setup, enum side leg)
 {
     const uint32_t *v = setup->scaling;
     const uint32_t expected = setup->config->counts_per_m[leg];
@@ -255,7 +256,7 @@ static enum setup_verdict check_scaling(struct node_setup *setup, enum leg leg)
 /* 0x6076 is the motor's rated torque in mNm (CiA 402-2), and the force is that torque times
  * the motor's angle per metre of spring: what 1000 per mille of 0x6077 mean. Without it
  * every force would be judged by a made-up scale. */
-static enum setup_verdict check_rated_force(struct node_setup *setup, enum leg leg)
+static enum setup_verdict check_rated_force(struct node_setup *setup, enum side leg)
 {
     const float turn_rad_per_nm_to_N_per_mNm = 6.28318531f * 1.0e9f * 1.0e-3f;
     const float unit_N = turns_per_nm(setup->scaling) * turn_rad_per_nm_to_N_per_mNm;
@@ -274,7 +275,7 @@ static enum setup_verdict check_rated_force(struct node_setup *setup, enum leg l
 /* What the drive says of itself must be what the settings say of it. */
 static enum setup_verdict check_drive(struct node_setup *setup)
 {
-    const enum leg leg = setup->node == NODE_DRIVE_LEFT ? LEG_LEFT : LEG_RIGHT;
+    const enum side leg = setup->node == NODE_DRIVE_LEFT ? SIDE_LEFT : SIDE_RIGHT;
     const enum setup_verdict verdict = check_scaling(setup, leg);
     const bool has_force = setup->config->rated_force_N[leg] > 0.0f;
     return verdict == SETUP_DONE && has_force ? check_rated_force(setup, leg) : verdict;

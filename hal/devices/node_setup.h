@@ -15,17 +15,17 @@
 
 #include "hal/bus/can_bus.h"
 #include "hal/canopen/co_sdo_client.h"
-#include "hal/legs.h"
+#include "model/side.h"
 
 /* What the nodes must be told and must be like. */
 struct node_setup_config {
-    uint32_t counts_per_m[LEG_COUNT];    /* motor counts per metre of spring, expected */
-    int32_t limit_min_counts[LEG_COUNT]; /* software position limits, 0x607D */
-    int32_t limit_max_counts[LEG_COUNT];
-    uint32_t following_error_counts[LEG_COUNT]; /* 0x6065 */
+    uint32_t counts_per_m[SIDE_COUNT];    /* motor counts per metre of spring, expected */
+    int32_t limit_min_counts[SIDE_COUNT]; /* software position limits, 0x607D */
+    int32_t limit_max_counts[SIDE_COUNT];
+    uint32_t following_error_counts[SIDE_COUNT]; /* 0x6065 */
     float rated_force_N
-        [LEG_COUNT]; /* of the spring, at the motor's rated torque 0x6076; 0 = unknown */
-    bool ankle_is_lever[LEG_COUNT];
+        [SIDE_COUNT]; /* of the spring, at the motor's rated torque 0x6076; 0 = unknown */
+    bool ankle_is_lever[SIDE_COUNT];
 };
 
 enum setup_verdict {

@@ -8,7 +8,7 @@ void cansimple_drives_init(struct cansimple_drives *drives,
                            const struct cansimple_axis_config *config)
 {
     *drives = (struct cansimple_drives){0};
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cansimple_axis *axis = &drives->axis[leg];
         axis->config = config[leg];
         axis->age_ticks = UINT16_MAX;
@@ -56,7 +56,7 @@ static bool receive(void *context, const struct can_msg *message)
     if ((message->flags & CAN_FRAME_EXTENDED) != 0) {
         return false;
     }
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if (message->id >> 5 == drives->axis[leg].config.node) {
             take(drives, &drives->axis[leg], message);
             return true;
@@ -65,21 +65,21 @@ static bool receive(void *context, const struct can_msg *message)
     return false;
 }
 
-static enum sea_drive_state state_of(const struct cansimple_axis *axis)
+static enum drive_state state_of(const struct cansimple_axis *axis)
 {
     if (axis->heartbeat_age_ticks > HEARTBEAT_TIMEOUT_MS) {
-        return SEA_DRIVE_UNKNOWN;
+        return DRIVE_UNKNOWN;
     }
     if (axis->axis_error != 0) {
-        return SEA_DRIVE_FAULT;
+        return DRIVE_FAULT;
     }
     if (axis->axis_state == CANSIMPLE_STATE_CLOSED_LOOP) {
-        return SEA_DRIVE_ENABLED;
+        return DRIVE_ENABLED;
     }
-    return axis->axis_state == CANSIMPLE_STATE_IDLE ? SEA_DRIVE_DISABLED : SEA_DRIVE_STARTING;
+    return axis->axis_state == CANSIMPLE_STATE_IDLE ? DRIVE_DISABLED : DRIVE_STARTING;
 }
 
-static void read_axis(const void *context, enum leg leg, struct sea_drive_reading *reading)
+static void read_axis(const void *context, enum side leg, struct sea_drive_reading *reading)
 {
     const struct cansimple_axis *axis = &((const struct cansimple_drives *)context)->axis[leg];
     reading->age_ticks = axis->age_ticks;
@@ -98,7 +98,7 @@ static void grow_older(uint16_t *age)
 static void age(void *context)
 {
     struct cansimple_drives *drives = (struct cansimple_drives *)context;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         grow_older(&drives->axis[leg].age_ticks);
         grow_older(&drives->axis[leg].heartbeat_age_ticks);
     }
@@ -118,16 +118,16 @@ static enum can_result send(const struct cansimple_axis *axis, enum cansimple_co
 static enum can_result send_requests(struct cansimple_axis *axis, const struct sea_drive_wish *wish,
                                      const struct can_bus *bus)
 {
-    const enum sea_drive_state state = state_of(axis);
+    const enum drive_state state = state_of(axis);
     if (axis->repeat_wait > 0) {
         axis->repeat_wait--;
         return CAN_OK;
     }
     axis->repeat_wait = REPEAT_TICKS;
-    if (state == SEA_DRIVE_FAULT && wish->clear_fault) {
+    if (state == DRIVE_FAULT && wish->clear_fault) {
         return send(axis, CANSIMPLE_CLEAR_ERRORS, 0, 0, 0, bus);
     }
-    if (wish->enable && state == SEA_DRIVE_DISABLED && axis->age_ticks == 0) {
+    if (wish->enable && state == DRIVE_DISABLED && axis->age_ticks == 0) {
         const enum can_result result =
             send(axis, CANSIMPLE_SET_CONTROLLER_MODE, 8, CANSIMPLE_MODE_POSITION,
                  CANSIMPLE_INPUT_PASSTHROUGH, bus);
@@ -135,17 +135,17 @@ static enum can_result send_requests(struct cansimple_axis *axis, const struct s
                    ? result
                    : send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
     }
-    if (!wish->enable && (state == SEA_DRIVE_ENABLED || state == SEA_DRIVE_STARTING)) {
+    if (!wish->enable && (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
         return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
     }
     axis->repeat_wait = 0;
     return CAN_OK;
 }
 
-static enum can_result command_axis(struct cansimple_axis *axis, enum leg leg,
+static enum can_result command_axis(struct cansimple_axis *axis, enum side leg,
                                     const struct sea_drive_wish *wish, const struct can_bus *bus)
 {
-    const bool follows = wish->enable && state_of(axis) == SEA_DRIVE_ENABLED;
+    const bool follows = wish->enable && state_of(axis) == DRIVE_ENABLED;
     const float target_turns =
         follows ? axis->config.zero_turns + wish->precompression_m * (float)axis->config.direction *
                                                 axis->config.turns_per_m
@@ -165,9 +165,9 @@ static enum can_result command(void *context, const struct sea_drive_wish *wish,
 {
     struct cansimple_drives *drives = (struct cansimple_drives *)context;
     enum can_result first_failure = CAN_OK;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const enum can_result result =
-            command_axis(&drives->axis[leg], (enum leg)leg, &wish[leg], bus);
+            command_axis(&drives->axis[leg], (enum side)leg, &wish[leg], bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
     }
     return first_failure;

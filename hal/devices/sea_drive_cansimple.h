@@ -34,11 +34,11 @@ struct cansimple_axis {
 };
 
 struct cansimple_drives {
-    struct cansimple_axis axis[LEG_COUNT];
+    struct cansimple_axis axis[SIDE_COUNT];
     uint32_t rx_malformed; /* wrong length, or a position that is not finite; saturates */
 };
 
-/* Starts with nothing received. config: LEG_COUNT entries, copied. */
+/* Starts with nothing received. config: SIDE_COUNT entries, copied. */
 void cansimple_drives_init(struct cansimple_drives *drives,
                            const struct cansimple_axis_config *config);
 

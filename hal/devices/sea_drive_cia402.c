@@ -53,7 +53,7 @@ static enum cia402_state state_of(uint16_t statusword)
 void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_config *config)
 {
     *drives = (struct cia402_drives){0};
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         drives->axis[leg].config = config[leg];
         drives->axis[leg].age_ticks = UINT16_MAX;
         sea_latch_sender_init(&drives->axis[leg].sender);
@@ -79,7 +79,7 @@ static bool receive_slow(struct cia402_drives *drives, const struct can_msg *mes
         return true;
     }
     struct cia402_axis *axis =
-        &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? LEG_RIGHT : LEG_LEFT];
+        &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
     axis->torque_per_mille = bytes_get_i16(message->data);
     axis->torque_age_ticks = 0;
     return true;
@@ -96,7 +96,7 @@ static bool receive(void *context, const struct can_msg *message)
         return true;
     }
     struct cia402_axis *axis =
-        &drives->axis[message->id == FRAME_DRIVE_STATE_RIGHT ? LEG_RIGHT : LEG_LEFT];
+        &drives->axis[message->id == FRAME_DRIVE_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
     const uint16_t statusword = bytes_get_u16(message->data);
     const int32_t counts = bytes_get_i32(message->data + 2);
     if (axis->age_ticks == 0 &&
@@ -125,18 +125,14 @@ static int32_t counts_from_metres(const struct cia402_axis_config *config, float
     return config->zero_counts + travel * config->direction;
 }
 
-static void read_axis(const void *context, enum leg leg, struct sea_drive_reading *reading)
+static void read_axis(const void *context, enum side leg, struct sea_drive_reading *reading)
 {
     const struct cia402_axis *axis = &((const struct cia402_drives *)context)->axis[leg];
-    static const enum sea_drive_state meaning[] = {
-        [CIA402_NOT_READY] = SEA_DRIVE_DISABLED,
-        [CIA402_SWITCH_ON_DISABLED] = SEA_DRIVE_DISABLED,
-        [CIA402_READY] = SEA_DRIVE_DISABLED,
-        [CIA402_SWITCHED_ON] = SEA_DRIVE_STARTING,
-        [CIA402_ENABLED] = SEA_DRIVE_ENABLED,
-        [CIA402_QUICK_STOP] = SEA_DRIVE_STOPPING,
-        [CIA402_FAULT_REACTION] = SEA_DRIVE_STOPPING,
-        [CIA402_FAULT] = SEA_DRIVE_FAULT,
+    static const enum drive_state meaning[] = {
+        [CIA402_NOT_READY] = DRIVE_DISABLED,      [CIA402_SWITCH_ON_DISABLED] = DRIVE_DISABLED,
+        [CIA402_READY] = DRIVE_DISABLED,          [CIA402_SWITCHED_ON] = DRIVE_STARTING,
+        [CIA402_ENABLED] = DRIVE_ENABLED,         [CIA402_QUICK_STOP] = DRIVE_STOPPING,
+        [CIA402_FAULT_REACTION] = DRIVE_STOPPING, [CIA402_FAULT] = DRIVE_FAULT,
     };
     const bool has_force = axis->config.rated_force_N > 0.0f;
     reading->age_ticks = axis->age_ticks;
@@ -144,21 +140,21 @@ static void read_axis(const void *context, enum leg leg, struct sea_drive_readin
     reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
     reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
                        axis->config.rated_force_N / 1000.0f;
-    reading->latch = axis->age_ticks == UINT16_MAX                       ? SEA_LATCH_STATE_UNKNOWN
-                     : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? SEA_LATCH_STATE_CLOSED
-                                                                         : SEA_LATCH_STATE_OPEN;
+    reading->latch = axis->age_ticks == UINT16_MAX                       ? LATCH_UNKNOWN
+                     : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? LATCH_CLOSED
+                                                                         : LATCH_OPEN;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
     const bool ignores = state_of(axis->statusword) == CIA402_ENABLED &&
                          (axis->statusword & STATUSWORD_FOLLOWS) == 0;
-    reading->state = axis->age_ticks == UINT16_MAX ? SEA_DRIVE_UNKNOWN
-                     : ignores                     ? SEA_DRIVE_STOPPING
+    reading->state = axis->age_ticks == UINT16_MAX ? DRIVE_UNKNOWN
+                     : ignores                     ? DRIVE_STOPPING
                                                    : meaning[state_of(axis->statusword)];
 }
 
 static void age(void *context)
 {
     struct cia402_drives *drives = (struct cia402_drives *)context;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
         if (axis->age_ticks > 0) {
             sample_surplus_missed(&axis->surplus);
@@ -203,7 +199,7 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
     }
 }
 
-static enum can_result send_axis_command(struct cia402_axis *axis, enum leg leg,
+static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg,
                                          const struct sea_drive_wish *wish,
                                          const struct can_bus *bus)
 {
@@ -223,7 +219,7 @@ static enum can_result command(void *context, const struct sea_drive_wish *wish,
     enum can_result first_failure = CAN_OK;
     bool known = true; /* a target for a drive that was never heard would be a guess */
 
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
         known = known && axis->age_ticks != UINT16_MAX;
         const bool follows = wish[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
@@ -235,9 +231,9 @@ static enum can_result command(void *context, const struct sea_drive_wish *wish,
     if (known) {
         first_failure = can_bus_send(bus, &targets);
     }
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const enum can_result result =
-            send_axis_command(&drives->axis[leg], (enum leg)leg, &wish[leg], bus);
+            send_axis_command(&drives->axis[leg], (enum side)leg, &wish[leg], bus);
         if (first_failure == CAN_OK) {
             first_failure = result;
         }

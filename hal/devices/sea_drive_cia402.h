@@ -37,11 +37,11 @@ struct cia402_axis {
 };
 
 struct cia402_drives {
-    struct cia402_axis axis[LEG_COUNT];
+    struct cia402_axis axis[SIDE_COUNT];
     uint32_t rx_malformed; /* saturates */
 };
 
-/* Starts with nothing received. config: LEG_COUNT entries, copied. */
+/* Starts with nothing received. config: SIDE_COUNT entries, copied. */
 void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_config *config);
 
 /* The drives behind the common interface; *drives stays the caller's. */

@@ -21,7 +21,7 @@ float mit_decode(uint32_t field, float range, bool from_zero, unsigned bits)
 void mit_drives_init(struct mit_drives *drives, const struct mit_axis_config *config)
 {
     *drives = (struct mit_drives){0};
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         drives->axis[leg].config = config[leg];
         drives->axis[leg].age_ticks = UINT16_MAX;
         sea_latch_sender_init(&drives->axis[leg].sender);
@@ -65,7 +65,7 @@ static bool receive(void *context, const struct can_msg *message)
     if (message->flags != 0) {
         return false;
     }
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if (message->id == drives->axis[leg].config.answer_id) {
             take(drives, &drives->axis[leg], message);
             return true;
@@ -74,18 +74,18 @@ static bool receive(void *context, const struct can_msg *message)
     return false;
 }
 
-static enum sea_drive_state state_of(const struct mit_axis *axis)
+static enum drive_state state_of(const struct mit_axis *axis)
 {
     if (axis->age_ticks > HEARTBEAT_TIMEOUT_MS) {
-        return SEA_DRIVE_UNKNOWN;
+        return DRIVE_UNKNOWN;
     }
     if (axis->error != 0 || axis->refused) {
-        return SEA_DRIVE_FAULT;
+        return DRIVE_FAULT;
     }
-    return axis->entered ? SEA_DRIVE_ENABLED : SEA_DRIVE_DISABLED;
+    return axis->entered ? DRIVE_ENABLED : DRIVE_DISABLED;
 }
 
-static void read_axis(const void *context, enum leg leg, struct sea_drive_reading *reading)
+static void read_axis(const void *context, enum side leg, struct sea_drive_reading *reading)
 {
     const struct mit_axis *axis = &((const struct mit_drives *)context)->axis[leg];
     reading->age_ticks = axis->age_ticks;
@@ -96,7 +96,7 @@ static void read_axis(const void *context, enum leg leg, struct sea_drive_readin
 static void age(void *context)
 {
     struct mit_drives *drives = (struct mit_drives *)context;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if (drives->axis[leg].age_ticks < UINT16_MAX) {
             drives->axis[leg].age_ticks++;
         }
@@ -172,12 +172,12 @@ static enum can_result command(void *context, const struct sea_drive_wish *wish,
 {
     struct mit_drives *drives = (struct mit_drives *)context;
     enum can_result first_failure = CAN_OK;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct mit_axis *axis = &drives->axis[leg];
         enum can_result result = command_axis(axis, &wish[leg], bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
-        const bool armed = wish[leg].latch_armed && state_of(axis) == SEA_DRIVE_ENABLED;
-        result = sea_latch_send(&axis->sender, (enum leg)leg, 0, armed, bus);
+        const bool armed = wish[leg].latch_armed && state_of(axis) == DRIVE_ENABLED;
+        result = sea_latch_send(&axis->sender, (enum side)leg, 0, armed, bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
     }
     return first_failure;

@@ -52,7 +52,7 @@ struct mit_axis {
 };
 
 struct mit_drives {
-    struct mit_axis axis[LEG_COUNT];
+    struct mit_axis axis[SIDE_COUNT];
     uint32_t rx_malformed; /* saturates */
 };
 

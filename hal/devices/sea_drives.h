@@ -11,32 +11,17 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
-#include "hal/legs.h"
-
-/* Values as in controller/signals.h, checked there. */
-enum sea_drive_state {
-    SEA_DRIVE_UNKNOWN = 0,
-    SEA_DRIVE_DISABLED = 1,
-    SEA_DRIVE_STARTING = 2,
-    SEA_DRIVE_ENABLED = 3,
-    SEA_DRIVE_STOPPING = 4,
-    SEA_DRIVE_FAULT = 5
-};
-
-enum sea_latch_state {
-    SEA_LATCH_STATE_UNKNOWN = 0,
-    SEA_LATCH_STATE_CLOSED = 1,
-    SEA_LATCH_STATE_OPEN = 2
-};
+#include "model/sea_state.h"
+#include "model/side.h"
 
 struct sea_drive_reading {
     float precompression_m; /* motor position in metres of spring */
     float force_N;          /* of the motor on the spring, compression positive */
-    enum sea_drive_state state;
-    enum sea_latch_state latch; /* as the node reports it, with the position */
-    uint16_t age_ticks;         /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
-    uint16_t force_age_ticks;   /* UINT16_MAX = never, or the protocol has none */
-    bool foreign;               /* another node speaks with this drive's identifier */
+    enum drive_state state;
+    enum latch_state latch;   /* as the node reports it, with the position */
+    uint16_t age_ticks;       /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
+    uint16_t force_age_ticks; /* UINT16_MAX = never, or the protocol has none */
+    bool foreign;             /* another node speaks with this drive's identifier */
 };
 
 struct sea_drive_wish {
@@ -49,10 +34,10 @@ struct sea_drive_wish {
 struct sea_drives_ops {
     /* Takes a frame if it is one of the drives' and says whether it did. */
     bool (*receive)(void *context, const struct can_msg *message);
-    void (*read)(const void *context, enum leg leg, struct sea_drive_reading *reading);
+    void (*read)(const void *context, enum side leg, struct sea_drive_reading *reading);
     /* A cycle has ended: readings grow one tick older (saturating). */
     void (*age)(void *context);
-    /* Sends this tick's command frames; LEG_COUNT wishes. Returns the first
+    /* Sends this tick's command frames; SIDE_COUNT wishes. Returns the first
      * failure of can_bus_send, CAN_OK if none; frames not sent are sent again
      * at the next tick. */
     enum can_result (*command)(void *context, const struct sea_drive_wish *wish,
@@ -71,7 +56,7 @@ static inline bool sea_drives_receive(const struct sea_drives *drives,
     return drives->ops->receive(drives->context, message);
 }
 
-static inline void sea_drives_read(const struct sea_drives *drives, enum leg leg,
+static inline void sea_drives_read(const struct sea_drives *drives, enum side leg,
                                    struct sea_drive_reading *reading)
 {
     /* What a protocol does not tell stays unknown. */

@@ -13,7 +13,7 @@
 #include "hal/bus/bytes.h"
 #include "hal/bus/can_bus.h"
 #include "hal/bus/frame_table.h"
-#include "hal/legs.h"
+#include "model/side.h"
 
 struct sea_latch_sender {
     uint16_t sent_controlword;
@@ -28,7 +28,7 @@ static inline void sea_latch_sender_init(struct sea_latch_sender *sender)
 
 /* Once a tick. Returns what the bus said, CAN_OK when nothing was due; a refused
  * frame is due again at the next tick. */
-static inline enum can_result sea_latch_send(struct sea_latch_sender *sender, enum leg leg,
+static inline enum can_result sea_latch_send(struct sea_latch_sender *sender, enum side leg,
                                              uint16_t controlword, bool armed,
                                              const struct can_bus *bus)
 {
@@ -38,8 +38,8 @@ static inline enum can_result sea_latch_send(struct sea_latch_sender *sender, en
         sender->ticks_since_sent++;
         return CAN_OK;
     }
-    struct can_msg message = {.id = leg == LEG_LEFT ? FRAME_DRIVE_COMMAND_LEFT
-                                                    : FRAME_DRIVE_COMMAND_RIGHT,
+    struct can_msg message = {.id = leg == SIDE_LEFT ? FRAME_DRIVE_COMMAND_LEFT
+                                                     : FRAME_DRIVE_COMMAND_RIGHT,
                               .length = FRAME_BYTES_DRIVE_COMMAND_LEFT};
     bytes_put_u16(message.data, controlword);
     bytes_put_u32(message.data + 2, outputs);

@@ -13,7 +13,7 @@ static uint16_t age_of_answer(const struct control_task *task, uint8_t node)
     case NODE_SENSOR_RIGHT:
         return task->sensors.reading[node - NODE_SENSOR_LEFT].age_ticks;
     default:
-        sea_drives_read(&task->config.drives, (enum leg)(node - NODE_DRIVE_LEFT), &drive);
+        sea_drives_read(&task->config.drives, (enum side)(node - NODE_DRIVE_LEFT), &drive);
         return drive.age_ticks;
     }
 }

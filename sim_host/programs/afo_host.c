@@ -306,11 +306,11 @@ static void run_cycle(struct host *host)
 /* Without torque by their own word, or out of our reach. */
 static bool drives_are_off(const struct control_task *task)
 {
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct sea_drive_reading drive;
-        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
-        if (drive.age_ticks <= SILENT_CYCLES && drive.state != SEA_DRIVE_DISABLED &&
-            drive.state != SEA_DRIVE_FAULT) {
+        sea_drives_read(&task->config.drives, (enum side)leg, &drive);
+        if (drive.age_ticks <= SILENT_CYCLES && drive.state != DRIVE_DISABLED &&
+            drive.state != DRIVE_FAULT) {
             return false;
         }
     }
@@ -325,9 +325,9 @@ static bool has_stopped(const struct control_task *task)
 
 static bool nobody_answers(const struct control_task *task)
 {
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct sea_drive_reading drive;
-        sea_drives_read(&task->config.drives, (enum leg)leg, &drive);
+        sea_drives_read(&task->config.drives, (enum side)leg, &drive);
         if (task->sensors.reading[leg].age_ticks == 0 || drive.age_ticks == 0) {
             return false;
         }

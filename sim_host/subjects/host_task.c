@@ -9,8 +9,8 @@ static const struct emergency_stop_ops stop_ops = {is_pressed};
 
 static struct sea_drives init_cia402(struct task_rig *rig, const struct subject *subject)
 {
-    struct cia402_axis_config axes[LEG_COUNT];
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    struct cia402_axis_config axes[SIDE_COUNT];
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         axes[leg] = (struct cia402_axis_config){
             .counts_per_m = (float)subject->counts_per_m,
             .zero_counts = (int32_t)subject->zero_counts,
@@ -24,10 +24,10 @@ static struct sea_drives init_cia402(struct task_rig *rig, const struct subject 
 
 static struct sea_drives init_cansimple(struct task_rig *rig, const struct subject *subject)
 {
-    struct cansimple_axis_config axes[LEG_COUNT];
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
-        axes[leg] = (struct cansimple_axis_config){leg == LEG_LEFT ? FOREIGN_DRIVE_ID_LEFT
-                                                                   : FOREIGN_DRIVE_ID_RIGHT,
+    struct cansimple_axis_config axes[SIDE_COUNT];
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        axes[leg] = (struct cansimple_axis_config){leg == SIDE_LEFT ? FOREIGN_DRIVE_ID_LEFT
+                                                                    : FOREIGN_DRIVE_ID_RIGHT,
                                                    (float)subject->turns_per_m, 0.0f, 1};
     }
     cansimple_drives_init(&rig->cansimple, axes);
@@ -36,11 +36,11 @@ static struct sea_drives init_cansimple(struct task_rig *rig, const struct subje
 
 static struct sea_drives init_mit(struct task_rig *rig, const struct subject *subject)
 {
-    struct mit_axis_config axes[LEG_COUNT];
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    struct mit_axis_config axes[SIDE_COUNT];
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         axes[leg] = (struct mit_axis_config){
-            .motor_id = leg == LEG_LEFT ? FOREIGN_DRIVE_ID_LEFT : FOREIGN_DRIVE_ID_RIGHT,
-            .answer_id = leg == LEG_LEFT ? MIT_ANSWER_ID_LEFT : MIT_ANSWER_ID_RIGHT,
+            .motor_id = leg == SIDE_LEFT ? FOREIGN_DRIVE_ID_LEFT : FOREIGN_DRIVE_ID_RIGHT,
+            .answer_id = leg == SIDE_LEFT ? MIT_ANSWER_ID_LEFT : MIT_ANSWER_ID_RIGHT,
             .rad_per_m = (float)subject->rad_per_m,
             .zero_rad = (float)subject->zero_rad,
             .direction = 1,
@@ -81,7 +81,7 @@ int task_rig_init(struct task_rig *rig, const struct subject *subject,
         .walk_requested = walk_requested,
     };
     config.configure_nodes = subject->protocol == DRIVE_PROTOCOL_CIA402;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const double stroke_m = subject_stroke_m(subject);
         config.setup.counts_per_m[leg] = (uint32_t)subject->counts_per_m;
         const int32_t zero = (int32_t)subject->zero_counts;

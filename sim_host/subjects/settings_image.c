@@ -11,7 +11,7 @@ void settings_of_rig(struct settings *settings, const struct task_rig *rig,
 
     memset(settings, 0, sizeof *settings);
     settings->control = rig->params;
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         settings->axis[leg] = rig->cia402.axis[leg].config;
         settings->sensor[leg] = config->leg_sensor[leg];
     }

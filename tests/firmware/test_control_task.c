@@ -61,8 +61,8 @@ static struct control_params some_params(void)
 
 static void start(struct bench *b)
 {
-    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1, 0.0f},
-                                                              {1.0e6f, 0, 1, 0.0f}};
+    static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 0, 1, 0.0f},
+                                                               {1.0e6f, 0, 1, 0.0f}};
     memset(b, 0, sizeof *b);
     fake_bus_init(&b->fake);
     b->params = some_params();
@@ -236,7 +236,7 @@ START_TEST(emergency_stop_is_obeyed_and_told)
     ck_assert_msg(b.task.output.state == SUPERVISOR_FAULT, "let go, and it forgot: state %d",
                   (int)b.task.output.state);
     ck_assert(!b.task.output.sea[SIDE_LEFT].enable && !b.task.output.sea[SIDE_RIGHT].enable);
-    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].sender.sent_controlword,
+    ck_assert_int_eq(b.cia402.axis[SIDE_LEFT].sender.sent_controlword,
                      0x06); /* out of operation enabled */
 }
 END_TEST

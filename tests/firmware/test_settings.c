@@ -32,36 +32,36 @@ START_TEST(each_field_is_checked)
     settings.control.leg_length_m = NAN;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_CONTROL);
     settings = good;
-    settings.axis[LEG_RIGHT].counts_per_m = 0.0f;
+    settings.axis[SIDE_RIGHT].counts_per_m = 0.0f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
     settings = good;
-    settings.setup.rated_force_N[LEG_LEFT] = 35.0f; /* the axis's is another */
+    settings.setup.rated_force_N[SIDE_LEFT] = 35.0f; /* the axis's is another */
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
     settings = good;
-    settings.axis[LEG_RIGHT].counts_per_m = INFINITY;
+    settings.axis[SIDE_RIGHT].counts_per_m = INFINITY;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
     settings = good;
-    settings.axis[LEG_LEFT].direction = 0;
+    settings.axis[SIDE_LEFT].direction = 0;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
     settings = good;
-    settings.sensor[LEG_LEFT].angle_direction = 2;
+    settings.sensor[SIDE_LEFT].angle_direction = 2;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
     settings = good;
-    settings.sensor[LEG_RIGHT].angle_zero_rad = NAN;
+    settings.sensor[SIDE_RIGHT].angle_zero_rad = NAN;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
     settings = good;
-    settings.sensor[LEG_RIGHT].ankle_is_lever = true;
-    settings.sensor[LEG_RIGHT].ankle_lever_m = -0.1f;
+    settings.sensor[SIDE_RIGHT].ankle_is_lever = true;
+    settings.sensor[SIDE_RIGHT].ankle_lever_m = -0.1f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
     settings = good;
-    settings.setup.counts_per_m[LEG_LEFT]++; /* other than the axis's */
+    settings.setup.counts_per_m[SIDE_LEFT]++; /* other than the axis's */
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
     settings = good;
-    settings.setup.limit_max_counts[LEG_LEFT] = settings.setup.limit_min_counts[LEG_LEFT];
+    settings.setup.limit_max_counts[SIDE_LEFT] = settings.setup.limit_min_counts[SIDE_LEFT];
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
     settings = good;
-    settings.sensor[LEG_LEFT].ankle_is_lever = true; /* the node is told it is none */
-    settings.sensor[LEG_LEFT].ankle_lever_m = 0.1f;
+    settings.sensor[SIDE_LEFT].ankle_is_lever = true; /* the node is told it is none */
+    settings.sensor[SIDE_LEFT].ankle_lever_m = 0.1f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
     settings = good;
     settings.desired_speed_rad_s = 0.0f;
@@ -70,10 +70,10 @@ START_TEST(each_field_is_checked)
     settings.desired_speed_rad_s = NAN;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SPEED);
     settings = good;
-    settings.setup.counts_per_m[LEG_RIGHT] = 0;
+    settings.setup.counts_per_m[SIDE_RIGHT] = 0;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
     settings = good;
-    settings.setup.following_error_counts[LEG_LEFT] = 0;
+    settings.setup.following_error_counts[SIDE_LEFT] = 0;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
     settings = good;
     settings.walk_at_start = 2;
@@ -91,11 +91,11 @@ START_TEST(no_target_leaves_the_range_of_counts)
     const int32_t zeros[] = {INT32_MAX, INT32_MIN, (1 << 30) + 1000, -(1 << 30) - 1000};
 
     for (size_t i = 0; i < sizeof zeros / sizeof zeros[0]; i++) {
-        settings.axis[LEG_LEFT].zero_counts = zeros[i];
+        settings.axis[SIDE_LEFT].zero_counts = zeros[i];
         ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
         settings = good;
     }
-    for (int leg = 0; leg < LEG_COUNT; leg++) { /* 0.3 m at this scale are 4.8e9 counts */
+    for (int leg = 0; leg < SIDE_COUNT; leg++) { /* 0.3 m at this scale are 4.8e9 counts */
         settings.axis[leg].counts_per_m = 1.6e10f;
         ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
         settings = good;
@@ -113,8 +113,8 @@ START_TEST(a_rated_force_is_a_number)
     const float forces[] = {NAN, INFINITY, -INFINITY, -1.0f};
 
     for (size_t i = 0; i < sizeof forces / sizeof forces[0]; i++) {
-        settings.axis[LEG_RIGHT].rated_force_N = forces[i];
-        settings.setup.rated_force_N[LEG_RIGHT] = forces[i];
+        settings.axis[SIDE_RIGHT].rated_force_N = forces[i];
+        settings.setup.rated_force_N[SIDE_RIGHT] = forces[i];
         ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
     }
 }
@@ -125,18 +125,18 @@ START_TEST(the_drive_s_limits_hold_the_whole_stroke)
 {
     const int32_t stroke = 3932160; /* r0_max 0.3 m of 13,107,200 counts each */
 
-    settings.setup.limit_max_counts[LEG_LEFT] = stroke + 1;
+    settings.setup.limit_max_counts[SIDE_LEFT] = stroke + 1;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
-    settings.setup.limit_max_counts[LEG_LEFT] = stroke - 1;
+    settings.setup.limit_max_counts[SIDE_LEFT] = stroke - 1;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
-    settings.setup.limit_max_counts[LEG_LEFT] = stroke + 1;
-    settings.setup.limit_min_counts[LEG_LEFT] = 1;
+    settings.setup.limit_max_counts[SIDE_LEFT] = stroke + 1;
+    settings.setup.limit_min_counts[SIDE_LEFT] = 1;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
-    settings.axis[LEG_LEFT].direction = -1;
-    settings.setup.limit_min_counts[LEG_LEFT] = -stroke - 1;
-    settings.setup.limit_max_counts[LEG_LEFT] = 0;
+    settings.axis[SIDE_LEFT].direction = -1;
+    settings.setup.limit_min_counts[SIDE_LEFT] = -stroke - 1;
+    settings.setup.limit_max_counts[SIDE_LEFT] = 0;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
-    settings.setup.limit_min_counts[LEG_LEFT] = -stroke + 1;
+    settings.setup.limit_min_counts[SIDE_LEFT] = -stroke + 1;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SETUP);
 }
 END_TEST
@@ -144,18 +144,18 @@ END_TEST
 /* A joint that is mounted the other way round, and a lever with all that it needs. */
 START_TEST(every_mounting_is_possible)
 {
-    settings.sensor[LEG_LEFT].angle_direction = -1;
-    settings.sensor[LEG_LEFT].ankle_is_lever = true;
-    settings.setup.ankle_is_lever[LEG_LEFT] = true;
-    settings.sensor[LEG_LEFT].ankle_lever_m = 0.1f;
-    settings.sensor[LEG_LEFT].ankle_neutral_rad = 0.2f;
+    settings.sensor[SIDE_LEFT].angle_direction = -1;
+    settings.sensor[SIDE_LEFT].ankle_is_lever = true;
+    settings.setup.ankle_is_lever[SIDE_LEFT] = true;
+    settings.sensor[SIDE_LEFT].ankle_lever_m = 0.1f;
+    settings.sensor[SIDE_LEFT].ankle_neutral_rad = 0.2f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
-    settings.sensor[LEG_LEFT].ankle_neutral_rad = INFINITY;
+    settings.sensor[SIDE_LEFT].ankle_neutral_rad = INFINITY;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
-    settings.sensor[LEG_LEFT].ankle_neutral_rad = 0.2f;
-    settings.sensor[LEG_LEFT].ankle_lever_m = NAN;
+    settings.sensor[SIDE_LEFT].ankle_neutral_rad = 0.2f;
+    settings.sensor[SIDE_LEFT].ankle_lever_m = NAN;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
-    settings.sensor[LEG_LEFT].ankle_lever_m = 0.0f;
+    settings.sensor[SIDE_LEFT].ankle_lever_m = 0.0f;
     ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_SENSOR);
 }
 END_TEST

@@ -6,8 +6,8 @@
 
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/walk_options.h"
-#include "sim_host/study/observer/commands.h"
 #include "sim_host/study/noisy_map.h"
+#include "sim_host/study/observer/commands.h"
 
 enum { SETTLE_STEPS = 100, MAP_STRIDES = 2000 };
 

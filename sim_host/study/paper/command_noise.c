@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/study/paper/command.h"
 #include "sim_host/study/noisy_map.h"
+#include "sim_host/study/paper/command.h"
 
 enum { ERRORS_MAX = 16, WALKERS_MAX = 10000000 };
 

@@ -14,7 +14,7 @@ static struct can_bus bus;
 static struct cansimple_drives odrive;
 static struct mit_drives motors;
 static struct sea_drives drives;
-static struct sea_drive_wish wish[LEG_COUNT];
+static struct sea_drive_wish wish[SIDE_COUNT];
 
 static void setup(void)
 {
@@ -30,7 +30,7 @@ static bool give(uint32_t id, const uint8_t *data, uint8_t length, uint8_t flags
     return sea_drives_receive(&drives, &frame);
 }
 
-static struct sea_drive_reading read_leg(enum leg leg)
+static struct sea_drive_reading read_leg(enum side leg)
 {
     struct sea_drive_reading reading;
     sea_drives_read(&drives, leg, &reading);
@@ -53,8 +53,8 @@ static const uint8_t in_error[8] = {0x00, 0x02, 0, 0, 1};
 
 static void setup_odrive(void)
 {
-    static const struct cansimple_axis_config config[LEG_COUNT] = {{1, 200.0f, 0.0f, 1},
-                                                                   {2, 200.0f, 0.0f, -1}};
+    static const struct cansimple_axis_config config[SIDE_COUNT] = {{1, 200.0f, 0.0f, 1},
+                                                                    {2, 200.0f, 0.0f, -1}};
     setup();
     cansimple_drives_init(&odrive, config);
     drives = cansimple_drives_interface(&odrive);
@@ -64,12 +64,12 @@ START_TEST(cansimple_takes_no_frame_that_is_none)
 {
     ck_assert(give(0x021, idle, 4, 0)); /* cut short: counted, not used */
     ck_assert_uint_eq(odrive.rx_malformed, 1);
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_UNKNOWN);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_UNKNOWN);
     ck_assert(!give(0x021, idle, 8, CAN_FRAME_EXTENDED));
     ck_assert(give(0x021, idle, 8, CAN_FRAME_REMOTE)); /* its identifier, but a question */
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_UNKNOWN);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_UNKNOWN);
     ck_assert(give(0x03C, idle, 8, 0)); /* another of its messages: nothing to know from it */
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_UNKNOWN);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_UNKNOWN);
     odrive.rx_malformed = UINT32_MAX;
     ck_assert(give(0x041, idle, 1, 0));
     ck_assert_uint_eq(odrive.rx_malformed, UINT32_MAX);
@@ -79,11 +79,11 @@ END_TEST
 START_TEST(cansimple_on_its_way_is_starting)
 {
     ck_assert(give(0x021, calibrating, 8, 0));
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_STARTING);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_STARTING);
     command(); /* not asked for: back to idle */
     ck_assert_uint_eq(fake_bus_last(&fake, 0x027)->data[0], 1);
     ck_assert(give(0x041, calibrating, 8, 0));
-    wish[LEG_RIGHT].enable = true;
+    wish[SIDE_RIGHT].enable = true;
     command(); /* asked for: let it come */
     ck_assert_ptr_null(fake_bus_last(&fake, 0x047));
 }
@@ -93,10 +93,10 @@ END_TEST
 START_TEST(cansimple_errors_are_cleared_when_asked)
 {
     ck_assert(give(0x021, in_error, 8, 0));
-    wish[LEG_LEFT].enable = true;
+    wish[SIDE_LEFT].enable = true;
     command();
     ck_assert_ptr_null(fake_bus_last(&fake, 0x038));
-    wish[LEG_LEFT].clear_fault = true;
+    wish[SIDE_LEFT].clear_fault = true;
     command();
     ck_assert_ptr_nonnull(fake_bus_last(&fake, 0x038)); /* Clear_Errors = 0x18 of node 1 */
     ck_assert_uint_eq(fake_bus_last(&fake, 0x038)->length, 0);
@@ -109,7 +109,7 @@ END_TEST
 START_TEST(cansimple_enters_at_a_fresh_position)
 {
     ck_assert(give(0x021, idle, 8, 0));
-    wish[LEG_LEFT].enable = true;
+    wish[SIDE_LEFT].enable = true;
     command();
     ck_assert_ptr_null(fake_bus_last(&fake, 0x02C));
     ck_assert_ptr_null(fake_bus_last(&fake, 0x027));
@@ -128,7 +128,7 @@ START_TEST(cansimple_says_what_the_bus_refused)
 {
     ck_assert(give(0x021, idle, 8, 0));
     ck_assert(give(0x029, at_1_turn, 8, 0));
-    wish[LEG_LEFT].enable = true;
+    wish[SIDE_LEFT].enable = true;
     fake.verdict = CAN_FULL;
     ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_FULL);
     setup_odrive(); /* nothing heard: the latch's is the only frame */
@@ -146,10 +146,10 @@ START_TEST(cansimple_ages_stay_at_never)
     for (int i = 0; i < 70000; i++) {
         sea_drives_age(&drives);
     }
-    ck_assert_uint_eq(read_leg(LEG_LEFT).age_ticks, UINT16_MAX);
+    ck_assert_uint_eq(read_leg(SIDE_LEFT).age_ticks, UINT16_MAX);
     ck_assert(give(0x029, at_1_turn, 8, 0));
     sea_drives_age(&drives);
-    ck_assert_uint_eq(read_leg(LEG_LEFT).age_ticks, 1);
+    ck_assert_uint_eq(read_leg(SIDE_LEFT).age_ticks, 1);
 }
 END_TEST
 
@@ -161,9 +161,9 @@ static const uint8_t answer_with_error[8] = {1, 0x05, 0x1F, 0x7F, 0xF7, 0xFF, 30
 
 static void setup_mit(void)
 {
-    struct mit_axis_config config[LEG_COUNT];
+    struct mit_axis_config config[SIDE_COUNT];
     setup();
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         config[leg] = (struct mit_axis_config){.motor_id = (uint8_t)(1 + leg),
                                                .answer_id = (uint16_t)(0x11 + leg),
                                                .rad_per_m = 50.0f,
@@ -185,14 +185,14 @@ START_TEST(mit_takes_no_frame_that_is_none)
     ck_assert(give(0x11, answer, 5, 0));
     ck_assert(give(0x11, of_another, 8, 0));
     ck_assert_uint_eq(motors.rx_malformed, 2);
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_UNKNOWN);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_UNKNOWN);
     ck_assert(!give(0x11, answer, 8, CAN_FRAME_EXTENDED));
     ck_assert(!give(0x13, answer, 8, 0));
     motors.rx_malformed = UINT32_MAX;
     ck_assert(give(0x11, answer, 1, 0));
     ck_assert_uint_eq(motors.rx_malformed, UINT32_MAX);
     ck_assert(give(0x11, answer, 6, 0)); /* without temperature and error: older firmware */
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_DISABLED);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_DISABLED);
 }
 END_TEST
 
@@ -201,29 +201,28 @@ START_TEST(mit_refuses_positions_beyond_the_stroke)
 {
     static const struct {
         float metres;
-        enum sea_drive_state state;
-    } cases[] = {
-        {-0.034f, SEA_DRIVE_DISABLED}, {0.384f, SEA_DRIVE_DISABLED}, {0.386f, SEA_DRIVE_FAULT}};
+        enum drive_state state;
+    } cases[] = {{-0.034f, DRIVE_DISABLED}, {0.384f, DRIVE_DISABLED}, {0.386f, DRIVE_FAULT}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         setup_mit();
-        motors.axis[LEG_LEFT].config.zero_rad = -9.0f; /* so that both ends can be sent */
+        motors.axis[SIDE_LEFT].config.zero_rad = -9.0f; /* so that both ends can be sent */
         const double turn = (-9.0 + 50.0 * (double)cases[i].metres + 12.5) / 25.0 * 65535.0;
         const uint32_t field = (uint32_t)(turn + 0.5);
         const uint8_t bytes[8] = {1, (uint8_t)(field >> 8), (uint8_t)(field & 0xFF)};
         ck_assert(give(0x11, bytes, 8, 0));
-        assert_close(read_leg(LEG_LEFT).precompression_m, cases[i].metres, 1e-5, 0);
-        ck_assert_int_eq(read_leg(LEG_LEFT).state, cases[i].state);
+        assert_close(read_leg(SIDE_LEFT).precompression_m, cases[i].metres, 1e-5, 0);
+        ck_assert_int_eq(read_leg(SIDE_LEFT).state, cases[i].state);
     }
 }
 END_TEST
 
 START_TEST(mit_below_the_stroke_is_refused)
 {
-    motors.axis[LEG_LEFT].config.zero_rad = -9.0f;
+    motors.axis[SIDE_LEFT].config.zero_rad = -9.0f;
     const uint32_t field = (uint32_t)((-9.0 - 50.0 * 0.036 + 12.5) / 25.0 * 65535.0);
     const uint8_t bytes[8] = {1, (uint8_t)(field >> 8), (uint8_t)(field & 0xFF)};
     ck_assert(give(0x11, bytes, 8, 0));
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_FAULT);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_FAULT);
 }
 END_TEST
 
@@ -237,16 +236,16 @@ static uint8_t special(void)
 /* Entered once, then driven; left when no longer wished; entered anew after a while. */
 START_TEST(mit_enters_and_leaves)
 {
-    wish[LEG_LEFT].enable = true;
+    wish[SIDE_LEFT].enable = true;
     ck_assert(give(0x11, answer, 8, 0));
     command();
     ck_assert_uint_eq(special(), MIT_ENTER);
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_ENABLED);
-    wish[LEG_LEFT].enable = false;
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED);
+    wish[SIDE_LEFT].enable = false;
     command();
     ck_assert_uint_eq(special(), MIT_EXIT);
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_DISABLED);
-    wish[LEG_LEFT].enable = true;
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_DISABLED);
+    wish[SIDE_LEFT].enable = true;
     int waited = 0;
     for (command(); special() != MIT_ENTER; command()) {
         ck_assert_int_lt(++waited, 101);
@@ -257,20 +256,20 @@ END_TEST
 
 START_TEST(mit_says_what_the_bus_refused)
 {
-    wish[LEG_LEFT].enable = true;
+    wish[SIDE_LEFT].enable = true;
     ck_assert(give(0x11, answer, 8, 0));
     fake.verdict = CAN_FULL;
     ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_FULL);
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_DISABLED); /* it never heard of it */
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_DISABLED); /* it never heard of it */
     fake.verdict = CAN_OK;
     for (int i = 0; i < 101; i++) {
         command();
     }
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_ENABLED);
-    wish[LEG_LEFT].enable = false;
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED);
+    wish[SIDE_LEFT].enable = false;
     fake.verdict = CAN_FULL;
     ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_FULL);
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_ENABLED); /* nor that it is to leave */
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED); /* nor that it is to leave */
     fake.verdict = CAN_OK;
     command();
     ck_assert_uint_eq(special(), MIT_EXIT);
@@ -280,9 +279,9 @@ END_TEST
 /* With an error or without an answer no torque: all gains zero; and the latch never armed. */
 START_TEST(mit_gives_no_torque_that_nobody_watches)
 {
-    wish[LEG_LEFT] = (struct sea_drive_wish){0.1f, true, true, false};
+    wish[SIDE_LEFT] = (struct sea_drive_wish){0.1f, true, true, false};
     ck_assert(give(0x11, answer_with_error, 8, 0));
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_FAULT);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_FAULT);
     command();
     ck_assert_uint_eq(special(), 0);
     ck_assert_uint_eq(fake_bus_last(&fake, 1)->data[3] & 0x0F, 0);
@@ -291,8 +290,8 @@ START_TEST(mit_gives_no_torque_that_nobody_watches)
     for (int i = 0; i < 70000; i++) {
         sea_drives_age(&drives);
     }
-    ck_assert_int_eq(read_leg(LEG_LEFT).state, SEA_DRIVE_UNKNOWN);
-    ck_assert_uint_eq(read_leg(LEG_LEFT).age_ticks, UINT16_MAX);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_UNKNOWN);
+    ck_assert_uint_eq(read_leg(SIDE_LEFT).age_ticks, UINT16_MAX);
 }
 END_TEST
 
@@ -300,7 +299,7 @@ END_TEST
  * with a frame that moves nothing (kp, kd and torque zero), until it answers. */
 START_TEST(mit_that_fell_silent_is_asked_without_torque)
 {
-    wish[LEG_LEFT] = (struct sea_drive_wish){0.1f, true, false, false};
+    wish[SIDE_LEFT] = (struct sea_drive_wish){0.1f, true, false, false};
     ck_assert(give(0x11, answer, 8, 0));
     command();
     ck_assert_uint_eq(special(), MIT_ENTER);

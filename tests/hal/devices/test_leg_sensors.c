@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-static const struct leg_sensor_config straight[LEG_COUNT] = {{.angle_direction = 1},
-                                                             {.angle_direction = 1}};
+static const struct leg_sensor_config straight[SIDE_COUNT] = {{.angle_direction = 1},
+                                                              {.angle_direction = 1}};
 
 static struct can_msg leg_frame(uint32_t id, int32_t angle, int16_t ankle)
 {
@@ -32,38 +32,39 @@ START_TEST(counts_become_radians_and_metres)
         const struct can_msg frame =
             leg_frame(0x283, cases[i].counts, (int16_t)(100 * (int)i - 250));
         ck_assert(leg_sensors_receive(&sensors, &frame));
-        assert_close(sensors.reading[LEG_LEFT].leg_angle_rad, cases[i].turns * 2.0 * M_PI, 1e-9,
+        assert_close(sensors.reading[SIDE_LEFT].leg_angle_rad, cases[i].turns * 2.0 * M_PI, 1e-9,
                      2e-7);
-        assert_close(sensors.reading[LEG_LEFT].ankle_extension_m, 1e-3 * (double)i - 2.5e-3, 1e-9,
+        assert_close(sensors.reading[SIDE_LEFT].ankle_extension_m, 1e-3 * (double)i - 2.5e-3, 1e-9,
                      1e-6);
-        ck_assert_int_eq(sensors.reading[LEG_LEFT].age_ticks, 0);
+        ck_assert_int_eq(sensors.reading[SIDE_LEFT].age_ticks, 0);
     }
-    ck_assert_int_eq(sensors.reading[LEG_RIGHT].age_ticks, UINT16_MAX);
+    ck_assert_int_eq(sensors.reading[SIDE_RIGHT].age_ticks, UINT16_MAX);
 }
 END_TEST
 
 START_TEST(offset_and_direction_of_the_mounting)
 {
-    struct leg_sensor_config config[LEG_COUNT] = {{.angle_direction = 1, .angle_zero_rad = 3.0f},
-                                                  {.angle_direction = -1, .angle_zero_rad = -0.5f}};
+    struct leg_sensor_config config[SIDE_COUNT] = {
+        {.angle_direction = 1, .angle_zero_rad = 3.0f},
+        {.angle_direction = -1, .angle_zero_rad = -0.5f}};
     struct leg_sensors sensors;
     leg_sensors_init(&sensors, config);
     struct can_msg frame = leg_frame(0x283, -8388608, 0); /* -pi: across the wrap from +3 rad */
     ck_assert(leg_sensors_receive(&sensors, &frame));
-    assert_close(sensors.reading[LEG_LEFT].leg_angle_rad, M_PI - 3.0, 1e-6, 0.0);
+    assert_close(sensors.reading[SIDE_LEFT].leg_angle_rad, M_PI - 3.0, 1e-6, 0.0);
     frame = leg_frame(0x284, 0, 0);
     ck_assert(leg_sensors_receive(&sensors, &frame));
-    assert_close(sensors.reading[LEG_RIGHT].leg_angle_rad, -0.5, 1e-6, 0.0);
+    assert_close(sensors.reading[SIDE_RIGHT].leg_angle_rad, -0.5, 1e-6, 0.0);
 }
 END_TEST
 
 START_TEST(lever_ankle_is_the_sine_and_never_negative)
 {
-    struct leg_sensor_config config[LEG_COUNT] = {{.angle_direction = 1,
-                                                   .ankle_is_lever = true,
-                                                   .ankle_lever_m = 0.12f,
-                                                   .ankle_neutral_rad = 0.1f},
-                                                  {.angle_direction = 1}};
+    struct leg_sensor_config config[SIDE_COUNT] = {{.angle_direction = 1,
+                                                    .ankle_is_lever = true,
+                                                    .ankle_lever_m = 0.12f,
+                                                    .ankle_neutral_rad = 0.1f},
+                                                   {.angle_direction = 1}};
     struct leg_sensors sensors;
     leg_sensors_init(&sensors, config);
     for (int counts = -32768; counts <= 32767; counts += 97) {
@@ -71,7 +72,7 @@ START_TEST(lever_ankle_is_the_sine_and_never_negative)
         ck_assert(leg_sensors_receive(&sensors, &frame));
         const double angle = counts * 2.0 * M_PI / 65536.0 - 0.1;
         const double expected = 0.12 * sin(angle);
-        assert_close(sensors.reading[LEG_LEFT].ankle_extension_m, expected > 0.0 ? expected : 0.0,
+        assert_close(sensors.reading[SIDE_LEFT].ankle_extension_m, expected > 0.0 ? expected : 0.0,
                      2e-7, 0.0);
     }
 }
@@ -83,7 +84,7 @@ START_TEST(malformed_frames_change_nothing_and_are_counted)
     leg_sensors_init(&sensors, straight);
     struct can_msg frame = leg_frame(0x283, 1000, 5);
     ck_assert(leg_sensors_receive(&sensors, &frame));
-    const float before = sensors.reading[LEG_LEFT].leg_angle_rad;
+    const float before = sensors.reading[SIDE_LEFT].leg_angle_rad;
     leg_sensors_age(&sensors);
     frame = leg_frame(0x283, 2000, 6);
     for (uint8_t length = 0; length <= 8; length++) {
@@ -96,8 +97,8 @@ START_TEST(malformed_frames_change_nothing_and_are_counted)
     frame.flags = CAN_FRAME_REMOTE;
     ck_assert(leg_sensors_receive(&sensors, &frame));
     ck_assert_uint_eq(sensors.rx_malformed, 9);
-    ck_assert(sensors.reading[LEG_LEFT].leg_angle_rad == before);
-    ck_assert_int_eq(sensors.reading[LEG_LEFT].age_ticks, 1);
+    ck_assert(sensors.reading[SIDE_LEFT].leg_angle_rad == before);
+    ck_assert_int_eq(sensors.reading[SIDE_LEFT].age_ticks, 1);
     frame = leg_frame(0x285, 0, 0);
     ck_assert_msg(!leg_sensors_receive(&sensors, &frame), "took a foreign frame");
 }
@@ -112,7 +113,7 @@ START_TEST(age_grows_and_saturates)
     for (int i = 0; i < 70000; i++) {
         leg_sensors_age(&sensors);
     }
-    ck_assert_int_eq(sensors.reading[LEG_RIGHT].age_ticks, UINT16_MAX);
+    ck_assert_int_eq(sensors.reading[SIDE_RIGHT].age_ticks, UINT16_MAX);
 }
 END_TEST
 
@@ -123,7 +124,7 @@ START_TEST(frames_beyond_one_a_cycle_are_counted)
     leg_sensors_init(&sensors, straight);
     const struct can_msg own = leg_frame(0x283, 1000, 5), other = leg_frame(0x283, 1001, 5),
                          ankle = leg_frame(0x283, 1000, 6);
-    const uint8_t *surplus = &sensors.reading[LEG_LEFT].surplus;
+    const uint8_t *surplus = &sensors.reading[SIDE_LEFT].surplus;
     for (int cycle = 0; cycle < 100; cycle++) { /* repeated by CAN itself: nothing */
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &own));
         leg_sensors_age(&sensors);
@@ -137,7 +138,7 @@ START_TEST(frames_beyond_one_a_cycle_are_counted)
     }
     ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &ankle));
     ck_assert_uint_eq(*surplus, 2);
-    ck_assert_uint_eq(sensors.reading[LEG_RIGHT].surplus, 0);
+    ck_assert_uint_eq(sensors.reading[SIDE_RIGHT].surplus, 0);
     for (int i = 0; i < 1000; i++) {
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
     }

@@ -112,7 +112,7 @@ END_TEST
 START_TEST(another_scaling_is_refused_with_both_values)
 {
     start();
-    b.config.counts_per_m[LEG_LEFT] = 10000000;
+    b.config.counts_per_m[SIDE_LEFT] = 10000000;
     ck_assert_int_eq(finish(true), SETUP_DIFFERS);
     ck_assert_uint_eq(b.setup.failure.node, 1);
     ck_assert_uint_eq(b.setup.failure.index, 0x6092);
@@ -231,7 +231,7 @@ START_TEST(another_rated_torque_is_refused_with_both_values)
     ck_assert_int_eq(finish(true), SETUP_DIFFERS);
     start();
     b.drive.objects.rated_torque_mNm = 42;
-    b.config.rated_force_N[LEG_LEFT] = 0.0f; /* no force is made of it: not compared */
+    b.config.rated_force_N[SIDE_LEFT] = 0.0f; /* no force is made of it: not compared */
     ck_assert_int_eq(finish(true), SETUP_DONE);
 }
 END_TEST

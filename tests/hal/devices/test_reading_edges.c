@@ -23,7 +23,7 @@ START_TEST(an_angle_is_within_half_a_turn)
         for (int zero = -6; zero <= 6; zero++) {
             const struct leg_sensor_config one = {.angle_zero_rad = 0.5f * (float)zero,
                                                   .angle_direction = (int8_t)direction};
-            const struct leg_sensor_config config[LEG_COUNT] = {one, one};
+            const struct leg_sensor_config config[SIDE_COUNT] = {one, one};
             struct leg_sensors sensors;
             leg_sensors_init(&sensors, config);
             for (int32_t counts = -8388608; counts < 8388608; counts += 1048576 + 777) {
@@ -32,7 +32,7 @@ START_TEST(an_angle_is_within_half_a_turn)
                 ck_assert(leg_sensors_receive(&sensors, &frame));
                 const double turn = counts / 16777216.0 * 2.0 * M_PI - 0.5 * zero;
                 const double want = direction * turn;
-                const float got = sensors.reading[LEG_LEFT].leg_angle_rad;
+                const float got = sensors.reading[SIDE_LEFT].leg_angle_rad;
                 ck_assert(got >= -3.1416f && got <= 3.1416f);
                 assert_close(cos((double)got), cos(want), 2e-6, 0);
                 assert_close(sin((double)got), sin(want), 2e-6, 0);
@@ -55,8 +55,8 @@ START_TEST(a_position_far_away_is_far_away)
                  {2000000000, -2000000000, -1, 2147483647.0},
                  {-1000, 1000, 1, 2000.0},
                  {0, INT32_MIN, -1, 2147483647.0}};
-    struct cia402_axis_config config[LEG_COUNT];
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    struct cia402_axis_config config[SIDE_COUNT];
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         config[leg] =
             (struct cia402_axis_config){1.0e6f, cases[_i].zero, cases[_i].direction, 0.0f};
     }
@@ -67,17 +67,17 @@ START_TEST(a_position_far_away_is_far_away)
     put_u32(frame.data + 2, (uint32_t)cases[_i].counts, 4);
     ck_assert(sea_drives_receive(&drives, &frame));
     struct sea_drive_reading reading;
-    sea_drives_read(&drives, LEG_LEFT, &reading);
+    sea_drives_read(&drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, cases[_i].travel / 1.0e6, 0.0, 1e-6);
 }
 END_TEST
 
 START_TEST(counters_stay_at_their_ends)
 {
-    static const struct leg_sensor_config straight[LEG_COUNT] = {{.angle_direction = 1},
-                                                                 {.angle_direction = 1}};
-    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1, 0.0f},
-                                                              {1.0e6f, 0, 1, 0.0f}};
+    static const struct leg_sensor_config straight[SIDE_COUNT] = {{.angle_direction = 1},
+                                                                  {.angle_direction = 1}};
+    static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 0, 1, 0.0f},
+                                                               {1.0e6f, 0, 1, 0.0f}};
     struct leg_sensors sensors;
     leg_sensors_init(&sensors, straight);
     sensors.rx_malformed = UINT32_MAX;
@@ -96,7 +96,7 @@ START_TEST(counters_stay_at_their_ends)
     remote.id = 0x381;
     ck_assert(sea_drives_receive(&drives, &remote));
     ck_assert_uint_eq(cia402.rx_malformed, UINT32_MAX);
-    ck_assert_uint_eq(cia402.axis[LEG_RIGHT].age_ticks, UINT16_MAX); /* nothing was taken */
+    ck_assert_uint_eq(cia402.axis[SIDE_RIGHT].age_ticks, UINT16_MAX); /* nothing was taken */
 
     struct network network;
     network_init(&network);

@@ -6,15 +6,15 @@
 
 #include <string.h>
 
-static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 500, 1, 50.0f},
-                                                          {1.0e6f, -500, -1, 50.0f}};
+static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 500, 1, 50.0f},
+                                                           {1.0e6f, -500, -1, 50.0f}};
 
 struct bench {
     struct fake_bus fake;
     struct can_bus bus;
     struct cia402_drives cia402;
     struct sea_drives drives;
-    struct sea_drive_wish wish[LEG_COUNT];
+    struct sea_drive_wish wish[SIDE_COUNT];
 };
 
 static void start(struct bench *b)
@@ -41,7 +41,7 @@ static void answer(struct bench *b, uint32_t id, uint16_t statusword, int32_t po
 static int controlword_for(struct bench *b, uint16_t statusword)
 {
     answer(b, 0x181, statusword, 500);
-    b->cia402.axis[LEG_LEFT].sender.ticks_since_sent = SLOW_PDO_TICKS; /* due again */
+    b->cia402.axis[SIDE_LEFT].sender.ticks_since_sent = SLOW_PDO_TICKS; /* due again */
     fake_bus_clear(&b->fake);
     ck_assert_int_eq(sea_drives_command(&b->drives, b->wish, &b->bus), CAN_OK);
     const struct can_msg *frame = fake_bus_last(&b->fake, 0x301);
@@ -63,12 +63,12 @@ START_TEST(way_to_enabled_and_back)
 {
     struct bench b;
     start(&b);
-    b.wish[LEG_LEFT].enable = true;
+    b.wish[SIDE_LEFT].enable = true;
     ck_assert_int_eq(controlword_for(&b, 0x0240), 0x06); /* switch-on disabled: shutdown */
     ck_assert_int_eq(controlword_for(&b, 0x0221), 0x07); /* ready: switch on */
     ck_assert_int_eq(controlword_for(&b, 0x0223), 0x0F); /* switched on: enable */
     ck_assert_int_eq(controlword_for(&b, 0x0227), 0x0F); /* enabled: stay */
-    b.wish[LEG_LEFT].enable = false;
+    b.wish[SIDE_LEFT].enable = false;
     ck_assert_int_eq(controlword_for(&b, 0x0227), 0x06);
     ck_assert_int_eq(controlword_for(&b, 0x0221), 0x06);
     ck_assert_int_eq(controlword_for(&b, 0x0207), 0x02); /* quick stop: let it unload */
@@ -79,10 +79,10 @@ START_TEST(fault_reset_is_an_edge_and_only_on_demand)
 {
     struct bench b;
     start(&b);
-    b.wish[LEG_LEFT].enable = true;
+    b.wish[SIDE_LEFT].enable = true;
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
-    b.wish[LEG_LEFT].clear_fault = true;
+    b.wish[SIDE_LEFT].clear_fault = true;
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00); /* falls, so that it can rise again */
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
@@ -93,22 +93,21 @@ START_TEST(states_are_read_as_the_standard_spells_them)
 {
     static const struct {
         uint16_t statusword;
-        enum sea_drive_state state;
-    } cases[] = {
-        {0x0000, SEA_DRIVE_DISABLED}, {0x0240, SEA_DRIVE_DISABLED}, {0x0260, SEA_DRIVE_DISABLED},
-        {0x0231, SEA_DRIVE_DISABLED}, {0x0233, SEA_DRIVE_STARTING}, {0x1637, SEA_DRIVE_ENABLED},
-        {0x0637, SEA_DRIVE_STOPPING}, /* enabled, but ignores its target */
-        {0x0002, SEA_DRIVE_DISABLED}, /* none of the profile's */
-        {0x0217, SEA_DRIVE_STOPPING}, {0x021F, SEA_DRIVE_STOPPING}, {0x0218, SEA_DRIVE_FAULT}};
+        enum drive_state state;
+    } cases[] = {{0x0000, DRIVE_DISABLED}, {0x0240, DRIVE_DISABLED}, {0x0260, DRIVE_DISABLED},
+                 {0x0231, DRIVE_DISABLED}, {0x0233, DRIVE_STARTING}, {0x1637, DRIVE_ENABLED},
+                 {0x0637, DRIVE_STOPPING}, /* enabled, but ignores its target */
+                 {0x0002, DRIVE_DISABLED}, /* none of the profile's */
+                 {0x0217, DRIVE_STOPPING}, {0x021F, DRIVE_STOPPING}, {0x0218, DRIVE_FAULT}};
     struct bench b;
     struct sea_drive_reading reading;
     start(&b);
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
-    ck_assert_int_eq(reading.state, SEA_DRIVE_UNKNOWN);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_UNKNOWN);
     ck_assert_int_eq(reading.age_ticks, UINT16_MAX);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         answer(&b, 0x181, cases[i].statusword, 500);
-        sea_drives_read(&b.drives, LEG_LEFT, &reading);
+        sea_drives_read(&b.drives, SIDE_LEFT, &reading);
         ck_assert_msg(reading.state == cases[i].state, "statusword %04x read as %d",
                       cases[i].statusword, (int)reading.state);
     }
@@ -130,16 +129,16 @@ START_TEST(more_states_than_cycles_are_a_foreign_node)
         sea_drives_age(&b.drives);
         sea_drives_age(&b.drives);
     }
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
-        sea_drives_read(&b.drives, (enum leg)leg, &reading);
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        sea_drives_read(&b.drives, (enum side)leg, &reading);
         ck_assert(!reading.foreign);
     }
     for (int frame = 0; frame < 3; frame++) { /* one by another statusword, one by its position */
         answer(&b, 0x181, frame == 1 ? 0x1237 : 0x0240, frame == 2 ? 7 : 500);
     }
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     ck_assert(reading.foreign);
-    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
     ck_assert(!reading.foreign);
 }
 END_TEST
@@ -148,8 +147,8 @@ START_TEST(no_kick_target_is_the_position_until_enabled)
 {
     struct bench b;
     start(&b);
-    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.05f, true, true, false};
-    b.wish[LEG_RIGHT] = (struct sea_drive_wish){0.05f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.05f, true, true, false};
+    b.wish[SIDE_RIGHT] = (struct sea_drive_wish){0.05f, true, true, false};
     answer(&b, 0x181, 0x0223, 1234);
     answer(&b, 0x182, 0x0227, -700);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -164,7 +163,7 @@ START_TEST(no_target_before_both_positions_are_known)
 {
     struct bench b;
     start(&b);
-    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.05f, true, false, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.05f, true, false, false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     answer(&b, 0x181, 0x0227, 700000);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -184,15 +183,15 @@ START_TEST(positions_scale_and_saturate)
     start(&b);
     answer(&b, 0x181, 0x0227, 500 + 123456);
     answer(&b, 0x182, 0x0227, -500 - 123456);
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
-        sea_drives_read(&b.drives, (enum leg)leg, &reading);
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        sea_drives_read(&b.drives, (enum side)leg, &reading);
         assert_close(reading.precompression_m, 0.123456, 1e-8, 1e-6);
     }
     answer(&b, 0x181, 0x0227, INT32_MIN);
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, -2147.484148, 1e-3, 0.0);
-    b.wish[LEG_LEFT] = (struct sea_drive_wish){1e30f, true, false, false};
-    b.wish[LEG_RIGHT] = (struct sea_drive_wish){-1e30f, true, false, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_wish){1e30f, true, false, false};
+    b.wish[SIDE_RIGHT] = (struct sea_drive_wish){-1e30f, true, false, false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert_int_gt(target_of(&b, 0), 1000000000);
     ck_assert_int_gt(target_of(&b, 1), 1000000000); /* minus times minus */
@@ -227,7 +226,7 @@ START_TEST(a_refused_frame_is_sent_again)
     start(&b);
     answer(&b, 0x181, 0x0227, 500);
     answer(&b, 0x182, 0x0227, -500);
-    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.0f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.0f, true, true, false};
     b.fake.verdict = CAN_FULL;
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_FULL);
     b.fake.verdict = CAN_OK;
@@ -247,7 +246,7 @@ START_TEST(malformed_frames_change_nothing_and_are_counted)
     frame.length = 5;
     ck_assert(sea_drives_receive(&b.drives, &frame));
     ck_assert_uint_eq(b.cia402.rx_malformed, 2);
-    ck_assert_int_eq(b.cia402.axis[LEG_LEFT].position_counts, 777);
+    ck_assert_int_eq(b.cia402.axis[SIDE_LEFT].position_counts, 777);
     frame.id = 0x183;
     ck_assert(!sea_drives_receive(&b.drives, &frame));
 }
@@ -260,25 +259,25 @@ START_TEST(force_and_latch)
     struct sea_drive_reading reading;
     start(&b);
     struct can_msg slow = {.id = 0x381, .length = 8, .data = {0xC8, 0x00}}; /* 200 per mille */
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX - 1); /* missing, not without any */
-    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_UNKNOWN);
+    ck_assert_int_eq(reading.latch, LATCH_UNKNOWN);
     ck_assert(sea_drives_receive(&b.drives, &slow));
     slow.id = 0x382;
     ck_assert(sea_drives_receive(&b.drives, &slow));
     answer(&b, 0x181, 0x5237, 500);
     answer(&b, 0x182, 0x1237, -500);
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close((double)reading.force_N, 10.0, 1e-5, 0.0);
     ck_assert_uint_eq(reading.force_age_ticks, 0);
-    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_CLOSED);
-    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    ck_assert_int_eq(reading.latch, LATCH_CLOSED);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
     assert_close((double)reading.force_N, -10.0, 1e-5, 0.0);
-    ck_assert_int_eq(reading.latch, SEA_LATCH_STATE_OPEN);
+    ck_assert_int_eq(reading.latch, LATCH_OPEN);
     for (int i = 0; i < 70000; i++) {
         sea_drives_age(&b.drives);
     }
-    sea_drives_read(&b.drives, LEG_RIGHT, &reading);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
     ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX - 1); /* old, but once received */
     slow.length = 6;
     ck_assert(sea_drives_receive(&b.drives, &slow));
@@ -287,8 +286,8 @@ START_TEST(force_and_latch)
     slow.flags = CAN_FRAME_REMOTE; /* a question has no torque in it */
     ck_assert(sea_drives_receive(&b.drives, &slow));
     ck_assert_uint_eq(b.cia402.rx_malformed, 2);
-    b.cia402.axis[LEG_LEFT].config.rated_force_N = 0.0f;
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    b.cia402.axis[SIDE_LEFT].config.rated_force_N = 0.0f;
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     ck_assert_uint_eq(reading.force_age_ticks, UINT16_MAX);
 }
 END_TEST

@@ -15,13 +15,13 @@ struct odrive_bench {
     struct can_bus bus;
     struct cansimple_drives axes;
     struct sea_drives drives;
-    struct sea_drive_wish wish[LEG_COUNT];
+    struct sea_drive_wish wish[SIDE_COUNT];
 };
 
 static void start_odrive(struct odrive_bench *b)
 {
-    static const struct cansimple_axis_config config[LEG_COUNT] = {{1, 200.0f, 0.5f, 1},
-                                                                   {2, 200.0f, 0.0f, -1}};
+    static const struct cansimple_axis_config config[SIDE_COUNT] = {{1, 200.0f, 0.5f, 1},
+                                                                    {2, 200.0f, 0.0f, -1}};
     memset(b, 0, sizeof *b);
     fake_bus_init(&b->fake);
     b->bus = fake_bus_interface(&b->fake);
@@ -47,21 +47,21 @@ START_TEST(cansimple_reads_estimates_and_heartbeats)
     struct odrive_bench b;
     struct sea_drive_reading reading;
     start_odrive(&b);
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
-    ck_assert_int_eq(reading.state, SEA_DRIVE_UNKNOWN);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_UNKNOWN);
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, 0.05, 1e-7, 0.0); /* (10.5 - 0.5) / 200 */
-    ck_assert_int_eq(reading.state, SEA_DRIVE_ENABLED);
+    ck_assert_int_eq(reading.state, DRIVE_ENABLED);
     ck_assert(give(&b.drives, 0x021, heartbeat_watchdog, 8));
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
-    ck_assert_int_eq(reading.state, SEA_DRIVE_FAULT);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_FAULT);
     for (int i = 0; i < HEARTBEAT_TIMEOUT_MS + 1; i++) {
         sea_drives_age(&b.drives);
     }
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
-    ck_assert_int_eq(reading.state, SEA_DRIVE_UNKNOWN);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_UNKNOWN);
     ck_assert(!give(&b.drives, 0x080, at_10_5_turns, 0)); /* SYNC is not node 4's */
 }
 END_TEST
@@ -75,7 +75,7 @@ START_TEST(cansimple_refuses_what_is_no_number)
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x029, nan_turns, 8));
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 4));
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, 0.05, 1e-7, 0.0);
     ck_assert_uint_eq(b.axes.rx_malformed, 2);
 }
@@ -85,7 +85,7 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
 {
     struct odrive_bench b;
     start_odrive(&b);
-    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.1f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.1f, true, true, false};
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -107,7 +107,7 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
     static const uint8_t at_20_5_turns[4] = {0x00, 0x00, 0xA4, 0x41};
     ck_assert_mem_eq(fake_bus_last(&b.fake, 0x02C)->data, at_20_5_turns, 4);
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 1);
-    b.wish[LEG_LEFT].enable = false;
+    b.wish[SIDE_LEFT].enable = false;
     for (int i = 0; i < 110; i++) {
         ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
         if (i == 50) {
@@ -126,13 +126,13 @@ struct ak_bench {
     struct can_bus bus;
     struct mit_drives axes;
     struct sea_drives drives;
-    struct sea_drive_wish wish[LEG_COUNT];
+    struct sea_drive_wish wish[SIDE_COUNT];
 };
 
 static void start_ak(struct ak_bench *b)
 {
-    struct mit_axis_config config[LEG_COUNT];
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    struct mit_axis_config config[SIDE_COUNT];
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         config[leg] = (struct mit_axis_config){.motor_id = (uint8_t)(1 + leg),
                                                .answer_id = (uint16_t)(0x11 + leg),
                                                .rad_per_m = 50.0f,
@@ -179,14 +179,14 @@ START_TEST(mit_enters_after_an_answer_and_commands_bytes_in_order)
     struct ak_bench b;
     struct sea_drive_reading reading;
     start_ak(&b);
-    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.25f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.25f, true, true, false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[3] & 0x0F, 0); /* kp 0 until entered */
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[4], 0);
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, 0.0, 5e-6, 0.0);
-    ck_assert_int_eq(reading.state, SEA_DRIVE_DISABLED);
+    ck_assert_int_eq(reading.state, DRIVE_DISABLED);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert_mem_eq(fake_bus_last(&b.fake, 1)->data, enter, 8);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -202,10 +202,10 @@ START_TEST(mit_never_spells_a_special_frame_by_accident)
 {
     struct ak_bench b;
     start_ak(&b);
-    b.wish[LEG_LEFT] = (struct sea_drive_wish){0.0f, true, false, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.0f, true, false, false};
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
-    b.wish[LEG_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */
+    b.wish[SIDE_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert(fake_bus_last(&b.fake, 1)->data[1] != 0xFF);
 }
@@ -217,10 +217,10 @@ START_TEST(mit_refuses_a_motor_with_other_ranges)
     struct ak_bench b;
     struct sea_drive_reading reading;
     start_ak(&b);
-    b.wish[LEG_LEFT].enable = true;
+    b.wish[SIDE_LEFT].enable = true;
     ck_assert(give(&b.drives, 0x11, far_away, 8));
-    sea_drives_read(&b.drives, LEG_LEFT, &reading);
-    ck_assert_int_eq(reading.state, SEA_DRIVE_FAULT);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_FAULT);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert(fake_bus_last(&b.fake, 1)->data[7] != MIT_ENTER);
 }
@@ -231,7 +231,7 @@ START_TEST(mit_error_and_withdrawal_leave_motor_mode)
     static const uint8_t answer_with_error[8] = {1, 0x05, 0x1F, 0x7F, 0xF7, 0xFF, 90, 3};
     struct ak_bench b;
     start_ak(&b);
-    b.wish[LEG_LEFT].enable = true;
+    b.wish[SIDE_LEFT].enable = true;
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert(give(&b.drives, 0x11, answer_with_error, 8));

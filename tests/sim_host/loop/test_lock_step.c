@@ -21,8 +21,8 @@ static struct network_node *node(struct bench *bench, unsigned number)
 /* All four operational, and their last answers a cycle old. */
 static void setup(struct bench *bench)
 {
-    static const struct cia402_axis_config axes[LEG_COUNT] = {{1.0e6f, 0, 1, 0.0f},
-                                                              {1.0e6f, 0, 1, 0.0f}};
+    static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 0, 1, 0.0f},
+                                                               {1.0e6f, 0, 1, 0.0f}};
     memset(bench, 0, sizeof *bench);
     cia402_drives_init(&bench->drives, axes);
     bench->task.config.drives = cia402_drives_interface(&bench->drives);
@@ -30,7 +30,7 @@ static void setup(struct bench *bench)
     for (unsigned i = 0; i < NETWORK_NODES; i++) {
         bench->task.network.node[i].state = NMT_OPERATIONAL;
     }
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         bench->task.sensors.reading[leg].age_ticks = 1;
         bench->drives.axis[leg].age_ticks = 1;
     }
@@ -38,7 +38,7 @@ static void setup(struct bench *bench)
 
 static void all_answer(struct bench *bench)
 {
-    for (int leg = 0; leg < LEG_COUNT; leg++) {
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
         bench->task.sensors.reading[leg].age_ticks = 0;
         bench->drives.axis[leg].age_ticks = 0;
     }
@@ -52,15 +52,15 @@ START_TEST(operational_nodes_answer)
     ck_assert(!lock_step_answered(&bench.task, ALL));
     all_answer(&bench);
     ck_assert(lock_step_answered(&bench.task, ALL));
-    bench.drives.axis[LEG_RIGHT].age_ticks = 1;
+    bench.drives.axis[SIDE_RIGHT].age_ticks = 1;
     ck_assert(!lock_step_answered(&bench.task, ALL));
     ck_assert(lock_step_answered(&bench.task, ALL & ~DRIVE_RIGHT));
     /* None that was not heard of for a while answered by being unheard. */
     node(&bench, 2)->state = NMT_UNKNOWN;
-    bench.drives.axis[LEG_RIGHT].age_ticks = UINT16_MAX;
+    bench.drives.axis[SIDE_RIGHT].age_ticks = UINT16_MAX;
     ck_assert_uint_eq(lock_step_expected(&bench.task), ALL & ~DRIVE_RIGHT);
     /* But it is there if it answers before its first heartbeat. */
-    bench.drives.axis[LEG_RIGHT].age_ticks = 2;
+    bench.drives.axis[SIDE_RIGHT].age_ticks = 2;
     ck_assert_uint_eq(lock_step_expected(&bench.task), ALL);
 }
 END_TEST
@@ -106,7 +106,7 @@ START_TEST(a_node_that_boots_meanwhile_is_waited_for_no_longer)
     const struct can_msg boot = {.id = FRAME_HEARTBEAT_SENSOR_LEFT, .length = 1};
     setup(&bench);
     all_answer(&bench);
-    bench.task.sensors.reading[LEG_LEFT].age_ticks = 1;
+    bench.task.sensors.reading[SIDE_LEFT].age_ticks = 1;
     ck_assert(!lock_step_answered(&bench.task, ALL));
     ck_assert(network_receive(&bench.task.network, &boot));
     ck_assert(lock_step_answered(&bench.task, ALL));

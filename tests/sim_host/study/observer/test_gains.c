@@ -4,9 +4,9 @@
 #include <math.h>
 
 #include "controller/estimator/observer_gains.h"
+#include "sim_host/study/noisy_map.h"
 #include "sim_host/study/observer/estimators.h"
 #include "sim_host/study/observer/gains.h"
-#include "sim_host/study/noisy_map.h"
 #include "tests/support/assert_close.h"
 
 /* x'' = spring x + noise(q), measured with noise r: the filter's characteristic

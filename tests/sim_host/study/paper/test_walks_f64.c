@@ -6,9 +6,9 @@
 
 #include "sim_host/gait/branch.h"
 #include "sim_host/plant/rng.h"
+#include "sim_host/study/noisy_map.h"
 #include "sim_host/study/paper/basin_walks.h"
 #include "sim_host/study/paper/long_runs.h"
-#include "sim_host/study/noisy_map.h"
 #include "sim_host/study/paper/periodic.h"
 #include "tests/support/assert_close.h"
 
