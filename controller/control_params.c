@@ -31,7 +31,7 @@ static int check_law(const struct control_params *params)
                                                                            : CONTROL_PARAMS_BRANCH;
     }
     return params->law == (real)LAW_PROPORTIONAL || params->law == (real)LAW_OPEN_LOOP ||
-                   params->law == (real)LAW_WEARER
+                   params->law == (real)LAW_PERSON
                ? CONTROL_PARAMS_OK
                : CONTROL_PARAMS_LAW;
 }

@@ -28,13 +28,13 @@ enum law_mode {
     LAW_DLQR = 2,         /* whole apex state, least quadratic cost of the linearised map */
     LAW_DEADBEAT = 3,     /* whole apex state, linearised map's eigenvalues all zero */
     LAW_PREDICTIVE = 4,   /* search with the return map on board: laws/predictive_law.h */
-    LAW_WEARER = 8        /* a person: prescribed r0, v* = their own running mean (step_law.h) */
+    LAW_PERSON = 8        /* a person: prescribed r0, v* = their own running mean (step_law.h) */
 };
 
 /* Whose gait the observer looks at: which rules find heel strike and lift-off. */
 enum body_kind {
     BODY_COMPASS = 0, /* point feet, straight legs: the model's own events */
-    BODY_PERSON = 1   /* the leg from hip to ankle of a person: leg_events.h */
+    BODY_PERSON = 1   /* the leg from hip to ankle of a person: person_events.h */
 };
 
 /*  X(field, unit, minimum, maximum, meaning) */
@@ -45,7 +45,7 @@ enum body_kind {
     X(spring_stiffness_n_m, "N/m", 1.0, 100000.0, "k of the ankle spring")                       \
     X(gravity_m_s2, "m/s^2", 1.0, 20.0, "g")                                                     \
     X(law, "-", 0.0, 8.0,                                                                        \
-      "0 proportional, 1 open loop, 2 dlqr, 3 deadbeat, 4 predictive, 8 wearer")                 \
+      "0 proportional, 1 open loop, 2 dlqr, 3 deadbeat, 4 predictive, 8 person")                 \
     X(kp_m_s_rad, "m/(rad/s)", 0.0, 1.0, "gain of eq. (16) on the forward apex speed")           \
     X(start_r0_m, "m", 0.0001, 0.6, "precompression that walking starts from; a wearer's r0*")   \
     X(speed_ramp_rad_s, "rad/s per step", 0.00001, 1.0, "largest change of the speed command")   \
@@ -73,7 +73,7 @@ enum body_kind {
     X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")       \
     X(engage_steps, "-", 0.0, 50.0, "steady steps before assistance; 0 = bench: loaded at once") \
     X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the share of assistance rises to 1") \
-    X(rough_speed_rad_s, "rad/s", 0.0, 20.0,                                                     \
+    X(terrain_speed_rad_s, "rad/s", 0.0, 20.0,                                                   \
       "predictive law: speed it may want on uneven ground; 0 = none above the command")
 
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;

@@ -1,9 +1,9 @@
 #include "controller/controller.h"
 
 /* A command may rise by so much of what the reference's speed limit allows in a tick. */
-#define RISE_SHARE REAL(1.25)
+#define SLEW_RATIO REAL(1.25)
 /* And no command is further than so much of the leg's length beyond the largest r0. */
-#define REACH_SHARE REAL(0.1)
+#define COMMAND_LIMIT_RATIO REAL(0.1)
 /* A wearer's steps have stopped when none came for so many times the last one. */
 enum { LATE_STEPS = 2 };
 /* Least time in STANDBY. */
@@ -23,24 +23,24 @@ int controller_init(struct controller *controller, const struct control_params *
     }
     supervisor_init(&controller->supervisor);
     checks_init(&controller->checks);
-    step_monitor_init(&controller->steps);
+    step_monitor_init(&controller->step_monitor);
     step_law_init(&controller->law, params);
     gait_observer_init(&controller->observer, params);
     return CONTROL_PARAMS_OK;
 }
 
 /* A walker on the bench: held by a hand, without a push-off of its own. */
-static bool on_bench(const struct controller *controller)
+static bool test_mode(const struct controller *controller)
 {
     return controller->params->engage_steps == REAL(0.0);
 }
 
 static bool is_stepping(const struct controller *controller, uint32_t tick)
 {
-    const struct step_monitor *steps = &controller->steps;
+    const struct step_monitor *steps = &controller->step_monitor;
     uint32_t patience = ticks_from_seconds(controller->params->step_timeout_s);
     const uint32_t late = LATE_STEPS * steps->step_ticks[0];
-    if (!on_bench(controller) && late > 0 && late < patience) {
+    if (!test_mode(controller) && late > 0 && late < patience) {
         patience = late;
     }
     /* Whoever stands still does not step, however short ago the last step was. */
@@ -50,9 +50,9 @@ static bool is_stepping(const struct controller *controller, uint32_t tick)
 
 static bool is_steady(const struct controller *controller)
 {
-    return on_bench(controller)
-               ? controller->steps.seen
-               : (real)controller->steps.steady >= controller->params->engage_steps;
+    return test_mode(controller)
+               ? controller->step_monitor.seen
+               : (real)controller->step_monitor.steady >= controller->params->engage_steps;
 }
 
 static bool is_overdue(const struct controller *controller, uint32_t tick)
@@ -107,7 +107,7 @@ static uint16_t conditions_of(const struct controller *controller,
                 : 0u;
     bits |= stepping ? SUPERVISOR_IF_STEPPING : 0u;
     bits |= stepping && is_steady(controller) ? SUPERVISOR_IF_STEADY : 0u;
-    bits |= on_bench(controller) || controller->steps.unsteady < STEP_MONITOR_IRREGULAR
+    bits |= test_mode(controller) || controller->step_monitor.unsteady < STEP_MONITOR_IRREGULAR
                 ? SUPERVISOR_IF_REGULAR
                 : 0u;
     bits |= slack && references_back(controller, input->tick) ? SUPERVISOR_IF_UNLOADED : 0u;
@@ -125,12 +125,12 @@ static void enter_state(struct controller *controller, const struct controller_i
     case SUPERVISOR_ENGAGING:
         controller->stop = sea_reference_stop_limits(params);
         controller->change_max_m = params->r0_change_max_m;
-        controller->rise_max_m = RISE_SHARE * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
-        controller->reach_m = params->r0_max_m + REACH_SHARE * params->leg_length_m;
+        controller->slew_limit_m = SLEW_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
+        controller->command_limit_m = params->r0_max_m + COMMAND_LIMIT_RATIO * params->leg_length_m;
         step_law_init(&controller->law, params);
         gait_observer_init(&controller->observer, params);
-        step_monitor_init(&controller->steps);
-        controller->share = on_bench(controller) ? REAL(1.0) : REAL(0.0);
+        step_monitor_init(&controller->step_monitor);
+        controller->assist_level = test_mode(controller) ? REAL(1.0) : REAL(0.0);
         controller->step_pending = false;
         controller->observing = true;
         for (int side = 0; side < SIDE_COUNT; side++) {
@@ -140,7 +140,7 @@ static void enter_state(struct controller *controller, const struct controller_i
     case SUPERVISOR_UNLOADING:
         /* On the bench the first spring is loaded at once: never again by itself, behind
          * somebody who has stopped or lies there. */
-        controller->request_spent = on_bench(controller);
+        controller->request_spent = test_mode(controller);
         for (int side = 0; side < SIDE_COUNT; side++) {
             sea_reference_stop(&controller->sea[side], &controller->stop,
                                input->sea[side].precompression_m);
@@ -154,24 +154,25 @@ static void enter_state(struct controller *controller, const struct controller_i
     }
 }
 
-/* A step has ended: while the steps stay steady the share rises. */
-static void ramp_share(struct controller *controller)
+/* A step has ended: while the steps stay steady the assist_level rises. */
+static void ramp_assist_level(struct controller *controller)
 {
-    if (!on_bench(controller) && controller->supervisor.state == SUPERVISOR_WALKING &&
-        controller->steps.steady > 0) {
-        const real share = controller->share + REAL(1.0) / controller->params->engage_ramp_steps;
-        controller->share = share < REAL(1.0) ? share : REAL(1.0);
+    if (!test_mode(controller) && controller->supervisor.state == SUPERVISOR_WALKING &&
+        controller->step_monitor.steady > 0) {
+        const real assist_level =
+            controller->assist_level + REAL(1.0) / controller->params->engage_ramp_steps;
+        controller->assist_level = assist_level < REAL(1.0) ? assist_level : REAL(1.0);
     }
 }
 
-/* Loads towards the law's precompression as far as the share goes; nothing before. */
-static void load(struct controller *controller, enum side side)
+/* Loads towards the law's precompression as far as the assist_level goes; nothing before. */
+static void begin_loading(struct controller *controller, enum side side)
 {
-    if (controller->share > REAL(0.0)) {
+    if (controller->assist_level > REAL(0.0)) {
         const bool given = controller->law.steps > 0 && controller->law.is_final;
-        sea_reference_load(&controller->sea[side], given
-                                                       ? controller->last_step.r0_m
-                                                       : controller->share * controller->law.r0_m);
+        sea_reference_begin_loading(&controller->sea[side],
+                                    given ? controller->last_step.r0_m
+                                          : controller->assist_level * controller->law.r0_m);
     }
 }
 
@@ -181,15 +182,15 @@ static void finish_step(struct controller *controller)
 {
     const real before_m = controller->last_step.r0_m, limit_m = controller->change_max_m;
     const uint32_t number = controller->last_step.number;
-    real r0_m = controller->share * controller->law.r0_m;
+    real r0_m = controller->assist_level * controller->law.r0_m;
     if (number > 0 && controller->pending_step.number > number) { /* of the same walk */
         r0_m = real_clamp(r0_m, before_m - limit_m, before_m + limit_m);
     }
     controller->step_pending = false;
     controller->last_step = controller->pending_step;
     controller->last_step.r0_m = r0_m;
-    controller->last_step.commanded_speed_rad_s = controller->law.aim_rad_s;
-    controller->last_step.fell_back = controller->law.fell_back;
+    controller->last_step.commanded_speed_rad_s = controller->law.target_speed_rad_s;
+    controller->last_step.used_fallback = controller->law.used_fallback;
 }
 
 /* The step's events drive the springs: loading at the own heel strike, the law at
@@ -217,26 +218,26 @@ static void follow_gait(struct controller *controller, const struct controller_i
             step_law_finish(&controller->law);
         } else if (step_law_work(&controller->law, controller->params)) {
             /* Not final yet: on the way there already, but not armed. */
-            load(controller, controller->pending_step.side);
+            begin_loading(controller, controller->pending_step.side);
         }
     }
     if (controller->step_pending && controller->law.is_final) {
         finish_step(controller);
         output->new_step = true;
-        sea_reference_trim(&controller->sea[controller->last_step.side],
-                           controller->last_step.r0_m);
+        sea_reference_set_target(&controller->sea[controller->last_step.side],
+                                 controller->last_step.r0_m);
     }
     if (strike->happened) {
-        load(controller, strike->side);
+        begin_loading(controller, strike->side);
     }
     if (lift_off->happened) {
         sea_reference_unload(&controller->sea[lift_off->side]);
     }
     /* The first stance begins without a heel strike. */
     const struct sea_reference *stance = &controller->sea[gait->stance];
-    if (!controller->steps.seen && gait->phase == PHASE_SINGLE_SUPPORT &&
+    if (!controller->step_monitor.seen && gait->phase == PHASE_SINGLE_SUPPORT &&
         stance->phase == SEA_UNLOADED) {
-        load(controller, gait->stance);
+        begin_loading(controller, gait->stance);
     }
 }
 
@@ -252,8 +253,8 @@ static bool may_release(const struct controller *controller, enum side side)
  * are irregular (step_monitor.h). */
 static bool legs_disagree(const struct controller *controller)
 {
-    return supervisor_may_assist(controller->supervisor.state) && on_bench(controller) &&
-           controller->params->body == (real)BODY_COMPASS && controller->steps.same_side;
+    return supervisor_may_assist(controller->supervisor.state) && test_mode(controller) &&
+           controller->params->body == (real)BODY_COMPASS && controller->step_monitor.same_side;
 }
 
 /* Nothing that is not a number, nothing beyond the stroke, and no step leaves the
@@ -263,11 +264,11 @@ static bool guard(const struct controller *controller, const struct sea_request 
                   struct sea_request *request)
 {
     if (before->enable &&
-        request->precompression_m > before->precompression_m + controller->rise_max_m) {
-        request->precompression_m = before->precompression_m + controller->rise_max_m;
+        request->precompression_m > before->precompression_m + controller->slew_limit_m) {
+        request->precompression_m = before->precompression_m + controller->slew_limit_m;
     }
-    if (request->precompression_m >= -controller->reach_m &&
-        request->precompression_m <= controller->reach_m) {
+    if (request->precompression_m >= -controller->command_limit_m &&
+        request->precompression_m <= controller->command_limit_m) {
         return true;
     }
     *request = (struct sea_request){REAL(0.0), false, false};
@@ -351,8 +352,9 @@ void controller_update(struct controller *controller, const struct controller_in
         gait_observer_update(&controller->observer, controller->params, &values);
     }
     if (supervisor_may_assist(state)) {
-        if (step_monitor_update(&controller->steps, &controller->observer.state, values.tick)) {
-            ramp_share(controller);
+        if (step_monitor_update(&controller->step_monitor, &controller->observer.state,
+                                values.tick)) {
+            ramp_assist_level(controller);
         }
         follow_gait(controller, &values, output);
     }

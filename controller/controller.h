@@ -29,16 +29,16 @@ struct controller {
     struct step_record last_step;
     struct step_record pending_step; /* of the apex whose push-off the law still works on */
     struct checks checks;
-    struct step_monitor steps;
+    struct step_monitor step_monitor;
     struct zeroing zeroing;
     struct sea_request request[SIDE_COUNT]; /* of the last tick */
     /* Limits by the parameters as they were when it engaged: */
     struct sea_stop stop;
-    real rise_max_m;    /* what a command may rise in one tick, */
-    real change_max_m;  /* r0 from step to step, */
-    real reach_m;       /* and how far a command may lie on either side of zero */
-    real share;         /* of the law's precompression that is given, 0..1: engaging ramps it */
-    bool request_spent; /* after a fault, or a walk on the bench: it takes a new request */
+    real slew_limit_m;    /* what a command may rise in one tick, */
+    real change_max_m;    /* r0 from step to step, */
+    real command_limit_m; /* and how far a command may lie on either side of zero */
+    real assist_level;    /* of the law's precompression that is given, 0..1: engaging ramps it */
+    bool request_spent;   /* after a fault, or a walk on the bench: it takes a new request */
     bool step_pending;
     bool observing; /* the observer has been started */
 };

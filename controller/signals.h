@@ -126,8 +126,8 @@ struct step_record {
     real measured_speed_rad_s;
     real
         commanded_speed_rad_s; /* that the law steers for: after the ramp; hurrying on uneven ground, more than was asked */
-    real r0_m;      /* what the law asked for, after its limits */
-    bool fell_back; /* LAW_PREDICTIVE: eq. (16) gave it, the search did not */
+    real r0_m;          /* what the law asked for, after its limits */
+    bool used_fallback; /* LAW_PREDICTIVE: eq. (16) gave it, the search did not */
 };
 
 #endif

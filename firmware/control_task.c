@@ -114,7 +114,8 @@ static void collect_input(struct control_task *task, struct controller_input *in
         if (input->nodes_operational && (reading->age_ticks != 0 || drive.age_ticks != 0)) {
             count(&task->node.objects.counters.late_answers);
         }
-        task->foreign = task->foreign || drive.foreign || reading->surplus >= SAMPLE_SURPLUS_LIMIT;
+        task->foreign =
+            task->foreign || drive.foreign || reading->duplicate_id_count >= DUPLICATE_ID_LIMIT;
     }
     input->foreign_node = task->foreign;
 }
@@ -122,12 +123,12 @@ static void collect_input(struct control_task *task, struct controller_input *in
 /* Returns true when the bus took them all. */
 static bool send_commands(struct control_task *task)
 {
-    struct sea_drive_wish wish[SIDE_COUNT];
+    struct sea_drive_command wish[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct sea_request *command = &task->output.sea[leg];
-        wish[leg] =
-            (struct sea_drive_wish){command->precompression_m, command->enable,
-                                    command->latch_armed, task->node.objects.reset_requested != 0};
+        wish[leg] = (struct sea_drive_command){command->precompression_m, command->enable,
+                                               command->latch_armed,
+                                               task->node.objects.reset_requested != 0};
     }
     const bool sent = sea_drives_command(&task->config.drives, wish, &task->config.bus) == CAN_OK;
     if (!sent) {
@@ -194,14 +195,15 @@ static void configure_nodes(struct control_task *task)
         if (is_new) {
             task->configured = (uint8_t)(task->configured & ~(1u << i));
         }
-        if ((is_new || node->held) && setup->node == node->id) {
+        if ((is_new || node->stop_pending) && setup->node == node->id) {
             setup->node = 0;
         }
     }
     network_clear_booted(&task->network);
     for (unsigned i = 0; i < NETWORK_NODES && setup->node == 0; i++) {
         const struct network_node *node = &task->network.node[i];
-        if (node->state != NMT_UNKNOWN && !node->held && (task->configured & (1u << i)) == 0) {
+        if (node->state != NMT_UNKNOWN && !node->stop_pending &&
+            (task->configured & (1u << i)) == 0) {
             node_setup_start(setup, &task->config.setup, node->id, task->now_ns);
             network_command(&task->config.bus, NMT_ENTER_PRE_OPERATIONAL, setup->node);
         }

@@ -116,14 +116,15 @@ static uint32_t keep(const struct controller_node *node, const struct co_entry *
                      const uint8_t *bytes)
 {
     const bool save = entry->index == INDEX_STORE;
-    if (node->keeper == NULL || bytes_get_u32(bytes) != (save ? SIGNATURE_SAVE : SIGNATURE_LOAD)) {
+    if (node->settings_store == NULL ||
+        bytes_get_u32(bytes) != (save ? SIGNATURE_SAVE : SIGNATURE_LOAD)) {
         return CO_ABORT_NOT_STORED;
     }
     if (node->powered || !node->standstill) {
         return CO_ABORT_DEVICE_STATE;
     }
-    return save ? node->keeper->save_settings(node->keeper_context)
-                : node->keeper->forget_settings(node->keeper_context);
+    return save ? node->settings_store->save_settings(node->settings_store_context)
+                : node->settings_store->forget_settings(node->settings_store_context);
 }
 
 static uint32_t writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
@@ -165,9 +166,9 @@ uint32_t controller_node_crc_of(const struct control_params *params)
     return params->branch != NULL ? crc32_update(crc, params->branch, sizeof *params->branch) : crc;
 }
 
-static void show_keeper(struct controller_node *node)
+static void show_settings_store(struct controller_node *node)
 {
-    node->comm.store = node->comm.restore = node->keeper != NULL ? ON_COMMAND : 0;
+    node->comm.store = node->comm.restore = node->settings_store != NULL ? ON_COMMAND : 0;
 }
 
 /* The record is shown as long as nobody has said that it was seen. */
@@ -186,7 +187,7 @@ static void written(void *context, const struct co_entry *entry)
     struct controller_node *node = (struct controller_node *)context;
     struct controller_objects *objects = &node->objects;
     if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
-        show_keeper(node);
+        show_settings_store(node);
     } else if (entry->index == INDEX_CRASH) {
         crash_record_acknowledge(node->crash);
         show_crash(node);
@@ -336,14 +337,15 @@ int controller_node_init(struct controller_node *node, const struct control_para
 }
 
 void controller_node_attach(struct controller_node *node,
-                            const struct controller_keeper_ops *keeper, void *keeper_context,
-                            struct black_box *black_box, struct crash_record *crash)
+                            const struct controller_settings_store_ops *settings_store,
+                            void *settings_store_context, struct black_box *black_box,
+                            struct crash_record *crash)
 {
-    node->keeper = keeper;
-    node->keeper_context = keeper_context;
+    node->settings_store = settings_store;
+    node->settings_store_context = settings_store_context;
     node->black_box = black_box;
     node->crash = crash;
-    show_keeper(node);
+    show_settings_store(node);
     show_crash(node);
 }
 
@@ -369,9 +371,9 @@ static void show_step(struct controller_objects *objects, const struct step_reco
     objects->step_commanded = scaled_u16(step->commanded_speed_rad_s, SPEED_UNITS_PER_RAD_S);
     objects->step_r0 = scaled_u16(step->r0_m, R0_UNITS_PER_METRE);
     objects->step_number = (uint8_t)(step->number & 0xFFu);
-    objects->step_side_fault =
-        (uint8_t)((step->side == SIDE_RIGHT ? RIGHT_BIT : 0u) |
-                  (step->fell_back ? FELL_BACK_BIT : 0u) | (objects->fault & (FELL_BACK_BIT - 1u)));
+    objects->step_side_fault = (uint8_t)((step->side == SIDE_RIGHT ? RIGHT_BIT : 0u) |
+                                         (step->used_fallback ? FELL_BACK_BIT : 0u) |
+                                         (objects->fault & (FELL_BACK_BIT - 1u)));
     objects->record_number = step->number;
     objects->record_measured_rad_s = step->measured_speed_rad_s;
     objects->record_commanded_rad_s = step->commanded_speed_rad_s;

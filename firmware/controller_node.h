@@ -93,7 +93,7 @@ struct controller_comm {
 
 /* Who keeps the settings. Both are asked at standstill without torque only, may take 100 ms,
  * and return CO_ABORT_NONE or an abort code. */
-struct controller_keeper_ops {
+struct controller_settings_store_ops {
     uint32_t (*save_settings)(void *context);   /* those in force now */
     uint32_t (*forget_settings)(void *context); /* for good: as delivered from the next start on */
 };
@@ -108,8 +108,8 @@ struct controller_node {
     struct controller_objects objects;
     bool powered;    /* drives may be under torque: body parameters are locked */
     bool standstill; /* both legs are still */
-    const struct controller_keeper_ops *keeper; /* NULL: nobody keeps settings */
-    void *keeper_context;
+    const struct controller_settings_store_ops *settings_store; /* NULL: nobody keeps settings */
+    void *settings_store_context;
     struct black_box *black_box;          /* NULL: there is none */
     struct crash_record *crash;           /* NULL: nobody leaves one */
     void (*show_counters)(void *context); /* NULL: they are as they are */
@@ -139,11 +139,12 @@ enum controller_emcy {
 int controller_node_init(struct controller_node *node, const struct control_params *params,
                          float desired_speed_rad_s, bool walk_requested, struct can_bus bus);
 
-/* Lets *keeper be asked to keep the settings, and the black box and the crash record be read
+/* Lets *settings_store be asked to keep the settings, and the black box and the crash record be read
  * over SDO; each may be NULL. All stay the caller's. Start-up only. */
 void controller_node_attach(struct controller_node *node,
-                            const struct controller_keeper_ops *keeper, void *keeper_context,
-                            struct black_box *black_box, struct crash_record *crash);
+                            const struct controller_settings_store_ops *settings_store,
+                            void *settings_store_context, struct black_box *black_box,
+                            struct crash_record *crash);
 
 /* CRC-32 over the parameters' values and tables, not over where they lie: the same on every
  * machine. */

@@ -72,7 +72,8 @@ static uint32_t forget_settings(void *context)
     return abort_code_of(param_store_forget(&orthosis->store, true));
 }
 
-static const struct controller_keeper_ops keeper_ops = {save_settings, forget_settings};
+static const struct controller_settings_store_ops settings_store_ops = {save_settings,
+                                                                        forget_settings};
 
 /* ---- start ------------------------------------------------------------------ */
 
@@ -95,7 +96,7 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
     task.drives = cia402_drives_interface(&orthosis->drives);
     memcpy(task.leg_sensor, settings->sensor, sizeof task.leg_sensor);
     (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
-    controller_node_attach(&orthosis->task.node, &keeper_ops, orthosis, config->black_box,
+    controller_node_attach(&orthosis->task.node, &settings_store_ops, orthosis, config->black_box,
                            config->crash);
 }
 
@@ -160,7 +161,7 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     const bool fed =
         watchdog_gate_report(&orthosis->gate, task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
     if (fed && orthosis->permit != NULL && !control_task_power_must_go(task)) {
-        power_permit_toggle(orthosis->permit);
+        drive_power_enable_toggle(orthosis->permit);
     }
     return progress;
 }

@@ -8,17 +8,17 @@
 #ifndef HAL_DRIVE_POWER_ENABLE_H
 #define HAL_DRIVE_POWER_ENABLE_H
 
-struct power_permit_ops {
+struct drive_power_enable_ops {
     /* Turns the line over: once for every time the watchdog is fed. Loop only; O(1). */
     void (*toggle)(void *context);
 };
 
-struct power_permit {
-    const struct power_permit_ops *ops;
+struct drive_power_enable {
+    const struct drive_power_enable_ops *ops;
     void *context;
 };
 
-static inline void power_permit_toggle(const struct power_permit *permit)
+static inline void drive_power_enable_toggle(const struct drive_power_enable *permit)
 {
     permit->ops->toggle(permit->context);
 }

@@ -1,21 +1,21 @@
 #include "controller/actuation/sea_reference.h"
 
-#define STOP_SPEED_SHARE REAL(1.2)
-#define STOP_ACCELERATION_SHARE REAL(1.6)
-#define LEFT_BEHIND_SHARE REAL(0.01)
+#define STOP_SPEED_RATIO REAL(1.2)
+#define STOP_ACCELERATION_RATIO REAL(1.6)
+#define LEFT_BEHIND_RATIO REAL(0.01)
 
 void sea_reference_init(struct sea_reference *sea, real position_m)
 {
     *sea = (struct sea_reference){.phase = SEA_UNLOADED, .position_m = position_m};
 }
 
-void sea_reference_load(struct sea_reference *sea, real r0_m)
+void sea_reference_begin_loading(struct sea_reference *sea, real r0_m)
 {
     sea->phase = SEA_LOADING;
     sea->target_m = r0_m;
 }
 
-void sea_reference_trim(struct sea_reference *sea, real r0_m)
+void sea_reference_set_target(struct sea_reference *sea, real r0_m)
 {
     if (sea->phase == SEA_LOADING || sea->phase == SEA_TRIMMED) {
         sea->phase = SEA_TRIMMED;
@@ -33,9 +33,9 @@ void sea_reference_unload(struct sea_reference *sea)
 
 struct sea_stop sea_reference_stop_limits(const struct control_params *params)
 {
-    return (struct sea_stop){STOP_SPEED_SHARE * params->sea_speed_max_m_s,
-                             STOP_ACCELERATION_SHARE * params->sea_acceleration_m_s2,
-                             LEFT_BEHIND_SHARE * params->leg_length_m};
+    return (struct sea_stop){STOP_SPEED_RATIO * params->sea_speed_max_m_s,
+                             STOP_ACCELERATION_RATIO * params->sea_acceleration_m_s2,
+                             LEFT_BEHIND_RATIO * params->leg_length_m};
 }
 
 void sea_reference_stop(struct sea_reference *sea, const struct sea_stop *limits, real measured_m)

@@ -16,8 +16,8 @@
 #include "controller/signals.h"
 
 #define sea_reference_init REAL_SYMBOL(sea_reference_init)
-#define sea_reference_load REAL_SYMBOL(sea_reference_load)
-#define sea_reference_trim REAL_SYMBOL(sea_reference_trim)
+#define sea_reference_begin_loading REAL_SYMBOL(sea_reference_begin_loading)
+#define sea_reference_set_target REAL_SYMBOL(sea_reference_set_target)
 #define sea_reference_unload REAL_SYMBOL(sea_reference_unload)
 #define sea_reference_stop_limits REAL_SYMBOL(sea_reference_stop_limits)
 #define sea_reference_stop REAL_SYMBOL(sea_reference_stop)
@@ -52,10 +52,10 @@ struct sea_stop {
 void sea_reference_init(struct sea_reference *sea, real position_m);
 
 /* Stance begins: compress towards r0_m (the last step's). */
-void sea_reference_load(struct sea_reference *sea, real r0_m);
+void sea_reference_begin_loading(struct sea_reference *sea, real r0_m);
 
 /* The law's answer for this push-off; ignored unless the spring is being loaded. */
-void sea_reference_trim(struct sea_reference *sea, real r0_m);
+void sea_reference_set_target(struct sea_reference *sea, real r0_m);
 
 /* Back to zero, disarmed: after lift-off, and at every stop. */
 void sea_reference_unload(struct sea_reference *sea);

@@ -6,7 +6,7 @@
 #define EXTENSION_GAIN REAL(0.32968)
 #define RATE_GAIN_1_S REAL(32.859)
 
-#define OVER_SHARE REAL(0.5)
+#define OVER_RATIO REAL(0.5)
 
 /* Extended by less than this (4 mm on a 0.9 m leg), a foot is flat on the ground. */
 #define EXTENDED REAL(0.0044)
@@ -27,7 +27,7 @@ void ankle_push_update(struct ankle_push *push, real extension, bool fresh, bool
         push->peak_1_s = push->rate_1_s;
         push->over = false;
     } else if (!push->over && push->peak_1_s > least_1_s && push->extension > EXTENDED &&
-               push->rate_1_s < OVER_SHARE * push->peak_1_s) {
+               push->rate_1_s < OVER_RATIO * push->peak_1_s) {
         push->over = true;
         push->over_tick = tick;
     }

@@ -11,7 +11,7 @@
 /* Slow noise averages as if one sample in so many counted; and whatever the noise, the
  * fit is not taken to be worse than a share of the speed. */
 #define SLOW_SAMPLES REAL(40.0)
-#define SLOPE_MOST_SHARE REAL(0.025)
+#define SLOPE_MOST_RATIO REAL(0.025)
 
 /* The mean difference is first trusted as if this many steps had found none. */
 #define BIAS_PRIOR_STEPS 8u
@@ -20,16 +20,16 @@
 /* Agreement: within so many standard errors of the fit, plus what a learned
  * difference may change from step to step as a share of it and of the value. */
 #define ERRORS_ALLOWED REAL(3.5)
-#define CHANGE_SHARE REAL(0.1)
-#define VALUE_SHARE REAL(0.001)
+#define CHANGE_RATIO REAL(0.1)
+#define VALUE_RATIO REAL(0.001)
 
-#define BIAS_MOST_SHARE REAL(0.04)
+#define BIAS_MOST_RATIO REAL(0.04)
 
 #define TRUST_RISE REAL(0.25)
 
-void apex_judge_init(struct apex_judge *judge)
+void apex_fusion_init(struct apex_fusion *fusion)
 {
-    *judge = (struct apex_judge){.trust = REAL(1.0)};
+    *fusion = (struct apex_fusion){.model_weight = REAL(1.0)};
 }
 
 /* The part of a learned mean that is not its own scatter: none within two standard
@@ -53,15 +53,15 @@ static real agreement(real off, real tolerance)
     return real_clamp(REAL(2.0) - real_abs(off) / tolerance, REAL(0.0), REAL(1.0));
 }
 
-struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
-                                       const struct apex_estimate *fit,
-                                       const struct apex_estimate *model,
-                                       const struct apex_noise *noise, uint32_t window_ticks)
+struct apex_estimate apex_fusion_decide(struct apex_fusion *fusion, enum side side,
+                                        const struct apex_estimate *fit,
+                                        const struct apex_estimate *model,
+                                        const struct apex_noise *noise, uint32_t window_ticks)
 {
     struct apex_estimate believed = *fit;
     believed.confidence = REAL(0.0);
     if (model == NULL) {
-        judge->trust = REAL(0.0);
+        fusion->model_weight = REAL(0.0);
         return believed;
     }
     const real window_s = (real)window_ticks * CONTROL_PERIOD_S;
@@ -70,14 +70,14 @@ struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
         real_sqrt(noise->white_rad2 +
                   SLOW_SAMPLES * (noise->slow_rad2 > REAL(0.0) ? noise->slow_rad2 : REAL(0.0)));
     const real white_slope_error = SLOPE_ERROR * noise_rad / (window_s * root);
-    const real slope_most = SLOPE_MOST_SHARE * real_abs(fit->stance_rate_rad_s);
+    const real slope_most = SLOPE_MOST_RATIO * real_abs(fit->stance_rate_rad_s);
     const real slope_error = white_slope_error < slope_most ? white_slope_error : slope_most;
     /* The swing angle is read at the crossing, whose own error counts by the swing's rate. */
     const real angle_error = VALUE_ERROR * noise_rad / root;
     const real relative = real_abs(fit->swing_rate_rad_s / fit->stance_rate_rad_s);
     const real error[APEX_VALUES] = {slope_error, angle_error * (REAL(1.0) + relative),
                                      slope_error};
-    const uint32_t steps = judge->learned[side];
+    const uint32_t steps = fusion->learned[side];
     const real gain =
         REAL(1.0) / (real)(BIAS_PRIOR_STEPS + (steps < BIAS_MEAN_STEPS ? steps : BIAS_MEAN_STEPS));
     real of_fit[APEX_VALUES], of_model[APEX_VALUES], mixed[APEX_VALUES];
@@ -85,13 +85,13 @@ struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
     values_of(fit, of_fit);
     values_of(model, of_model);
     for (int i = 0; i < APEX_VALUES; i++) {
-        real *bias = &judge->bias[side][i];
+        real *bias = &fusion->bias[side][i];
         const real off = of_model[i] - of_fit[i] - *bias;
-        const real tolerance = ERRORS_ALLOWED * error[i] + CHANGE_SHARE * real_abs(*bias) +
-                               VALUE_SHARE * real_abs(of_fit[0]);
+        const real tolerance = ERRORS_ALLOWED * error[i] + CHANGE_RATIO * real_abs(*bias) +
+                               VALUE_RATIO * real_abs(of_fit[0]);
         const real here = agreement(off, tolerance);
         agreed = here < agreed ? here : agreed;
-        real *scatter2 = &judge->scatter2[side][i];
+        real *scatter2 = &fusion->scatter2[side][i];
         if (steps == 0) {
             *scatter2 = error[i] * error[i];
         }
@@ -100,13 +100,13 @@ struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
         *bias += gain * off;
     }
     /* A model that is so far off is of another body, however steadily. */
-    const real foreign = agreement(judge->bias[side][0], BIAS_MOST_SHARE * real_abs(of_fit[0]));
+    const real foreign = agreement(fusion->bias[side][0], BIAS_MOST_RATIO * real_abs(of_fit[0]));
     agreed = foreign < agreed ? foreign : agreed;
-    judge->learned[side] = steps < BIAS_MEAN_STEPS ? steps + 1 : steps;
-    const real risen = judge->trust + TRUST_RISE;
-    judge->trust = agreed < risen ? agreed : risen;
+    fusion->learned[side] = steps < BIAS_MEAN_STEPS ? steps + 1 : steps;
+    const real risen = fusion->model_weight + TRUST_RISE;
+    fusion->model_weight = agreed < risen ? agreed : risen;
     for (int i = 0; i < APEX_VALUES; i++) {
-        mixed[i] = of_fit[i] + judge->trust * (of_model[i] - of_fit[i]);
+        mixed[i] = of_fit[i] + fusion->model_weight * (of_model[i] - of_fit[i]);
     }
-    return (struct apex_estimate){mixed[0], mixed[1], mixed[2], judge->trust};
+    return (struct apex_estimate){mixed[0], mixed[1], mixed[2], fusion->model_weight};
 }

@@ -7,7 +7,7 @@
  * learned, per leg, and taken off the model's estimate; what is left of the
  * difference in this step is compared with what the sensors' noise, as measured,
  * lets expect. While they agree the model's estimate is given; as they part, it is
- * mixed with the fit's, down to the fit alone; trust comes back over some steps.
+ * mixed with the fit's, down to the fit alone; model_weight comes back over some steps.
  * Neither change makes a jump, since both estimates are near the truth where they
  * are near each other.
  */
@@ -16,19 +16,19 @@
 
 #include "controller/signals.h"
 
-#define apex_judge_init REAL_SYMBOL(apex_judge_init)
-#define apex_judge_decide REAL_SYMBOL(apex_judge_decide)
+#define apex_fusion_init REAL_SYMBOL(apex_fusion_init)
+#define apex_fusion_decide REAL_SYMBOL(apex_fusion_decide)
 
 enum { APEX_VALUES = 3 }; /* stance rate, swing angle, swing rate */
 
-struct apex_judge {
+struct apex_fusion {
     real bias[SIDE_COUNT][APEX_VALUES];     /* mean of model minus fit, per stance leg */
     real scatter2[SIDE_COUNT][APEX_VALUES]; /* mean square of what differs from it */
     uint32_t learned[SIDE_COUNT];           /* steps behind the bias */
-    real trust;                             /* 0..1, follows the agreement */
+    real model_weight;                      /* 0..1, follows the agreement */
 };
 
-void apex_judge_init(struct apex_judge *judge);
+void apex_fusion_init(struct apex_fusion *fusion);
 
 /* Of an angle sample, mean squares. */
 struct apex_noise {
@@ -39,9 +39,9 @@ struct apex_noise {
 /* One apex of leg `side`: the fit's estimate, the model's (NULL = it has none), the
  * sensors' noise as measured and the fit's half width in ticks. Returns what
  * to believe; its confidence is the model's share. Constant cost. */
-struct apex_estimate apex_judge_decide(struct apex_judge *judge, enum side side,
-                                       const struct apex_estimate *fit,
-                                       const struct apex_estimate *model,
-                                       const struct apex_noise *noise, uint32_t window_ticks);
+struct apex_estimate apex_fusion_decide(struct apex_fusion *fusion, enum side side,
+                                        const struct apex_estimate *fit,
+                                        const struct apex_estimate *model,
+                                        const struct apex_noise *noise, uint32_t window_ticks);
 
 #endif

@@ -15,8 +15,8 @@
 
 /* Shares of the leg length: an extension that counts as one, and how close to
  * the spring's rest length the ankle counts as fully extended. */
-#define EXTENSION_SEEN_SHARE REAL(0.001)
-#define EXTENSION_DONE_SHARE REAL(0.0002)
+#define EXTENSION_SEEN_RATIO REAL(0.001)
+#define EXTENSION_DONE_RATIO REAL(0.0002)
 
 void compass_events_begin_phase(struct compass_events *events, uint32_t tick)
 {
@@ -60,7 +60,7 @@ struct compass_event compass_events_strike(struct compass_events *events,
                                            const struct control_params *params,
                                            const struct controller_input *input, enum side stance)
 {
-    const real seen = EXTENSION_SEEN_SHARE * params->leg_length_m;
+    const real seen = EXTENSION_SEEN_RATIO * params->leg_length_m;
     const struct leg_measurement *trailing = &input->leg[stance];
     const real growth = trailing->ankle_extension_m - events->extension_before_m;
     const bool loaded = input->sea[stance].precompression_m > REAL(2.0) * params->sea_tolerance_m;
@@ -88,8 +88,8 @@ struct compass_event compass_events_lift_off(struct compass_events *events,
                                              enum side leaving, uint32_t since_tick)
 {
     const real extension = input->leg[leaving].ankle_extension_m;
-    const real seen = EXTENSION_SEEN_SHARE * params->leg_length_m;
-    const real done = EXTENSION_DONE_SHARE * params->leg_length_m;
+    const real seen = EXTENSION_SEEN_RATIO * params->leg_length_m;
+    const real done = EXTENSION_DONE_RATIO * params->leg_length_m;
     const real rest = input->sea[leaving].precompression_m - done;
     const real before = events->extension_before_m;
 

@@ -1,13 +1,13 @@
 #include "controller/estimator/gait_observer.h"
 
-/* Yardstick of leg_events before the first apex and long after the last one, and its
+/* Yardstick of person_events before the first apex and long after the last one, and its
  * limits, all in sqrt(g/l): a slow first step. */
-#define FIRST_SPEED_SHARE REAL(0.3)
-#define LEAST_SPEED_SHARE REAL(0.1)
-#define MOST_SPEED_SHARE REAL(0.8)
+#define FIRST_SPEED_RATIO REAL(0.3)
+#define LEAST_SPEED_RATIO REAL(0.1)
+#define MOST_SPEED_RATIO REAL(0.8)
 #define SPEED_FORGOTTEN_S REAL(3.0)
 #define SPEED_MEAN_GAIN REAL(0.3)
-#define SPEED_JUMP_SHARE REAL(0.3)
+#define SPEED_JUMP_RATIO REAL(0.3)
 
 /* A person's leg must have been this far ahead for its fall through the vertical to
  * be a step's apex. */
@@ -21,7 +21,7 @@
 #define MODEL_RESTART_TICKS (2u * LEG_RATE_HALF_WINDOW + 8u)
 
 /* A stride differing more than this from the mean starts a new mean. */
-#define STRIDE_CHANGE_SHARE REAL(0.3)
+#define STRIDE_CHANGE_RATIO REAL(0.3)
 #define STRIDE_MEAN_GAIN REAL(0.5)
 #define STRIDE_LONGEST_S REAL(4.0)
 
@@ -35,7 +35,7 @@ void gait_observer_init(struct gait_observer *observer, const struct control_par
     *observer = (struct gait_observer){0};
     observer->window_ticks = ticks_from_seconds(params->apex_window_s);
     model_observer_init(&observer->model, params);
-    apex_judge_init(&observer->judge);
+    apex_fusion_init(&observer->judge);
     for (int side = 0; side < SIDE_COUNT; side++) {
         observer->state.stride_share[side] = REAL(-1.0);
     }
@@ -67,10 +67,11 @@ static void enter_phase(struct gait_observer *observer, enum gait_phase phase, e
 /* The apex speed's running mean, taken anew after a rest or a jump. */
 static void follow_speed(struct gait_observer *observer, uint32_t tick, real speed_rad_s)
 {
-    const real mean = observer->yardstick_rad_s;
+    const real mean = observer->walking_speed_rad_s;
     const bool anew = seconds_since(tick, observer->last_apex_tick) > SPEED_FORGOTTEN_S ||
-                      real_abs(speed_rad_s - mean) > SPEED_JUMP_SHARE * mean;
-    observer->yardstick_rad_s = anew ? speed_rad_s : mean + SPEED_MEAN_GAIN * (speed_rad_s - mean);
+                      real_abs(speed_rad_s - mean) > SPEED_JUMP_RATIO * mean;
+    observer->walking_speed_rad_s =
+        anew ? speed_rad_s : mean + SPEED_MEAN_GAIN * (speed_rad_s - mean);
     observer->last_apex_tick = tick;
 }
 
@@ -129,8 +130,9 @@ static void report_apex(struct gait_observer *observer, const struct control_par
     const struct apex_estimate model = {work->state[STANCE_RATE], work->state[SWING_ANGLE],
                                         work->state[SWING_RATE], REAL(1.0)};
     const struct apex_noise noise = {observer->model.noise_rad2, observer->model.slow_rad2};
-    state->apex = apex_judge_decide(&observer->judge, work->side, &fit,
-                                    work->modelled ? &model : NULL, &noise, observer->window_ticks);
+    state->apex =
+        apex_fusion_decide(&observer->judge, work->side, &fit, work->modelled ? &model : NULL,
+                           &noise, observer->window_ticks);
     const real before_s = work->fit.before_tick_s +
                           state->apex.confidence * (work->model_before_s - work->fit.before_tick_s);
     report(state, params, GAIT_APEX, work->side, tick,
@@ -212,7 +214,7 @@ static void strike_clock(struct gait_observer *observer, const struct gait_event
                           clock->strike_before_s;
     const real mean = observer->stride_s;
     if (clock->started && stride_s <= STRIDE_LONGEST_S) {
-        const bool anew = real_abs(stride_s - mean) > STRIDE_CHANGE_SHARE * mean;
+        const bool anew = real_abs(stride_s - mean) > STRIDE_CHANGE_RATIO * mean;
         observer->stride_s = anew ? stride_s : mean + STRIDE_MEAN_GAIN * (stride_s - mean);
     }
     clock->started = true;
@@ -275,8 +277,8 @@ static void restart_model(struct gait_observer *observer, uint32_t tick)
     const real state[SINGLE_SUPPORT_STATES] = {
         [STANCE_ANGLE] = stance[centre % GAIT_HISTORY],
         [SWING_ANGLE] = swing[centre % GAIT_HISTORY],
-        [STANCE_RATE] = leg_events_rate(stance, GAIT_HISTORY, centre),
-        [SWING_RATE] = leg_events_rate(swing, GAIT_HISTORY, centre)};
+        [STANCE_RATE] = person_events_rate(stance, GAIT_HISTORY, centre),
+        [SWING_RATE] = person_events_rate(swing, GAIT_HISTORY, centre)};
     model_observer_begin(&observer->model, gait->stance, tick, state,
                          (real)LEG_RATE_HALF_WINDOW * CONTROL_PERIOD_S);
 }
@@ -315,15 +317,15 @@ static void watch_compass(struct gait_observer *observer, const struct control_p
 }
 
 /* Forward speed at the last apexes, bounded; a slow step's when that is long ago. */
-static real yardstick(const struct gait_observer *observer, const struct control_params *params,
-                      uint32_t tick)
+static real walking_speed(const struct gait_observer *observer, const struct control_params *params,
+                          uint32_t tick)
 {
     const real unit = real_sqrt(params->gravity_m_s2 / params->leg_length_m);
-    const real speed = observer->yardstick_rad_s;
+    const real speed = observer->walking_speed_rad_s;
     if (!(speed > REAL(0.0)) || seconds_since(tick, observer->last_apex_tick) > SPEED_FORGOTTEN_S) {
-        return FIRST_SPEED_SHARE * unit;
+        return FIRST_SPEED_RATIO * unit;
     }
-    return real_clamp(speed, LEAST_SPEED_SHARE * unit, MOST_SPEED_SHARE * unit);
+    return real_clamp(speed, LEAST_SPEED_RATIO * unit, MOST_SPEED_RATIO * unit);
 }
 
 static void watch_person(struct gait_observer *observer, const struct control_params *params,
@@ -335,15 +337,15 @@ static void watch_person(struct gait_observer *observer, const struct control_pa
         return;
     }
     const real per_leg_length = REAL(1.0) / params->leg_length_m;
-    struct leg_view view = {.yardstick_rad_s = yardstick(observer, params, tick)};
+    struct leg_view view = {.walking_speed_rad_s = walking_speed(observer, params, tick)};
     for (int i = 0; i < SIDE_COUNT; i++) {
         const real *angle = observer->angle_rad[i];
-        view.rate_rad_s = leg_events_rate(angle, GAIT_HISTORY, centre);
+        view.rate_rad_s = person_events_rate(angle, GAIT_HISTORY, centre);
         view.ahead_rad =
             angle[centre % GAIT_HISTORY] - observer->angle_rad[1 - i][centre % GAIT_HISTORY];
         view.extension = input->leg[i].ankle_extension_m * per_leg_length;
         view.fresh = input->leg[i].age_ticks == 0;
-        const struct leg_event event = leg_events_update(&observer->leg[i], &view, tick);
+        const struct leg_event event = person_events_update(&observer->leg[i], &view, tick);
         if (event.kind == LEG_EVENT_STRIKE) {
             strike(observer, params, (enum side)i, tick, event.age_s);
         } else if (event.kind == LEG_EVENT_TOE_OFF) {
@@ -361,7 +363,7 @@ static bool strike_near(const struct gait_observer *observer, const struct contr
         return true;
     }
     if (is_person(params)) {
-        const struct leg_events *swing = &observer->leg[side_other(state->stance)];
+        const struct person_events *swing = &observer->leg[side_other(state->stance)];
         return swing->landing || swing->waiting.kind == LEG_EVENT_STRIKE;
     }
     return state->phase == PHASE_SINGLE_SUPPORT && state->stance_past_apex;

@@ -2,12 +2,12 @@
  *
  * Keeps a short history of both leg angles. The apex is the same for every body: the
  * stance leg's angle falls through 0. Heel strike and lift-off follow the rules of
- * the body it looks at: compass_events.h for point feet, leg_events.h for a person.
+ * the body it looks at: compass_events.h for point feet, person_events.h for a person.
  * Event times are interpolated inside the tick and freed from the sensors' latency.
  *
  * The apex state comes from the model observer, which knows the whole stance, and
  * from least-squares cubics through the samples within a window of the crossing,
- * which know nothing of the walker; apex_judge.h decides between them. The apex is
+ * which know nothing of the walker; apex_fusion.h decides between them. The apex is
  * reported a window (apex_window_s) and some ticks after it happened: the law has
  * hundreds of milliseconds (on a person about 170) until the spring must be ready,
  * and samples from both sides smooth without lag. The ticks after the window spread
@@ -59,14 +59,14 @@ struct gait_observer {
     struct apex_sums fit[SIDE_COUNT][SIDE_COUNT]; /* of both legs around an apex of [side] */
     bool foot_ahead[SIDE_COUNT];                  /* was ahead since the last falling crossing */
     struct compass_events compass;
-    struct leg_events leg[SIDE_COUNT];
+    struct person_events leg[SIDE_COUNT];
     struct model_observer model;
-    struct apex_judge judge;
+    struct apex_fusion judge;
     struct apex_work work;
     struct stride_clock clock[SIDE_COUNT];
     real stride_s; /* running mean of both legs' stride times; 0 = none measured yet */
     uint32_t last_apex_tick;
-    real yardstick_rad_s; /* running mean of the apex speed; 0 = none yet */
+    real walking_speed_rad_s; /* running mean of the apex speed; 0 = none yet */
     struct gait_state state;
 };
 

@@ -1,25 +1,25 @@
 #include "controller/estimator/person_events.h"
 
 /* A strike is placed by the times at which the smoothed rate goes through two levels
- * (shares of the yardstick): event = second + reach * (second - first) + after. Reach
+ * (shares of the walking_speed): event = second + reach * (second - first) + after. Reach
  * has no unit, so the rule keeps its shape for fast and slow walkers alike: the leg
  * slows from 0 to -0.6; at that pace it would soon reach the planted foot's rate of
  * -1. Reach and after are the one calibration for all people against recorded foot
  * contacts. */
-#define STRIKE_FIRST_SHARE REAL(0.0)
-#define STRIKE_SECOND_SHARE REAL(-0.6)
+#define STRIKE_FIRST_RATIO REAL(0.0)
+#define STRIKE_SECOND_RATIO REAL(-0.6)
 #define STRIKE_REACH REAL(0.5)
 #define STRIKE_AFTER_S REAL(0.006)
 
-/* Toe-off: the rate has risen to this share of the yardstick, the leg swings forwards;
+/* Toe-off: the rate has risen to this share of the walking_speed, the leg swings forwards;
  * the foot has left the ground so long before that, and before the mean of that and
  * the end of the ankle's push. The one calibration for all people, as above. */
-#define TOE_OFF_SHARE REAL(0.3)
+#define TOE_OFF_RATIO REAL(0.3)
 #define TOE_OFF_BEFORE_TURN_S REAL(0.0145)
 #define TOE_OFF_BEFORE_BOTH_S REAL(0.019)
 
-/* The ankle's highest rate in a push, in yardsticks; about 0.35 is usual. */
-#define PUSH_LEAST_SHARE REAL(0.08)
+/* The ankle's highest rate in a push, in walking speeds; about 0.35 is usual. */
+#define PUSH_LEAST_RATIO REAL(0.08)
 /* A turn and an end of a push further apart than this do not belong together; and so
  * long after the turn an event is not held back for the ankle. */
 #define PUSH_APART_S REAL(0.08)
@@ -29,9 +29,9 @@
 #define TURN_MAX_S REAL(0.2)
 
 /* A step's swing is faster than its stance (the foot catches up with the hip and
- * overtakes it); half the yardstick tells it from a sway. */
-#define SWING_SHARE REAL(0.5)
-#define STILL_SHARE REAL(0.1)
+ * overtakes it); half the walking_speed tells it from a sway. */
+#define SWING_RATIO REAL(0.5)
+#define STILL_RATIO REAL(0.1)
 /* Legs closer together than this are side by side: 8 cm on a 0.9 m leg. */
 #define APART_RAD REAL(0.09)
 #define SWING_MAX_S REAL(1.5)
@@ -39,7 +39,7 @@
 
 #define HALF_WINDOW_S ((real)LEG_RATE_HALF_WINDOW * CONTROL_PERIOD_S)
 
-real leg_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick)
+real person_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick)
 {
     /* Twice the sum of n^2 over the half window, a whole number. */
     enum {
@@ -54,7 +54,7 @@ real leg_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick)
     return sum / ((real)SQUARES * CONTROL_PERIOD_S);
 }
 
-static void enter(struct leg_events *leg, enum leg_contact contact, uint32_t tick)
+static void enter(struct person_events *leg, enum leg_contact contact, uint32_t tick)
 {
     leg->contact = contact;
     leg->since_tick = tick;
@@ -65,31 +65,31 @@ static void enter(struct leg_events *leg, enum leg_contact contact, uint32_t tic
 
 /* Ticks from `tick` back to where the rate went through level, from the last tick's
  * rate to this one's. */
-static real crossing_ticks_ago(const struct leg_events *leg, real rate, real level)
+static real crossing_ticks_ago(const struct person_events *leg, real rate, real level)
 {
     const real change = rate - leg->rate_before_rad_s;
     return change != REAL(0.0) ? real_clamp((rate - level) / change, REAL(0.0), REAL(1.0))
                                : REAL(0.0);
 }
 
-static bool falls_through(const struct leg_events *leg, real rate, real level)
+static bool falls_through(const struct person_events *leg, real rate, real level)
 {
     return leg->rate_before_rad_s > level && rate <= level;
 }
 
-static bool rises_through(const struct leg_events *leg, real rate, real level)
+static bool rises_through(const struct person_events *leg, real rate, real level)
 {
     return leg->rate_before_rad_s < level && rate >= level;
 }
 
-static void mark_first(struct leg_events *leg, real rate, real level, uint32_t tick)
+static void mark_first(struct person_events *leg, real rate, real level, uint32_t tick)
 {
     leg->first_tick = tick;
     leg->first_before_ticks = crossing_ticks_ago(leg, rate, level);
 }
 
 /* The second level is crossed now: age of the event placed by both. */
-static real age_of(const struct leg_events *leg, real rate, real level, real reach, real after_s,
+static real age_of(const struct person_events *leg, real rate, real level, real reach, real after_s,
                    uint32_t tick)
 {
     const real ago = crossing_ticks_ago(leg, rate, level);
@@ -99,21 +99,21 @@ static real age_of(const struct leg_events *leg, real rate, real level, real rea
     return HALF_WINDOW_S + (ago - shift) * CONTROL_PERIOD_S - after_s;
 }
 
-static void in_stance(struct leg_events *leg, const struct leg_view *view, uint32_t tick)
+static void in_stance(struct person_events *leg, const struct leg_view *view, uint32_t tick)
 {
     const real rate = view->rate_rad_s;
-    const real level = TOE_OFF_SHARE * view->yardstick_rad_s;
+    const real level = TOE_OFF_RATIO * view->walking_speed_rad_s;
     if (rises_through(leg, rate, level) && view->ahead_rad < -APART_RAD) {
         mark_first(leg, rate, level, tick);
         enter(leg, LEG_SWING, tick);
         leg->turned = true;
-    } else if (rate > SWING_SHARE * view->yardstick_rad_s) {
+    } else if (rate > SWING_RATIO * view->walking_speed_rad_s) {
         enter(leg, LEG_SWING, tick); /* a first step: from beside the other foot */
     }
 }
 
 /* The leg has turned: its toe-off, as soon as the ankle's part in it is known. */
-static struct leg_event place_toe_off(struct leg_events *leg, real least_1_s, uint32_t tick)
+static struct leg_event place_toe_off(struct person_events *leg, real least_1_s, uint32_t tick)
 {
     const struct leg_event nothing = {LEG_EVENT_NONE, REAL(0.0)};
     const real since_turn_s =
@@ -132,17 +132,18 @@ static struct leg_event place_toe_off(struct leg_events *leg, real least_1_s, ui
     return (struct leg_event){LEG_EVENT_TOE_OFF, turn_age_s + TOE_OFF_BEFORE_TURN_S};
 }
 
-static struct leg_event in_swing(struct leg_events *leg, const struct leg_view *view, uint32_t tick)
+static struct leg_event in_swing(struct person_events *leg, const struct leg_view *view,
+                                 uint32_t tick)
 {
     const real rate = view->rate_rad_s;
-    const real level = STRIKE_SECOND_SHARE * view->yardstick_rad_s;
-    const real first = STRIKE_FIRST_SHARE * view->yardstick_rad_s;
+    const real level = STRIKE_SECOND_RATIO * view->walking_speed_rad_s;
+    const real first = STRIKE_FIRST_RATIO * view->walking_speed_rad_s;
     struct leg_event event = {LEG_EVENT_NONE, REAL(0.0)};
-    if (rate > SWING_SHARE * view->yardstick_rad_s) {
+    if (rate > SWING_RATIO * view->walking_speed_rad_s) {
         leg->swung = true;
     }
     leg->landing =
-        leg->swung && view->ahead_rad > APART_RAD && rate < SWING_SHARE * view->yardstick_rad_s;
+        leg->swung && view->ahead_rad > APART_RAD && rate < SWING_RATIO * view->walking_speed_rad_s;
     if (falls_through(leg, rate, first)) {
         mark_first(leg, rate, first, tick);
     }
@@ -160,7 +161,7 @@ static struct leg_event in_swing(struct leg_events *leg, const struct leg_view *
 }
 
 /* An event placed ahead of now, in a slow turn, waits for its time. */
-static struct leg_event when_due(struct leg_events *leg, struct leg_event found)
+static struct leg_event when_due(struct person_events *leg, struct leg_event found)
 {
     if (found.kind != LEG_EVENT_NONE) {
         leg->waiting = found;
@@ -175,14 +176,14 @@ static struct leg_event when_due(struct leg_events *leg, struct leg_event found)
     return event;
 }
 
-struct leg_event leg_events_update(struct leg_events *leg, const struct leg_view *view,
-                                   uint32_t tick)
+struct leg_event person_events_update(struct person_events *leg, const struct leg_view *view,
+                                      uint32_t tick)
 {
     struct leg_event event = {LEG_EVENT_NONE, REAL(0.0)};
-    const real least_1_s = PUSH_LEAST_SHARE * view->yardstick_rad_s;
+    const real least_1_s = PUSH_LEAST_RATIO * view->walking_speed_rad_s;
     ankle_push_update(&leg->push, view->extension, view->fresh, view->ahead_rad < REAL(0.0),
                       least_1_s, tick);
-    if (real_abs(view->rate_rad_s) > STILL_SHARE * view->yardstick_rad_s) {
+    if (real_abs(view->rate_rad_s) > STILL_RATIO * view->walking_speed_rad_s) {
         leg->moved_tick = tick;
     }
     switch (leg->contact) {
@@ -193,9 +194,9 @@ struct leg_event leg_events_update(struct leg_events *leg, const struct leg_view
         event = in_swing(leg, view, tick);
         break;
     default: /* the first clear movement tells where the leg is */
-        if (view->rate_rad_s > SWING_SHARE * view->yardstick_rad_s) {
+        if (view->rate_rad_s > SWING_RATIO * view->walking_speed_rad_s) {
             enter(leg, LEG_SWING, tick);
-        } else if (view->rate_rad_s < -SWING_SHARE * view->yardstick_rad_s) {
+        } else if (view->rate_rad_s < -SWING_RATIO * view->walking_speed_rad_s) {
             enter(leg, LEG_STANCE, tick);
         }
         break;

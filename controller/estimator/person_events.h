@@ -2,7 +2,7 @@
  *
  * What a planted foot does to its leg: it stays where it is while the hip goes on,
  * so the leg from hip to ankle turns backwards at about the walking speed over the
- * leg's length. That rate, as measured at the last apexes, is the yardstick here;
+ * leg's length. That rate, as measured at the last apexes, is the walking_speed here;
  * no threshold is in absolute units, so the rules scale with person and speed:
  *   heel strike  the leg ahead, coming from its swing, has been slowed until it
  *                turns backwards at most of that rate (the foot is planted);
@@ -26,8 +26,8 @@
 #include "controller/estimator/ankle_push.h"
 #include "controller/signals.h"
 
-#define leg_events_update REAL_SYMBOL(leg_events_update)
-#define leg_events_rate REAL_SYMBOL(leg_events_rate)
+#define person_events_update REAL_SYMBOL(person_events_update)
+#define person_events_rate REAL_SYMBOL(person_events_rate)
 
 enum { LEG_RATE_HALF_WINDOW = 16 }; /* ticks */
 
@@ -44,7 +44,7 @@ struct leg_event {
     real age_s; /* the event lies this long before the tick of the call, >= 0 */
 };
 
-struct leg_events { /* all zeros to begin with */
+struct person_events { /* all zeros to begin with */
     enum leg_contact contact;
     real rate_before_rad_s;   /* smoothed rate one tick ago */
     uint32_t first_tick;      /* at which the rate went through the coming event's first level */
@@ -60,19 +60,19 @@ struct leg_events { /* all zeros to begin with */
 
 /* Both legs as they were LEG_RATE_HALF_WINDOW ticks ago, and this ankle as it is. */
 struct leg_view {
-    real rate_rad_s;      /* of this leg, smoothed */
-    real ahead_rad;       /* this leg's angle minus the other's */
-    real yardstick_rad_s; /* forward speed at the last apexes, > 0 */
-    real extension;       /* of the ankle, over the leg's length */
-    bool fresh;           /* the sensor's sample of this tick has come */
+    real rate_rad_s;          /* of this leg, smoothed */
+    real ahead_rad;           /* this leg's angle minus the other's */
+    real walking_speed_rad_s; /* forward speed at the last apexes, > 0 */
+    real extension;           /* of the ankle, over the leg's length */
+    bool fresh;               /* the sensor's sample of this tick has come */
 };
 
 /* Slope of the line through the samples within LEG_RATE_HALF_WINDOW of `centre`, rad/s;
  * angle_rad[tick % size] as in apex_fit.h. About 200 operations. */
-real leg_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick);
+real person_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick);
 
 /* One tick of one leg, every tick in order. Constant cost, tens of operations. */
-struct leg_event leg_events_update(struct leg_events *leg, const struct leg_view *view,
-                                   uint32_t tick);
+struct leg_event person_events_update(struct person_events *leg, const struct leg_view *view,
+                                      uint32_t tick);
 
 #endif

@@ -24,10 +24,10 @@
  * lately done so calls for an apex fast enough to bear it again and worse: the gain is tuned on footholds drawn within 10 mm
  * (sim_host/study/laws/ground_study.c), 3.4 mm call for all there is, 0.8 rad/s on a leg of 1 m. What noise,
  * a wrong mass and great jumps of the command leave unforetold stays below the share that is let pass. */
-#define ROUGH_LET_PASS REAL(0.004)
-#define ROUGH_KEPT REAL(0.97) /* from step to step */
-#define ROUGH_GAIN REAL(24.0) /* v^2 l / g wanted, per what is kept */
-#define ROUGH_MOST REAL(0.065)
+#define TERRAIN_LET_PASS REAL(0.004)
+#define TERRAIN_KEPT REAL(0.97) /* from step to step */
+#define TERRAIN_GAIN REAL(24.0) /* v^2 l / g wanted, per what is kept */
+#define TERRAIN_MOST REAL(0.065)
 
 int predictive_law_init(struct predictive_law *law, const struct walker_params *params)
 {
@@ -51,7 +51,7 @@ static struct stride_settings settings_of(const struct predictive_law *law, real
 
 bool predictive_law_trusts_itself(const struct predictive_law *law)
 {
-    return law->surprises < PREDICTIVE_DISTRUST;
+    return law->misprediction_count < PREDICTIVE_DISTRUST;
 }
 
 /* The energy at the apex that was not foretold. */
@@ -60,10 +60,11 @@ static void feel_ground(struct predictive_law *law, const struct apex *measured)
     const real now = measured->stance_rate_rad_s * law->walker.time_unit_s;
     const real foretold =
         (law->predicted.stance_rate_rad_s + law->bias[0]) * law->walker.time_unit_s;
-    const real rough = ROUGH_GAIN * (real_abs(now * now - foretold * foretold) - ROUGH_LET_PASS);
-    law->roughness *= ROUGH_KEPT;
+    const real rough =
+        TERRAIN_GAIN * (real_abs(now * now - foretold * foretold) - TERRAIN_LET_PASS);
+    law->roughness *= TERRAIN_KEPT;
     if (rough > law->roughness) {
-        law->roughness = rough < ROUGH_MOST ? rough : ROUGH_MOST;
+        law->roughness = rough < TERRAIN_MOST ? rough : TERRAIN_MOST;
     }
 }
 
@@ -71,7 +72,9 @@ static void feel_ground(struct predictive_law *law, const struct apex *measured)
 static void learn(struct predictive_law *law, const struct apex *measured)
 {
     if (!law->has_prediction) {
-        law->surprises = law->surprises > 0 ? (uint8_t)(law->surprises - 1) : law->surprises;
+        law->misprediction_count = law->misprediction_count > 0
+                                       ? (uint8_t)(law->misprediction_count - 1)
+                                       : law->misprediction_count;
         return;
     }
     const real error[3] = {
@@ -80,10 +83,11 @@ static void learn(struct predictive_law *law, const struct apex *measured)
         measured->swing_rate_rad_s - law->predicted.swing_rate_rad_s - law->bias[2],
     };
     if (real_abs(error[0]) * law->walker.time_unit_s > SURPRISE_UNITS) {
-        law->surprises = law->surprises > SURPRISES_MAX - 3 ? (uint8_t)SURPRISES_MAX
-                                                            : (uint8_t)(law->surprises + 3);
-    } else if (law->surprises > 0) {
-        law->surprises--;
+        law->misprediction_count = law->misprediction_count > SURPRISES_MAX - 3
+                                       ? (uint8_t)SURPRISES_MAX
+                                       : (uint8_t)(law->misprediction_count + 3);
+    } else if (law->misprediction_count > 0) {
+        law->misprediction_count--;
     }
     feel_ground(law, measured);
     const bool steady = error[0] * law->last_error > REAL(0.0);
@@ -104,9 +108,9 @@ void predictive_law_begin(struct predictive_law *law, const struct gait_branch *
     law->best_cost = REAL(-1.0);
     law->answered = false;
     law->index = 0;
-    const real rough_rad_s = real_sqrt(law->roughness) / law->walker.time_unit_s;
+    const real terrain_rad_s = real_sqrt(law->roughness) / law->walker.time_unit_s;
     const real least_rad_s =
-        rough_rad_s < request->rough_speed_rad_s ? rough_rad_s : request->rough_speed_rad_s;
+        terrain_rad_s < request->terrain_speed_rad_s ? terrain_rad_s : request->terrain_speed_rad_s;
     const real wanted_rad_s = request->target_speed_rad_s;
     law->target_speed_rad_s = gait_branch_at(
         branch, wanted_rad_s > least_rad_s ? wanted_rad_s : least_rad_s, &law->target);
@@ -190,9 +194,9 @@ static real motor_reach_m(const struct predictive_law *law)
 static void keep_within_reach(struct predictive_law *law)
 {
     struct predictive_request *r = &law->request;
-    const real reach_m = motor_reach_m(law);
-    r->r0_low_m = real_clamp(r->r0_from_m - reach_m, r->r0_low_m, r->r0_high_m);
-    r->r0_high_m = real_clamp(r->r0_from_m + reach_m, r->r0_low_m, r->r0_high_m);
+    const real command_limit_m = motor_reach_m(law);
+    r->r0_low_m = real_clamp(r->r0_from_m - command_limit_m, r->r0_low_m, r->r0_high_m);
+    r->r0_high_m = real_clamp(r->r0_from_m + command_limit_m, r->r0_low_m, r->r0_high_m);
 }
 
 static void to_strike(struct predictive_law *law)

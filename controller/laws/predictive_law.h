@@ -12,7 +12,7 @@
  * that the motor cannot reach before the predicted heel strike are left out.
  *
  * Where apexes have lately come out with other energies than foretold, the ground is uneven, and the next
- * foothold may take as much again: the law then wants no apex slower than bears that, up to rough_speed_rad_s, even
+ * foothold may take as much again: the law then wants no apex slower than bears that, up to terrain_speed_rad_s, even
  * where less is asked for, and comes back within tens of steps of even ground.
  *
  * What the walker does beyond the model (a slope, a wrong mass) is learned as the mean difference of
@@ -54,7 +54,7 @@ enum predictive_stage {
 struct predictive_request {
     struct apex apex;         /* as estimated */
     real target_speed_rad_s;  /* forward apex speed wanted */
-    real rough_speed_rad_s;   /* and on uneven ground at most this, if it is more */
+    real terrain_speed_rad_s; /* and on uneven ground at most this, if it is more */
     real r0_first_m;          /* the answer to begin with; stands if nothing better is found */
     real r0_low_m, r0_high_m; /* where candidates may lie */
     /* The motor, which stands at r0_from_m, must be at r0 before heel strike. It can start when the range
@@ -74,15 +74,16 @@ struct predictive_law {
     real best_cost;              /* NEGATIVE while no candidate has survived */
     real grid_m;                 /* present width of the refinement */
     real middle_m;               /* about which this round refines */
-    real cost_at[3];           /* below, at and above the middle; NEGATIVE = none survives there */
-    int16_t index;             /* of the next candidate in its stage */
-    bool answered;             /* r0_m came from the search */
-    struct apex predicted;     /* next apex, without bias; valid if has_prediction */
-    bool has_prediction;       /* predicted belongs to the push-off that was given last */
-    real bias[3];              /* measured minus predicted apex, filtered */
-    real last_error;           /* of the foretold stance rate, rad/s */
-    real roughness;            /* v^2 l / g that the ground has lately called for; 0 = even */
-    uint8_t surprises;         /* counts up by 3 on a wrong prediction, down by 1 on a right one */
+    real cost_at[3];       /* below, at and above the middle; NEGATIVE = none survives there */
+    int16_t index;         /* of the next candidate in its stage */
+    bool answered;         /* r0_m came from the search */
+    struct apex predicted; /* next apex, without bias; valid if has_prediction */
+    bool has_prediction;   /* predicted belongs to the push-off that was given last */
+    real bias[3];          /* measured minus predicted apex, filtered */
+    real last_error;       /* of the foretold stance rate, rad/s */
+    real roughness;        /* v^2 l / g that the ground has lately called for; 0 = even */
+    uint8_t
+        misprediction_count;   /* counts up by 3 on a wrong prediction, down by 1 on a right one */
     uint32_t steps, fallbacks; /* answers given, and of these by the caller's first answer */
 };
 

@@ -8,12 +8,12 @@ static real approach(real from, real to, real largest_change)
 void step_law_init(struct step_law *law, const struct control_params *params)
 {
     law->command_rad_s = speed_table_speed(&params->table, params->start_r0_m);
-    law->aim_rad_s = law->command_rad_s;
+    law->target_speed_rad_s = law->command_rad_s;
     law->r0_m = params->start_r0_m;
     law->mean_rad_s = REAL(0.0);
     law->steps = 0;
     law->is_final = true;
-    law->fell_back = false;
+    law->used_fallback = false;
     const struct walker_params walker = {params->torso_mass_kg, params->leg_mass_kg,
                                          params->leg_length_m, params->spring_stiffness_n_m,
                                          params->gravity_m_s2};
@@ -37,15 +37,15 @@ static real open_loop(struct step_law *law, const struct control_params *params)
     return r0_m;
 }
 
-/* The mean over all steps so far, then over about the last WEARER_MEAN_STEPS; this
+/* The mean over all steps so far, then over about the last PERSON_MEAN_STEPS; this
  * step is compared with the mean before it. */
-static real wearer(struct step_law *law, const struct control_params *params, real measured_rad_s)
+static real person(struct step_law *law, const struct control_params *params, real measured_rad_s)
 {
     if (law->mean_rad_s == REAL(0.0)) { /* the first apex that was a number */
         law->mean_rad_s = measured_rad_s;
     }
     law->command_rad_s = law->mean_rad_s;
-    const uint32_t over = law->steps < WEARER_MEAN_STEPS ? law->steps : WEARER_MEAN_STEPS;
+    const uint32_t over = law->steps < PERSON_MEAN_STEPS ? law->steps : PERSON_MEAN_STEPS;
     law->mean_rad_s += (measured_rad_s - law->mean_rad_s) / (real)over;
     return params->start_r0_m - params->kp_m_s_rad * (law->command_rad_s - measured_rad_s);
 }
@@ -73,7 +73,7 @@ static real begin_search(struct step_law *law, const struct control_params *para
                                     measured_rad_s + params->speed_ramp_rad_s);
     const real first_m = proportional(law, params, measured_rad_s, desired_rad_s);
     if (!law->searchable) {
-        law->fell_back = true;
+        law->used_fallback = true;
         return first_m;
     }
     const real low_m = law->r0_m - params->r0_change_max_m;
@@ -81,7 +81,7 @@ static real begin_search(struct step_law *law, const struct control_params *para
     const struct predictive_request request = {
         .apex = *apex,
         .target_speed_rad_s = desired_rad_s,
-        .rough_speed_rad_s = params->rough_speed_rad_s,
+        .terrain_speed_rad_s = params->terrain_speed_rad_s,
         .r0_first_m = real_clamp(approach(law->r0_m, first_m, params->r0_change_max_m),
                                  params->r0_min_m, params->r0_max_m),
         .r0_low_m = low_m > params->r0_min_m ? low_m : params->r0_min_m,
@@ -95,7 +95,7 @@ static real begin_search(struct step_law *law, const struct control_params *para
     };
     predictive_law_begin(&law->predictive, params->branch, &request);
     law->is_final = false;
-    law->fell_back = true; /* until the search has an answer */
+    law->used_fallback = true; /* until the search has an answer */
     return first_m;
 }
 
@@ -124,8 +124,8 @@ real step_law_update(struct step_law *law, const struct control_params *params,
     real wanted_m;
     if (params->law == (real)LAW_OPEN_LOOP) {
         wanted_m = open_loop(law, params);
-    } else if (params->law == (real)LAW_WEARER) {
-        wanted_m = wearer(law, params, measured_rad_s);
+    } else if (params->law == (real)LAW_PERSON) {
+        wanted_m = person(law, params, measured_rad_s);
     } else if (params->law == (real)LAW_PREDICTIVE) {
         wanted_m = begin_search(law, params, &apex, desired_rad_s);
     } else if (whole_state) {
@@ -133,7 +133,7 @@ real step_law_update(struct step_law *law, const struct control_params *params,
     } else {
         wanted_m = proportional(law, params, measured_rad_s, desired_rad_s);
     }
-    law->aim_rad_s = law->command_rad_s;
+    law->target_speed_rad_s = law->command_rad_s;
     law->r0_m = limited(law, params, wanted_m);
     return law->r0_m;
 }
@@ -142,8 +142,9 @@ static void take_answer(struct step_law *law)
 {
     law->r0_m = law->predictive.r0_m;
     law->is_final = law->predictive.stage == PREDICTIVE_IDLE;
-    law->fell_back = !law->predictive.answered;
-    law->aim_rad_s = law->fell_back ? law->command_rad_s : law->predictive.target_speed_rad_s;
+    law->used_fallback = !law->predictive.answered;
+    law->target_speed_rad_s =
+        law->used_fallback ? law->command_rad_s : law->predictive.target_speed_rad_s;
 }
 
 bool step_law_work(struct step_law *law, const struct control_params *params)

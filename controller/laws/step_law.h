@@ -8,13 +8,13 @@
  * narrow: a jump of 0.02 rad/s falls, a ramp of 0.01 per step does not. r0 is
  * limited in value and in change per step.
  *
- * LAW_WEARER, for a person in the device:
+ * LAW_PERSON, for a person in the device:
  *     r0[k] = r0* - kp (m[k] - v[k]),  m[k] = running mean of the person's own v
  * A person walks at 1.3 to 1.9 rad/s at the apex, above every steady gait of the
  * compass model, so there is no finv to read a feed-forward from, and a v* that
  * is not theirs would have the device argue with their choice of speed, step after
  * step at its limit. So the push-off is the prescribed r0* (start_r0_m), the target
- * is the speed they keep by themselves, forgotten over WEARER_MEAN_STEPS steps, and
+ * is the speed they keep by themselves, forgotten over PERSON_MEAN_STEPS steps, and
  * eq. (16) acts on what is left: the departure of this step from their own mean.
  * Since that departure averages to nothing, so does the correction: over time the
  * device gives what was prescribed, and it never pulls towards a speed of its own.
@@ -42,18 +42,18 @@
 #define step_law_finish REAL_SYMBOL(step_law_finish)
 
 struct step_law {
-    real command_rad_s; /* v* of eq. (16), after the ramp */
-    real aim_rad_s;     /* the forward apex speed that the last answer steers for */
-    real r0_m;          /* the last answer */
-    real mean_rad_s;    /* LAW_WEARER: the person's own mean apex speed */
+    real command_rad_s;      /* v* of eq. (16), after the ramp */
+    real target_speed_rad_s; /* the forward apex speed that the last answer steers for */
+    real r0_m;               /* the last answer */
+    real mean_rad_s;         /* LAW_PERSON: the person's own mean apex speed */
     uint32_t steps;
-    bool is_final;   /* r0_m stands; false while step_law_work() may still better it */
-    bool fell_back;  /* the predictive law answered by eq. (16) */
-    bool searchable; /* the predictive law knows its walker */
+    bool is_final;      /* r0_m stands; false while step_law_work() may still better it */
+    bool used_fallback; /* the predictive law answered by eq. (16) */
+    bool searchable;    /* the predictive law knows its walker */
     struct predictive_law predictive;
 };
 
-enum { WEARER_MEAN_STEPS = 16 };
+enum { PERSON_MEAN_STEPS = 16 };
 
 /* Starts from the gait of params->start_r0_m. *params must be valid. */
 void step_law_init(struct step_law *law, const struct control_params *params);

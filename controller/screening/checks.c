@@ -3,22 +3,22 @@
 /* A leg's angle cannot lie beyond this, whatever the wearer does. */
 #define LEG_ANGLE_LIMIT_RAD REAL_PI
 /* The ankle's range in leg lengths: beyond it the reading is wrong. */
-#define EXTENSION_MIN_SHARE REAL(-0.02)
-#define EXTENSION_MAX_SHARE REAL(0.5)
+#define EXTENSION_MIN_RATIO REAL(-0.02)
+#define EXTENSION_MAX_RATIO REAL(0.5)
 /* The motor's: its stops stand just outside 0 .. the largest precompression. */
-#define MOTOR_MIN_SHARE REAL(-0.05)
-#define MOTOR_OVER_SHARE REAL(0.1)
+#define MOTOR_MIN_RATIO REAL(-0.05)
+#define MOTOR_OVER_RATIO REAL(0.1)
 
 /* Fastest a leg swings, in sqrt(g/l), and an ankle extends, in sqrt(g l): several times
  * what the walker does at its fastest gait (1.1 and 0.57) or a person (about 2); a foot
  * that its spring no longer holds drops back in some ticks. */
-#define LEG_RATE_SHARE REAL(6.0)
-#define ANKLE_RATE_SHARE REAL(6.0)
+#define LEG_RATE_RATIO REAL(6.0)
+#define ANKLE_RATE_RATIO REAL(6.0)
 /* A motor, in limits of its own reference. */
-#define MOTOR_RATE_SHARE REAL(2.0)
+#define MOTOR_RATE_RATIO REAL(2.0)
 /* Noise of a sample: rad, and share of the leg's length. */
 #define ANGLE_NOISE_RAD REAL(0.02)
-#define LENGTH_NOISE_SHARE REAL(0.005)
+#define LENGTH_NOISE_RATIO REAL(0.005)
 
 /* One value for so long while the other leg has moved so far: the sensor is stuck. A
  * 12-bit encoder's angle may stand still for 30 ms where a leg turns round. */
@@ -31,26 +31,26 @@ enum { STANDSTILL_TICKS = 500 };
 
 /* The motor off its reference, three ticks late on the bus: a share of the leg. The
  * drives overshoot by up to 0.06 of it while they load. */
-enum { FOLLOW_STRIKES = 25, OFF_STRIKES = 250, COMMAND_DELAY = 3 };
-#define FOLLOW_SHARE REAL(0.1)
-#define OFF_SHARE REAL(0.01)
+enum { FOLLOW_CONTRADICTIONS = 25, OFF_CONTRADICTIONS = 250, COMMAND_DELAY = 3 };
+#define FOLLOW_RATIO REAL(0.1)
+#define OFF_RATIO REAL(0.01)
 
 /* The spring's force is checked when its motor has stood for so long within a
  * share of the leg: then neither inertia nor damping takes part. Friction does
  * (1 to 2 % of the force at full stroke), and a spring has its tolerance. Two samples of
  * the slow PDO in a row must contradict. */
-enum { MOTOR_STILL_TICKS = 20, FORCE_STRIKES = 2, FORCE_AGE_MAX_TICKS = 350 };
-#define MOTOR_STILL_SHARE REAL(0.00002)
-#define MOTOR_THERE_SHARE REAL(0.002)
-#define FORCE_TOLERANCE_SHARE REAL(0.25)
-#define FORCE_FRICTION_LENGTH_SHARE REAL(0.012) /* as metres of spring, of the leg's length */
+enum { MOTOR_STILL_TICKS = 20, FORCE_CONTRADICTIONS = 2, FORCE_AGE_MAX_TICKS = 350 };
+#define MOTOR_STILL_RATIO REAL(0.00002)
+#define MOTOR_THERE_RATIO REAL(0.002)
+#define FORCE_TOLERANCE_RATIO REAL(0.25)
+#define FORCE_FRICTION_LENGTH_RATIO REAL(0.012) /* as metres of spring, of the leg's length */
 
 /* A compass walker's ankle can extend only while its latch is open, follows the spring
  * then, and never beyond its motor. */
-enum { ANKLE_STRIKES = 20, RELEASE_TICKS = 80, RECLOSE_TICKS = 20 };
-#define ANKLE_SLACK_SHARE REAL(0.02)
-#define RELEASE_LEAST_SHARE REAL(0.05)
-#define RELEASE_FROM_SHARE REAL(0.01)
+enum { ANKLE_CONTRADICTIONS = 20, RELEASE_TICKS = 80, RECLOSE_TICKS = 20 };
+#define ANKLE_SLACK_RATIO REAL(0.02)
+#define RELEASE_LEAST_RATIO REAL(0.05)
+#define RELEASE_FROM_RATIO REAL(0.01)
 
 /* A drive that is not where it was sent: to be enabled takes six telegrams, and an
  * unload by itself 0.4 s at most. */
@@ -61,9 +61,9 @@ static uint16_t counted(uint16_t count)
     return count < UINT16_MAX - 1 ? (uint16_t)(count + 1) : count;
 }
 
-static uint16_t strike(uint16_t strikes, bool contradicts)
+static uint16_t strike(uint16_t contradiction_count, bool contradicts)
 {
-    return contradicts ? counted(strikes) : 0;
+    return contradicts ? counted(contradiction_count) : 0;
 }
 
 static real gait_speed(const struct control_params *params)
@@ -76,9 +76,9 @@ void checks_init(struct checks *checks)
     *checks = (struct checks){0};
     for (int side = 0; side < SIDE_COUNT; side++) {
         /* From so long ago any first sample can be. */
-        checks->leg[side].angle_unbelieved = UINT16_MAX - 1;
-        checks->leg[side].extension_unbelieved = UINT16_MAX - 1;
-        checks->leg[side].motor_unbelieved = UINT16_MAX - 1;
+        checks->leg[side].angle_rejected_ticks = UINT16_MAX - 1;
+        checks->leg[side].extension_rejected_ticks = UINT16_MAX - 1;
+        checks->leg[side].motor_rejected_ticks = UINT16_MAX - 1;
     }
 }
 
@@ -97,32 +97,32 @@ enum { BRIDGE_TICKS = 50 };
 
 static void screen_angle(struct leg_checks *leg, struct leg_measurement *sample, real rate_per_tick)
 {
-    const uint16_t ticks = counted(leg->angle_unbelieved);
+    const uint16_t ticks = counted(leg->angle_rejected_ticks);
     const real angle = sample->leg_angle_rad;
     if (sample->age_ticks == 0 &&
         is_believed(angle, leg->angle_rad, rate_per_tick, ANGLE_NOISE_RAD, ticks)) {
         const real change = angle - leg->angle_rad;
         leg->rate_rad = (change + (real)(ticks - 1) * leg->rate_rad) / (real)ticks;
         leg->angle_rad = angle;
-        leg->angle_unbelieved = 0;
+        leg->angle_rejected_ticks = 0;
         return;
     }
-    leg->angle_unbelieved = ticks;
+    leg->angle_rejected_ticks = ticks;
     leg->rate_rad = ticks > BRIDGE_TICKS ? REAL(0.0) : leg->rate_rad;
     leg->angle_rad += leg->rate_rad;
     sample->leg_angle_rad = leg->angle_rad;
 }
 
-static void screen_length(real *believed, uint16_t *unbelieved, real *value, bool fresh,
+static void screen_length(real *believed, uint16_t *rejected_ticks, real *value, bool fresh,
                           real rate_per_tick, real noise)
 {
-    const uint16_t ticks = counted(*unbelieved);
+    const uint16_t ticks = counted(*rejected_ticks);
     if (fresh && is_believed(*value, *believed, rate_per_tick, noise, ticks)) {
         *believed = *value;
-        *unbelieved = 0;
+        *rejected_ticks = 0;
         return;
     }
-    *unbelieved = ticks;
+    *rejected_ticks = ticks;
     *value = *believed;
 }
 
@@ -131,17 +131,17 @@ void checks_screen(struct checks *checks, const struct control_params *params,
 {
     const real length = params->leg_length_m;
     const real unit = gait_speed(params) * CONTROL_PERIOD_S;
-    const real noise = LENGTH_NOISE_SHARE * length;
+    const real noise = LENGTH_NOISE_RATIO * length;
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct leg_checks *leg = &checks->leg[side];
         struct leg_measurement *sample = &input->leg[side];
         struct sea_measurement *sea = &input->sea[side];
-        screen_angle(leg, sample, LEG_RATE_SHARE * unit);
-        screen_length(&leg->extension_m, &leg->extension_unbelieved, &sample->ankle_extension_m,
-                      sample->age_ticks == 0, ANKLE_RATE_SHARE * unit * length, noise);
-        screen_length(&leg->motor_m, &leg->motor_unbelieved, &sea->precompression_m,
+        screen_angle(leg, sample, LEG_RATE_RATIO * unit);
+        screen_length(&leg->extension_m, &leg->extension_rejected_ticks, &sample->ankle_extension_m,
+                      sample->age_ticks == 0, ANKLE_RATE_RATIO * unit * length, noise);
+        screen_length(&leg->motor_m, &leg->motor_rejected_ticks, &sea->precompression_m,
                       sea->age_ticks == 0,
-                      MOTOR_RATE_SHARE * params->sea_speed_max_m_s * CONTROL_PERIOD_S, noise);
+                      MOTOR_RATE_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S, noise);
     }
 }
 
@@ -153,8 +153,8 @@ static void watch_stillness(struct checks *checks, const struct controller_input
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct leg_checks *leg = &checks->leg[side];
         const real angle = raw->leg[side].leg_angle_rad;
-        if (!(real_abs(leg->angle_rad - leg->anchor_rad) <= STANDSTILL_RAD)) {
-            leg->anchor_rad = leg->angle_rad;
+        if (!(real_abs(leg->angle_rad - leg->standstill_ref_rad) <= STANDSTILL_RAD)) {
+            leg->standstill_ref_rad = leg->angle_rad;
             still = false;
         }
         const bool known = raw->leg[1 - side].age_ticks == 0;
@@ -186,28 +186,29 @@ static void watch_force(struct leg_checks *leg, const struct control_params *par
     const real off = real_abs(sea->precompression_m - leg->command_m[COMMAND_DELAY]);
     leg->motor_before_m = sea->precompression_m;
     leg->motor_still_ticks =
-        strike(leg->motor_still_ticks, moved <= MOTOR_STILL_SHARE * params->leg_length_m &&
-                                           off <= MOTOR_THERE_SHARE * params->leg_length_m);
+        strike(leg->motor_still_ticks, moved <= MOTOR_STILL_RATIO * params->leg_length_m &&
+                                           off <= MOTOR_THERE_RATIO * params->leg_length_m);
     if (sea->force_age_ticks != 0 || sea->state != DRIVE_ENABLED || sea->latch != LATCH_CLOSED ||
         leg->motor_still_ticks < MOTOR_STILL_TICKS) {
         return;
     }
     const real stiffness = params->spring_stiffness_n_m;
     const real expected_N = stiffness * sea->precompression_m;
-    const real tolerance_N = FORCE_TOLERANCE_SHARE * real_abs(expected_N) +
-                             FORCE_FRICTION_LENGTH_SHARE * stiffness * params->leg_length_m;
+    const real tolerance_N = FORCE_TOLERANCE_RATIO * real_abs(expected_N) +
+                             FORCE_FRICTION_LENGTH_RATIO * stiffness * params->leg_length_m;
     const bool explained = real_abs(sea->force_N - expected_N) <= tolerance_N;
-    leg->force_strikes = explained
-                             ? 0
-                             : (uint8_t)(leg->force_strikes < UINT8_MAX ? leg->force_strikes + 1
-                                                                        : leg->force_strikes);
+    leg->force_contradiction_count = explained
+                                         ? 0
+                                         : (uint8_t)(leg->force_contradiction_count < UINT8_MAX
+                                                         ? leg->force_contradiction_count + 1
+                                                         : leg->force_contradiction_count);
 }
 
 /* Ankle against latch and motor; only where the body leaves the ankle no freedom. */
 static void watch_ankle(struct leg_checks *leg, const struct control_params *params,
                         const struct leg_measurement *sample, const struct sea_measurement *sea)
 {
-    const real slack = ANKLE_SLACK_SHARE * params->leg_length_m;
+    const real slack = ANKLE_SLACK_RATIO * params->leg_length_m;
     const real extension = sample->ankle_extension_m;
     if (sea->latch != leg->latch) {
         leg->latch = sea->latch;
@@ -220,19 +221,19 @@ static void watch_ankle(struct leg_checks *leg, const struct control_params *par
     const bool alone = params->engage_steps == REAL(0.0);
     bool contradicts = false;
     if (params->body != (real)BODY_COMPASS) {
-        leg->ankle_strikes = 0;
+        leg->ankle_contradiction_count = 0;
         return;
     }
     if (sea->latch == LATCH_CLOSED) {
         contradicts = alone && leg->latch_ticks > RECLOSE_TICKS && extension > slack;
     } else if (sea->latch == LATCH_OPEN) {
-        const bool held = leg->motor_at_release_m > RELEASE_FROM_SHARE * params->leg_length_m &&
+        const bool held = leg->motor_at_release_m > RELEASE_FROM_RATIO * params->leg_length_m &&
                           leg->latch_ticks > RELEASE_TICKS &&
                           sea->precompression_m > REAL(0.5) * leg->motor_at_release_m &&
-                          extension < RELEASE_LEAST_SHARE * leg->motor_at_release_m;
+                          extension < RELEASE_LEAST_RATIO * leg->motor_at_release_m;
         contradicts = held || (alone && extension > sea->precompression_m + slack);
     }
-    leg->ankle_strikes = strike(leg->ankle_strikes, contradicts);
+    leg->ankle_contradiction_count = strike(leg->ankle_contradiction_count, contradicts);
 }
 
 static void watch_following(struct leg_checks *leg, const struct control_params *params,
@@ -240,10 +241,10 @@ static void watch_following(struct leg_checks *leg, const struct control_params 
 {
     const bool follows = command->enable && sea->state == DRIVE_ENABLED;
     const real behind = real_abs(leg->command_m[COMMAND_DELAY] - sea->precompression_m);
-    leg->follow_strikes =
-        strike(leg->follow_strikes, follows && behind > FOLLOW_SHARE * params->leg_length_m);
-    leg->off_strikes =
-        strike(leg->off_strikes, follows && behind > OFF_SHARE * params->leg_length_m);
+    leg->follow_contradiction_count = strike(
+        leg->follow_contradiction_count, follows && behind > FOLLOW_RATIO * params->leg_length_m);
+    leg->off_contradiction_count =
+        strike(leg->off_contradiction_count, follows && behind > OFF_RATIO * params->leg_length_m);
     for (int i = COMMAND_DELAY; i > 0; i--) {
         leg->command_m[i] = follows ? leg->command_m[i - 1] : sea->precompression_m;
     }
@@ -265,8 +266,8 @@ static bool drives_disobey(struct checks *checks, const struct controller_input 
     } else if (checks->was_enabled) {
         return true; /* it left the state by itself */
     }
-    checks->state_strikes = strike(checks->state_strikes, !reached);
-    return checks->state_strikes > (wanted ? ENABLE_TICKS : DISABLE_TICKS);
+    checks->state_contradiction_count = strike(checks->state_contradiction_count, !reached);
+    return checks->state_contradiction_count > (wanted ? ENABLE_TICKS : DISABLE_TICKS);
 }
 
 /* ---- verdict ----------------------------------------------------------------- */
@@ -279,9 +280,9 @@ static bool is_in_range(const struct control_params *params, const struct contro
     const real extension = leg->ankle_extension_m;
     const real motor = input->sea[side].precompression_m;
     return real_abs(leg->leg_angle_rad) <= LEG_ANGLE_LIMIT_RAD &&
-           extension >= EXTENSION_MIN_SHARE * length && extension <= EXTENSION_MAX_SHARE * length &&
-           motor >= MOTOR_MIN_SHARE * length &&
-           motor <= params->r0_max_m + MOTOR_OVER_SHARE * length;
+           extension >= EXTENSION_MIN_RATIO * length && extension <= EXTENSION_MAX_RATIO * length &&
+           motor >= MOTOR_MIN_RATIO * length &&
+           motor <= params->r0_max_m + MOTOR_OVER_RATIO * length;
 }
 
 static enum supervisor_fault find_of_samples(const struct leg_checks *leg,
@@ -306,8 +307,8 @@ static enum supervisor_fault find_of_samples(const struct leg_checks *leg,
     /* Where nothing can be released a jump is no danger: somebody puts it on, or lifts
      * the one who fell. */
     const bool moves = state == SUPERVISOR_WALKING || state == SUPERVISOR_UNLOADING;
-    if (moves && (leg->angle_unbelieved > age_max || leg->extension_unbelieved > age_max ||
-                  leg->motor_unbelieved > age_max)) {
+    if (moves && (leg->angle_rejected_ticks > age_max || leg->extension_rejected_ticks > age_max ||
+                  leg->motor_rejected_ticks > age_max)) {
         return SUPERVISOR_FAULT_SENSOR_RATE;
     }
     return SUPERVISOR_FAULT_NONE;
@@ -340,10 +341,12 @@ static enum supervisor_fault find_of_leg(const struct checks *checks,
     if (is_stuck(checks, input, side)) {
         return SUPERVISOR_FAULT_SENSOR_STUCK;
     }
-    if (leg->force_strikes >= FORCE_STRIKES || leg->ankle_strikes > ANKLE_STRIKES) {
+    if (leg->force_contradiction_count >= FORCE_CONTRADICTIONS ||
+        leg->ankle_contradiction_count > ANKLE_CONTRADICTIONS) {
         return SUPERVISOR_FAULT_SPRING;
     }
-    return leg->follow_strikes > FOLLOW_STRIKES || leg->off_strikes > OFF_STRIKES
+    return leg->follow_contradiction_count > FOLLOW_CONTRADICTIONS ||
+                   leg->off_contradiction_count > OFF_CONTRADICTIONS
                ? SUPERVISOR_FAULT_FOLLOWING
                : SUPERVISOR_FAULT_NONE;
 }

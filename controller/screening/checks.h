@@ -29,29 +29,29 @@ struct leg_checks {
     real rate_rad;  /* its change per tick */
     real extension_m;
     real motor_m;
-    real motor_before_m;       /* the tick before */
-    uint16_t angle_unbelieved; /* ticks without a believed sample */
-    uint16_t extension_unbelieved;
-    uint16_t motor_unbelieved;
+    real motor_before_m;           /* the tick before */
+    uint16_t angle_rejected_ticks; /* ticks without a believed sample */
+    uint16_t extension_rejected_ticks;
+    uint16_t motor_rejected_ticks;
     uint16_t still_ticks; /* the angle has had one and the same value for so long, */
     real other_angle_rad; /* and the other leg was here when that began */
     uint16_t motor_still_ticks;
-    uint8_t force_strikes; /* force samples in a row that the spring does not explain */
-    uint16_t latch_ticks;  /* since the latch last changed */
+    uint8_t force_contradiction_count; /* force samples in a row that the spring does not explain */
+    uint16_t latch_ticks;              /* since the latch last changed */
     enum latch_state latch;
     real motor_at_release_m;
-    uint16_t ankle_strikes;  /* ticks in a row in which ankle and latch contradict */
-    uint16_t follow_strikes; /* ticks in a row beyond the following error */
-    uint16_t off_strikes;    /* ... beyond what may last for a moment only */
-    real command_m[4];       /* the last commands, newest first */
-    real anchor_rad;         /* standstill: the angle has stayed near this */
+    uint16_t ankle_contradiction_count;  /* ticks in a row in which ankle and latch contradict */
+    uint16_t follow_contradiction_count; /* ticks in a row beyond the following error */
+    uint16_t off_contradiction_count;    /* ... beyond what may last for a moment only */
+    real command_m[4];                   /* the last commands, newest first */
+    real standstill_ref_rad;             /* standstill: the angle has stayed near this */
 };
 
 struct checks {
     struct leg_checks leg[SIDE_COUNT];
     uint16_t standstill_ticks;
-    uint16_t state_strikes; /* ticks in which a drive is not where it was sent */
-    bool was_enabled;       /* both drives have followed since enabling */
+    uint16_t state_contradiction_count; /* ticks in which a drive is not where it was sent */
+    bool was_enabled;                   /* both drives have followed since enabling */
 };
 
 /* What the checks need to know of the rest of the controller. */

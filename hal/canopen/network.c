@@ -53,7 +53,7 @@ bool network_receive(struct network *network, const struct can_msg *message)
             if (node->state == NMT_BOOT_UP) {
                 node->state = NMT_PRE_OPERATIONAL; /* entered right after boot-up */
                 node->start_wait = 0;
-                node->held = false;
+                node->stop_pending = false;
                 node->booted = true;
                 node->error_code = 0;
                 node->boot_count = node->boot_count < UINT8_MAX ? (uint8_t)(node->boot_count + 1)
@@ -74,8 +74,8 @@ enum can_result network_command(const struct can_bus *bus, enum nmt_command comm
 enum can_result network_stop_all(struct network *network, const struct can_bus *bus)
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
-        network->node[i].start_wait = NETWORK_HOLD_TICKS;
-        network->node[i].held = true;
+        network->node[i].start_wait = NETWORK_STOP_TICKS;
+        network->node[i].stop_pending = true;
     }
     return network_command(bus, NMT_STOP, 0);
 }
@@ -108,7 +108,7 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
         if (node->start_wait > 0) {
             node->start_wait--;
         }
-        node->held = node->held && node->start_wait > 0;
+        node->stop_pending = node->stop_pending && node->start_wait > 0;
         const bool waits = node->state != NMT_OPERATIONAL && node->state != NMT_UNKNOWN;
         if (waits && node->start_wait == 0 && (may_start & (1u << i)) != 0) {
             if (network_command(bus, NMT_START, node->id) == CAN_OK) {

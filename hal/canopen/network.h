@@ -28,7 +28,7 @@ struct network_node {
     uint16_t silent_ticks; /* since the last heartbeat or boot-up */
     uint16_t start_wait;   /* ticks until NMT start may be repeated */
     uint8_t boot_count;    /* saturates: more than one means it reset itself */
-    bool held;             /* stopped by network_stop_all, and not to be started yet */
+    bool stop_pending;     /* stopped by network_stop_all, and not to be started yet */
     uint16_t error_code;   /* of its newest emergency about itself, 0 = none left */
     bool booted;           /* boot-up seen since network_clear_booted */
 };
@@ -60,10 +60,10 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
 enum can_result network_command(const struct can_bus *bus, enum nmt_command command, uint8_t node);
 
 /* Takes all nodes out of operation at once (NMT stop): no PDO is obeyed any more, and each
- * drive unloads by itself (0x6007). They are started again after NETWORK_HOLD_TICKS, or when
- * they boot; until then they are `held`. Returns what the bus says. */
+ * drive unloads by itself (0x6007). They are started again after NETWORK_STOP_TICKS, or when
+ * they boot; until then they are `stop_pending`. Returns what the bus says. */
 enum can_result network_stop_all(struct network *network, const struct can_bus *bus);
-enum { NETWORK_HOLD_TICKS = 1000 };
+enum { NETWORK_STOP_TICKS = 1000 };
 
 /* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
 unsigned network_index(uint8_t node);

@@ -10,18 +10,19 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { SAMPLE_SURPLUS_LIMIT = 2 }; /* from here on it is a foreign node */
+enum { DUPLICATE_ID_LIMIT = 2 }; /* from here on it is a foreign node */
 
 /* A frame with other content than the one before it in the same cycle. */
-static inline void sample_surplus_more(uint8_t *surplus)
+static inline void duplicate_id_seen(uint8_t *duplicate_id_count)
 {
-    *surplus = (uint8_t)(*surplus < UINT8_MAX ? *surplus + 1 : *surplus);
+    *duplicate_id_count =
+        (uint8_t)(*duplicate_id_count < UINT8_MAX ? *duplicate_id_count + 1 : *duplicate_id_count);
 }
 
 /* A cycle without a frame. */
-static inline void sample_surplus_missed(uint8_t *surplus)
+static inline void duplicate_id_missed(uint8_t *duplicate_id_count)
 {
-    *surplus = (uint8_t)(*surplus > 0 ? *surplus - 1 : 0);
+    *duplicate_id_count = (uint8_t)(*duplicate_id_count > 0 ? *duplicate_id_count - 1 : 0);
 }
 
 #endif

@@ -59,9 +59,9 @@ bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *mess
     struct leg_sensor_reading *reading = &sensors->reading[leg];
     if (reading->age_ticks == 0 &&
         (reading->leg_angle_rad != angle_rad || reading->ankle_extension_m != extension_m)) {
-        sample_surplus_more(&reading->surplus);
+        duplicate_id_seen(&reading->duplicate_id_count);
     }
-    *reading = (struct leg_sensor_reading){angle_rad, extension_m, 0, reading->surplus};
+    *reading = (struct leg_sensor_reading){angle_rad, extension_m, 0, reading->duplicate_id_count};
     return true;
 }
 
@@ -70,7 +70,7 @@ void leg_sensors_age(struct leg_sensors *sensors)
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct leg_sensor_reading *reading = &sensors->reading[leg];
         if (reading->age_ticks > 0) {
-            sample_surplus_missed(&reading->surplus);
+            duplicate_id_missed(&reading->duplicate_id_count);
         }
         if (reading->age_ticks < UINT16_MAX) {
             reading->age_ticks++;

@@ -115,7 +115,8 @@ static enum can_result send(const struct cansimple_axis *axis, enum cansimple_co
 }
 
 /* Requests that change the drive's state: sent, then given time, then repeated. */
-static enum can_result send_requests(struct cansimple_axis *axis, const struct sea_drive_wish *wish,
+static enum can_result send_requests(struct cansimple_axis *axis,
+                                     const struct sea_drive_command *wish,
                                      const struct can_bus *bus)
 {
     const enum drive_state state = state_of(axis);
@@ -143,7 +144,7 @@ static enum can_result send_requests(struct cansimple_axis *axis, const struct s
 }
 
 static enum can_result command_axis(struct cansimple_axis *axis, enum side leg,
-                                    const struct sea_drive_wish *wish, const struct can_bus *bus)
+                                    const struct sea_drive_command *wish, const struct can_bus *bus)
 {
     const bool follows = wish->enable && state_of(axis) == DRIVE_ENABLED;
     const float target_turns =
@@ -160,7 +161,7 @@ static enum can_result command_axis(struct cansimple_axis *axis, enum side leg,
     return first_failure == CAN_OK ? result : first_failure;
 }
 
-static enum can_result command(void *context, const struct sea_drive_wish *wish,
+static enum can_result command(void *context, const struct sea_drive_command *wish,
                                const struct can_bus *bus)
 {
     struct cansimple_drives *drives = (struct cansimple_drives *)context;

@@ -101,7 +101,7 @@ static bool receive(void *context, const struct can_msg *message)
     const int32_t counts = bytes_get_i32(message->data + 2);
     if (axis->age_ticks == 0 &&
         (axis->statusword != statusword || axis->position_counts != counts)) {
-        sample_surplus_more(&axis->surplus);
+        duplicate_id_seen(&axis->duplicate_id_count);
     }
     axis->statusword = statusword;
     axis->position_counts = counts;
@@ -136,7 +136,7 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
     };
     const bool has_force = axis->config.rated_force_N > 0.0f;
     reading->age_ticks = axis->age_ticks;
-    reading->foreign = axis->surplus >= SAMPLE_SURPLUS_LIMIT;
+    reading->foreign = axis->duplicate_id_count >= DUPLICATE_ID_LIMIT;
     reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
     reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
                        axis->config.rated_force_N / 1000.0f;
@@ -157,7 +157,7 @@ static void age(void *context)
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
         if (axis->age_ticks > 0) {
-            sample_surplus_missed(&axis->surplus);
+            duplicate_id_missed(&axis->duplicate_id_count);
         }
         if (axis->age_ticks < UINT16_MAX) {
             axis->age_ticks++;
@@ -169,7 +169,7 @@ static void age(void *context)
 }
 
 /* The next controlword on the way from the reported state to the wish. */
-static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_wish *wish)
+static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_command *wish)
 {
     const enum cia402_state state = state_of(axis->statusword);
     const bool was_resetting = axis->resetting;
@@ -200,7 +200,7 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
 }
 
 static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg,
-                                         const struct sea_drive_wish *wish,
+                                         const struct sea_drive_command *wish,
                                          const struct can_bus *bus)
 {
     if (axis->age_ticks == UINT16_MAX) {
@@ -211,7 +211,7 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg
     return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
 }
 
-static enum can_result command(void *context, const struct sea_drive_wish *wish,
+static enum can_result command(void *context, const struct sea_drive_command *wish,
                                const struct can_bus *bus)
 {
     struct cia402_drives *drives = (struct cia402_drives *)context;

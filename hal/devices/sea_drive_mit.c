@@ -136,7 +136,7 @@ static enum can_result send_motion(const struct mit_axis *axis, float position_r
 }
 
 /* One frame a motor and tick: it answers each, so two would only crowd the bus. */
-static enum can_result command_axis(struct mit_axis *axis, const struct sea_drive_wish *wish,
+static enum can_result command_axis(struct mit_axis *axis, const struct sea_drive_command *wish,
                                     const struct can_bus *bus)
 {
     const struct mit_axis_config *config = &axis->config;
@@ -167,7 +167,7 @@ static enum can_result command_axis(struct mit_axis *axis, const struct sea_driv
     return send_motion(axis, target_rad, config->kp_Nm_rad, config->kd_Nms_rad, spring_Nm, bus);
 }
 
-static enum can_result command(void *context, const struct sea_drive_wish *wish,
+static enum can_result command(void *context, const struct sea_drive_command *wish,
                                const struct can_bus *bus)
 {
     struct mit_drives *drives = (struct mit_drives *)context;

@@ -24,7 +24,7 @@ struct sea_drive_reading {
     bool foreign;             /* another node speaks with this drive's identifier */
 };
 
-struct sea_drive_wish {
+struct sea_drive_command {
     float precompression_m;
     bool enable;
     bool latch_armed;
@@ -40,7 +40,7 @@ struct sea_drives_ops {
     /* Sends this tick's command frames; SIDE_COUNT wishes. Returns the first
      * failure of can_bus_send, CAN_OK if none; frames not sent are sent again
      * at the next tick. */
-    enum can_result (*command)(void *context, const struct sea_drive_wish *wish,
+    enum can_result (*command)(void *context, const struct sea_drive_command *wish,
                                const struct can_bus *bus);
 };
 
@@ -70,7 +70,7 @@ static inline void sea_drives_age(const struct sea_drives *drives)
 }
 
 static inline enum can_result sea_drives_command(const struct sea_drives *drives,
-                                                 const struct sea_drive_wish *wish,
+                                                 const struct sea_drive_command *wish,
                                                  const struct can_bus *bus)
 {
     return drives->ops->command(drives->context, wish, bus);

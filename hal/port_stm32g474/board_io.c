@@ -191,8 +191,8 @@ static void toggle(void *context)
     mmio_write(GPIOC_BASE + GPIO_ODR, mmio_read(GPIOC_BASE + GPIO_ODR) ^ 2U);
 }
 
-static const struct power_permit_ops pc1_ops = {toggle};
-const struct power_permit pc1_power_permit = {&pc1_ops, 0};
+static const struct drive_power_enable_ops pc1_ops = {toggle};
+const struct drive_power_enable pc1_power_permit = {&pc1_ops, 0};
 
 static bool is_pressed(void *context)
 {

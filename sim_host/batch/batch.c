@@ -45,7 +45,7 @@ static double push_of(const struct batch_item *item)
     if (item->gain_m_s == 0.0) {
         return item->push_m;
     }
-    const double push = item->push_m + item->gain_m_s * (-item->apex[0] - item->aim_rad_s);
+    const double push = item->push_m + item->gain_m_s * (-item->apex[0] - item->target_speed_rad_s);
     return push < 0.0 ? 0.0 : push;
 }
 
@@ -225,7 +225,7 @@ static int run_piece(void *context, size_t piece)
 
 static size_t piece_items(size_t count, int threads)
 {
-    const size_t share = count / ((size_t)pieces_threads(threads) * PIECES_PER_THREAD);
+    const size_t share = count / ((size_t)parallel_for_threads(threads) * PIECES_PER_THREAD);
     const size_t rounded = share / PIECE_ITEMS_LEAST * PIECE_ITEMS_LEAST;
     return rounded < PIECE_ITEMS_LEAST  ? PIECE_ITEMS_LEAST
            : rounded > PIECE_ITEMS_MOST ? PIECE_ITEMS_MOST
@@ -265,7 +265,7 @@ enum batch_error batch_run_threads(const struct batch_settings *settings,
         shared.walkers = walkers;
         shared.piece_items = threads == 1 ? PIECE_ITEMS_MOST : piece_items(job->count, threads);
         const size_t pieces = (job->count + shared.piece_items - 1) / shared.piece_items;
-        error = (enum batch_error)pieces_run(threads, pieces, run_piece, &shared);
+        error = (enum batch_error)parallel_for(threads, pieces, run_piece, &shared);
     }
     free(walkers);
     return error;

@@ -25,7 +25,7 @@ struct batch_item {
     double
         gain_m_s; /* kp: r0[k] = push + kp (v[k] - aim), v = -stance rate (paper eq. 16, signs of forward
                              speed); not below 0. 0: no law */
-    double aim_rad_s; /* v* */
+    double target_speed_rad_s; /* v* */
     double
         slope_rad; /* ground of the next stride, as in model/ground.h: > 0 uphill, below pi/2 in size */
     double height_rise; /* next foothold above the slope line, leg lengths; both 0: level */
@@ -72,7 +72,7 @@ struct batch_settings {
 
 /* Called for each item after each stride, and once with fault != 0 when it fails; from the thread that runs
  * it, for different items at the same time. `index`: of the item in the array. May change apex,
- * push_m, gain_m_s, aim_rad_s, slope_rad and height_rise for the next stride, and keep what it wants to keep: a law
+ * push_m, gain_m_s, target_speed_rad_s, slope_rad and height_rise for the next stride, and keep what it wants to keep: a law
  * of any kind sets push_m here (its first answer the caller writes into the item), noise changes what the law sees,
  * rough ground draws the next foothold. slopes is NULL unless they were asked for. Returns 0 to go on, else the
  * item is done. */

@@ -223,7 +223,7 @@ static int work(void *context, size_t thread)
 
 void chunks_work(struct chunks_file *file, int threads)
 {
-    pieces_run(threads, (size_t)pieces_threads(threads), work, file);
+    parallel_for(threads, (size_t)parallel_for_threads(threads), work, file);
 }
 
 enum chunks_status chunks_run(const struct chunks_job *job)

@@ -14,7 +14,7 @@ struct pieces {
     atomic_int stopped; /* a piece's non-zero value */
 };
 
-int pieces_threads(int threads)
+int parallel_for_threads(int threads)
 {
     if (threads <= 0) {
         cpu_set_t mine;
@@ -41,14 +41,14 @@ static void *work(void *argument)
     return NULL;
 }
 
-int pieces_run(int threads, size_t pieces, piece_fn *piece, void *context)
+int parallel_for(int threads, size_t pieces, piece_fn *piece, void *context)
 {
     struct pieces all = {.piece = piece, .context = context, .pieces = pieces};
     pthread_t helper[PIECES_MAX_THREADS];
     int helpers = 0;
     atomic_init(&all.next, 0);
     atomic_init(&all.stopped, 0);
-    const int wanted = pieces_threads(threads) - 1;
+    const int wanted = parallel_for_threads(threads) - 1;
     while (helpers < wanted && (size_t)helpers + 1 < pieces &&
            pthread_create(&helper[helpers], NULL, work, &all) == 0) {
         helpers++;

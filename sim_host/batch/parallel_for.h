@@ -9,11 +9,11 @@
 typedef int piece_fn(void *context, size_t piece);
 
 /* Threads that `threads` asks for: itself when > 0, else the number of cores this process may use. */
-int pieces_threads(int threads);
+int parallel_for_threads(int threads);
 
 /* Calls piece(context, 0 .. pieces-1), in rising order of begin, on `threads` threads (0: one per core), the
  * calling one among them. A thread that cannot be started is done without.
  * Returns 0, or the first non-zero value a piece returned; all pieces begun have ended then. */
-int pieces_run(int threads, size_t pieces, piece_fn *piece, void *context);
+int parallel_for(int threads, size_t pieces, piece_fn *piece, void *context);
 
 #endif

@@ -15,7 +15,7 @@ void operator_line_init(struct operator_line *line, struct can_bus bus)
     co_sdo_client_init(&line->client, NODE_CONTROLLER, ANSWER_LIMIT_NS);
 }
 
-void operator_line_ask(struct operator_line *line, enum operator_wish wish, uint8_t value,
+void operator_line_ask(struct operator_line *line, enum operator_command wish, uint8_t value,
                        uint64_t now_ns)
 {
     if (!line->under_way) {

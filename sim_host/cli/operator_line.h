@@ -15,7 +15,7 @@
 #include "hal/canopen/co_sdo_client.h"
 
 /* Subindices of object 0x2000 (firmware/controller_objects.c). */
-enum operator_wish { OPERATOR_WALK = 2, OPERATOR_RESET = 3 };
+enum operator_command { OPERATOR_WALK = 2, OPERATOR_RESET = 3 };
 
 struct operator_line {
     struct can_bus bus;
@@ -30,7 +30,7 @@ void operator_line_init(struct operator_line *line, struct can_bus bus);
 
 /* Sends 0x2000:wish = value, unless the last wish is still under way; whether it was taken
  * shows in the object. now_ns: CLOCK_MONOTONIC. */
-void operator_line_ask(struct operator_line *line, enum operator_wish wish, uint8_t value,
+void operator_line_ask(struct operator_line *line, enum operator_command wish, uint8_t value,
                        uint64_t now_ns);
 
 /* Reads 0x2030:02 and :03, the controller's build and parameters, one after the other: what they

@@ -27,7 +27,7 @@ enum {
     KEY_IMAGE = 0x200,
     KEY_STEPS,
     KEY_SENSORS,
-    KEY_WEARER,
+    KEY_RECORDING,
     KEY_SEED,
     KEY_FAULT,
     KEY_FAULT_STEP,
@@ -42,7 +42,8 @@ static const struct argp_option option_list[] = {
     {"image", KEY_IMAGE, "ELF", 0, "what the emulator runs (build/arm/afo-mps2-an386.elf)", 0},
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (200)", 0},
     {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
-    {"wearer", KEY_WEARER, "FILE.csv", 0, "recorded walking in the walker's place, to its end", 0},
+    {"recording", KEY_RECORDING, "FILE.csv", 0,
+     "recorded walking in the walker's place, to its end", 0},
     {"seed", KEY_SEED, "N", 0, "seed of all noise (1)", 0},
     {"fault", KEY_FAULT, "NAME", 0,
      "emergency-stop, lost-sensor, lost-drive, hang, stalled-supervisor, hard-fault, "
@@ -79,8 +80,8 @@ static error_t take(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &options->walk;
         state->child_inputs[1] = &options->sensor;
         return 0;
-    case KEY_WEARER:
-        options->wearer_path = text;
+    case KEY_RECORDING:
+        options->recording_path = text;
         return 0;
     case KEY_IMAGE:
         options->image = text;

@@ -45,7 +45,7 @@ struct pil_options {
     enum pil_fault fault;
     uint32_t fault_step;
     uint64_t corrupt_frame;
-    const char *log_path, *costs_path, *black_box_path, *wearer_path;
+    const char *log_path, *costs_path, *black_box_path, *recording_path;
     bool json;
     bool quiet;
 };

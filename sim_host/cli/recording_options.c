@@ -5,16 +5,16 @@
 
 /* A person's other foot lands as early as 0.17 s after the apex, so the fit around
  * it ends sooner than on the paper's walker. */
-#define WEARER_APEX_WINDOW_S REAL(0.03)
+#define PERSON_APEX_WINDOW_S REAL(0.03)
 
 /* A person walks without the device, too: it joins in after so many steady steps (unless
  * told otherwise), and again after they have stopped. */
-#define WEARER_ENGAGE_STEPS REAL(4.0)
+#define PERSON_ENGAGE_STEPS REAL(4.0)
 
-const char wearer_options_roles[] =
+const char recording_options_roles[] =
     "time, thigh_l, thigh_r, shank_l, shank_r, ankle_l, ankle_r, contact_l, contact_r";
 
-static char *column_of(struct wearer_format *format, const char *role, size_t length)
+static char *column_of(struct recording_format *format, const char *role, size_t length)
 {
     const struct {
         const char *role;
@@ -38,10 +38,10 @@ static char *column_of(struct wearer_format *format, const char *role, size_t le
     return NULL;
 }
 
-bool wearer_options_column(struct wearer_format *format, const char *text)
+bool recording_options_column(struct recording_format *format, const char *text)
 {
     const char *equals = strchr(text, '=');
-    if (equals == NULL || strlen(equals + 1) >= WEARER_NAME_MAX) {
+    if (equals == NULL || strlen(equals + 1) >= RECORDING_NAME_MAX) {
         return false;
     }
     char *column = column_of(format, text, (size_t)(equals - text));
@@ -52,24 +52,24 @@ bool wearer_options_column(struct wearer_format *format, const char *text)
     return true;
 }
 
-int wearer_options_apply(const char *path, const struct wearer_format *format, bool open_loop,
-                         struct loop_config *config, char *message)
+int recording_options_apply(const char *path, const struct recording_format *format, bool open_loop,
+                            struct loop_config *config, char *message)
 {
     struct control_params *params = &config->params;
     if (strlen(path) >= PLANT_PATH_MAX) {
         snprintf(message, LOOP_MESSAGE_MAX, "the path of the recording is too long");
         return -1;
     }
-    config->plant.kind = PLANT_WEARER;
-    snprintf(config->plant.wearer_path, PLANT_PATH_MAX, "%s", path);
-    config->plant.wearer_format = *format;
+    config->plant.kind = PLANT_RECORDED_PERSON;
+    snprintf(config->plant.recording_path, PLANT_PATH_MAX, "%s", path);
+    config->plant.recording_format = *format;
     params->body = (real)BODY_PERSON;
-    params->apex_window_s = WEARER_APEX_WINDOW_S;
+    params->apex_window_s = PERSON_APEX_WINDOW_S;
     if (params->engage_steps == REAL(0.0)) {
-        params->engage_steps = WEARER_ENGAGE_STEPS;
+        params->engage_steps = PERSON_ENGAGE_STEPS;
     }
     if (!open_loop) {
-        params->law = (real)LAW_WEARER;
+        params->law = (real)LAW_PERSON;
     }
     return 0;
 }

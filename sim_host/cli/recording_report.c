@@ -33,7 +33,7 @@ static void leg(FILE *stream, const struct gait_record *record, enum side side)
     }
 }
 
-void wearer_report_json(FILE *stream, const struct gait_record *record)
+void recording_report_json(FILE *stream, const struct gait_record *record)
 {
     fputs(", \"left\": {", stream);
     leg(stream, record, SIDE_LEFT);

@@ -10,6 +10,6 @@
  * apex, heel strike and toe-off as the controller estimated them, and beside each
  * list the times at which it knew; the latch's releases; the recording's own heel
  * strikes and toe-offs; and the RMS error of the gait phase (share of a stride). */
-void wearer_report_json(FILE *stream, const struct gait_record *record);
+void recording_report_json(FILE *stream, const struct gait_record *record);
 
 #endif

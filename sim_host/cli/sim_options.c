@@ -13,7 +13,7 @@ enum {
     KEY_CSV,
     KEY_TICKS,
     KEY_LOG,
-    KEY_WEARER,
+    KEY_RECORDING,
     KEY_COLUMN,
     KEY_RATE,
     KEY_ANGLES,
@@ -27,7 +27,7 @@ static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The walk:", 2},
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200; a recording: all)", 0},
     {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
-    {"wearer", KEY_WEARER, "FILE.csv", 0, "recorded walking in the walker's place", 0},
+    {"recording", KEY_RECORDING, "FILE.csv", 0, "recorded walking in the walker's place", 0},
     {"column", KEY_COLUMN, "ROLE=NAME", 0,
      "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
     {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
@@ -66,17 +66,17 @@ enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
 /* An option that would do nothing is a mistake of the caller's, not a wish. */
 static void check_used(struct argp_state *state, const struct sim_options *options)
 {
-    if (options->wearer_path == NULL && options->format_given) {
-        argp_error(state, "--column, --rate and --angles describe the recording of --wearer");
+    if (options->recording_path == NULL && options->format_given) {
+        argp_error(state, "--column, --rate and --angles describe the recording of --recording");
     }
-    if (options->wearer_path != NULL && ground_options_given(&options->ground)) {
+    if (options->recording_path != NULL && ground_options_given(&options->ground)) {
         argp_error(state,
                    "--slope-deg, --terrain-mm and --push act on the simulated walker, not on "
-                   "the recorded one of --wearer");
+                   "the recorded one of --recording");
     }
-    if (options->wearer_path != NULL && options->walk.law_given &&
-        options->walk.law != LAW_WEARER) {
-        argp_error(state, "--law and --wearer exclude each other: a person's law is \"wearer\"");
+    if (options->recording_path != NULL && options->walk.law_given &&
+        options->walk.law != LAW_PERSON) {
+        argp_error(state, "--law and --recording exclude each other: a person's law is \"person\"");
     }
     if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
         argp_error(state, "--fault-step needs --fault NAME");
@@ -85,8 +85,9 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
 
 static void check_together(struct argp_state *state, const struct sim_options *options)
 {
-    if (options->wearer_path != NULL && options->walk.speed_rad_s > 0.0) {
-        argp_error(state, "--speed and --wearer exclude each other: a person chooses their speed");
+    if (options->recording_path != NULL && options->walk.speed_rad_s > 0.0) {
+        argp_error(state,
+                   "--speed and --recording exclude each other: a person chooses their speed");
     }
     if (options->ticks && options->csv_path == NULL) {
         argp_error(state, "--ticks needs --csv FILE");
@@ -129,24 +130,25 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_LOG:
         options->log_path = text;
         break;
-    case KEY_WEARER:
-        options->wearer_path = text;
+    case KEY_RECORDING:
+        options->recording_path = text;
         break;
     case KEY_COLUMN:
         options->format_given = true;
-        if (!wearer_options_column(&options->wearer_format, text)) {
+        if (!recording_options_column(&options->recording_format, text)) {
             argp_error(state, "--column: \"%s\" is not ROLE=NAME with one of the roles %s", text,
-                       wearer_options_roles);
+                       recording_options_roles);
         }
         break;
     case KEY_RATE:
         options->format_given = true;
-        options->wearer_format.sample_rate_hz = option_number(state, "--rate", text, 20.0, 5000.0);
+        options->recording_format.sample_rate_hz =
+            option_number(state, "--rate", text, 20.0, 5000.0);
         break;
     case KEY_ANGLES:
         options->format_given = true;
         if (strcmp(text, "rad") == 0) {
-            options->wearer_format.angle_unit_rad = 1.0;
+            options->recording_format.angle_unit_rad = 1.0;
         } else if (strcmp(text, "deg") != 0) {
             argp_error(state, "--angles: \"%s\" is unknown, allowed is deg, rad", text);
         }
@@ -201,12 +203,12 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
     walk_options_init(&options->walk);
     sensor_options_init(&options->sensor);
     option_identity("afo-sim");
-    wearer_format_default(&options->wearer_format);
+    recording_format_default(&options->recording_format);
     if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
         exit(2);
     }
     if (options->steps == 0) {
-        options->steps = options->wearer_path != NULL ? UINT32_MAX : DEFAULT_STEPS;
+        options->steps = options->recording_path != NULL ? UINT32_MAX : DEFAULT_STEPS;
     }
     if (options->fault_step == UINT32_MAX) {
         options->fault_step = DEFAULT_FAULT_STEP;

@@ -19,9 +19,9 @@ struct sim_options {
     const char *csv_path;
     bool ticks;
     const char *log_path;
-    const char *wearer_path;
-    struct wearer_format wearer_format;
-    bool format_given; /* some of wearer_format is not the default */
+    const char *recording_path;
+    struct recording_format recording_format;
+    bool format_given; /* some of recording_format is not the default */
     struct sensor_options sensor;
     struct ground_options ground;
     enum loop_fault fault;

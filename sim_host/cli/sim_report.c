@@ -61,10 +61,10 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     }
     fprintf(stream, ", \"steps\": %u, \"target_speed_rad_s\": ", record->count);
     json_number(stream, loop->config.desired_speed_rad_s);
-    if (options->wearer_path != NULL) {
+    if (options->recording_path != NULL) {
         fprintf(stream, ", \"apexes_left\": %u, \"apexes_right\": %u", record->apexes[SIDE_LEFT],
                 record->apexes[SIDE_RIGHT]);
-        wearer_report_json(stream, &record->gait);
+        recording_report_json(stream, &record->gait);
     }
     fputs(", \"apex_speed_rad_s\": [", stream);
     for (uint32_t i = 0; i < record->count; i++) {
@@ -76,11 +76,11 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
         fputs(i > 0 ? ", " : "", stream);
         json_number(stream, row_r0(&record->rows[i]));
     }
-    fputs("], \"fell_back\": [", stream);
+    fputs("], \"used_fallback\": [", stream);
     for (uint32_t i = 0; i < record->count; i++) {
         const struct walk_row *row = &record->rows[i];
         fputs(i > 0 ? ", " : "", stream);
-        fputs(!row->measured ? "null" : row->fell_back ? "true" : "false", stream);
+        fputs(!row->measured ? "null" : row->used_fallback ? "true" : "false", stream);
     }
     fputs("], \"bus_load\": ", stream);
     json_number(stream, sim_bus_load(&loop->bus));
@@ -94,7 +94,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
 void sim_report_csv(FILE *stream, const struct walk_record *record, double target_rad_s)
 {
     fputs("step,time_s,side,apex_speed_rad_s,measured_speed_rad_s,target_speed_rad_s,r0_m,"
-          "step_time_s,step_length_m,fell_back\n",
+          "step_time_s,step_length_m,used_fallback\n",
           stream);
     for (uint32_t i = 0; i < record->count; i++) {
         const struct walk_row *row = &record->rows[i];
@@ -108,9 +108,9 @@ void sim_report_csv(FILE *stream, const struct walk_record *record, double targe
             fprintf(stream, ",%.9f,,", target_rad_s);
         }
         fprintf(stream, "%.6f,%.6f,%s\n", step_time, row->step_length_m,
-                !row->measured   ? ""
-                : row->fell_back ? "1"
-                                 : "0");
+                !row->measured       ? ""
+                : row->used_fallback ? "1"
+                                     : "0");
     }
 }
 
@@ -198,7 +198,7 @@ static void fallback_line(FILE *stream, const struct walk_record *record)
 {
     uint32_t count = 0, last = 0;
     for (uint32_t i = 0; i < record->count; i++) {
-        if (record->rows[i].fell_back) {
+        if (record->rows[i].used_fallback) {
             count++;
             last = record->rows[i].number;
         }
@@ -217,8 +217,8 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.name, (double)params->torso_mass_kg, (double)params->leg_mass_kg,
             (double)params->leg_length_m, (double)params->spring_stiffness_n_m);
-    if (params->law == (real)LAW_WEARER) {
-        fprintf(stream, "  law        wearer: r0* = %g m, v* = their own mean\n",
+    if (params->law == (real)LAW_PERSON) {
+        fprintf(stream, "  law        person: r0* = %g m, v* = their own mean\n",
                 (double)params->start_r0_m);
     } else if (params->law == (real)LAW_OPEN_LOOP) {
         fprintf(stream, "  law        off: constant precompression r0 = %g m\n",

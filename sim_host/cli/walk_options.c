@@ -19,7 +19,7 @@ static const struct argp_option option_list[] = {
      "gain of eq. (16) in m per rad/s (default: 0.042 scaled to the subject, or the subject's own where that does "
      "not hold its gaits)",
      0},
-    {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat, predictive or wearer", 0},
+    {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat, predictive or person", 0},
     {"open-loop", KEY_OPEN_LOOP, 0, 0,
      "no law: constant precompression --r0, reached by a slow ramp", 0},
     {"r0", KEY_R0, "M", 0, "precompression of --open-loop, metres", 0},
@@ -99,7 +99,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->law_given = true;
         if (law_from_name(text, &options->law) != 0 || options->law == LAW_OPEN_LOOP) {
             argp_error(state, "--law: \"%s\" is unknown, allowed is %s", text,
-                       "proportional, dlqr, deadbeat, predictive or wearer");
+                       "proportional, dlqr, deadbeat, predictive or person");
         }
         break;
     case KEY_SUBJECT:

@@ -135,7 +135,7 @@ static int configure(const struct scene_spec *spec, struct loop_config *config, 
         return -1;
     }
     if (spec->engage_steps > 0) {
-        loop_configure_wearer(config, spec->engage_steps);
+        loop_configure_recording(config, spec->engage_steps);
     }
     return 0;
 }
@@ -223,12 +223,12 @@ static uint32_t shots_end(const struct campaign_plan *plan)
 
 /* A single fault that lasts long enough must be noticed in its time; what two do to
  * each other nobody knows, so there only the plant counts. */
-static void set_deadline(struct judge *judge, const struct campaign_plan *plan)
+static void set_deadline(struct oracle *oracle, const struct campaign_plan *plan)
 {
     const struct fault_kind_info *info = &fault_kinds[plan->shot[0].kind];
     if (plan->count == 1 && info->notice_ms > 0 &&
-        plan->shot[0].duration_ticks >= info->lasting_ms && judge->effect_tick != JUDGE_NEVER) {
-        judge->must_notice_tick = judge->effect_tick + info->notice_ms;
+        plan->shot[0].duration_ticks >= info->lasting_ms && oracle->effect_tick != ORACLE_NEVER) {
+        oracle->must_notice_tick = oracle->effect_tick + info->notice_ms;
     }
 }
 
@@ -245,42 +245,42 @@ void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, F
     const struct scene *scene = &campaign->scene[plan->scene];
     struct loop *loop = &campaign->loop;
     struct injector injector;
-    struct judge judge;
+    struct oracle oracle;
     memcpy(loop, &scene->saved, sizeof *loop);
     campaign->bus_digest = 0;
     campaign->log = log;
     injector_begin(&injector, loop, plan->shot, plan->count);
-    judge_begin(&judge, loop);
+    oracle_begin(&oracle, loop);
     if (ticks != NULL) {
         sim_tick_header(ticks);
     }
     const uint32_t end = shots_end(plan);
     for (uint32_t tick = 0; tick < end + CAMPAIGN_TAIL_TICKS && tick < CAMPAIGN_TICKS; tick++) {
         injector_tick(&injector);
-        judge_tick(&judge, campaign->bus_digest != scene->bus_digest[tick] ||
-                               plant_digest(&loop->nodes.plant) != scene->plant_digest[tick]);
-        set_deadline(&judge, plan);
+        oracle_tick(&oracle, campaign->bus_digest != scene->bus_digest[tick] ||
+                                 plant_digest(&loop->nodes.plant) != scene->plant_digest[tick]);
+        set_deadline(&oracle, plan);
         if (ticks != NULL) {
             sim_tick_line(ticks, loop, -1);
         }
-        if (tick > end && judge_is_settled(&judge)) {
+        if (tick > end && oracle_is_settled(&oracle)) {
             break;
         }
     }
     campaign->log = NULL;
     *result = (struct campaign_result){.plan = *plan,
-                                       .effective = judge.effect_tick != JUDGE_NEVER &&
+                                       .effective = oracle.effect_tick != ORACLE_NEVER &&
                                                     came_through(&injector, plan),
-                                       .effect_tick = judge.effect_tick,
-                                       .noticed_tick = judge.noticed_tick,
-                                       .unloaded_tick = judge.unloaded_tick,
-                                       .unsafe_tick = judge.unsafe_tick,
-                                       .fault = judge.fault,
-                                       .walk_fault = judge.walk_fault,
-                                       .unsafe = judge.unsafe};
+                                       .effect_tick = oracle.effect_tick,
+                                       .noticed_tick = oracle.noticed_tick,
+                                       .unloaded_tick = oracle.unloaded_tick,
+                                       .unsafe_tick = oracle.unsafe_tick,
+                                       .fault = oracle.fault,
+                                       .walk_fault = oracle.walk_fault,
+                                       .unsafe = oracle.unsafe};
     result->late =
-        judge.must_notice_tick != JUDGE_NEVER &&
-        (judge.noticed_tick == JUDGE_NEVER || judge.noticed_tick > judge.must_notice_tick);
+        oracle.must_notice_tick != ORACLE_NEVER &&
+        (oracle.noticed_tick == ORACLE_NEVER || oracle.noticed_tick > oracle.must_notice_tick);
 }
 
 /* ---- results file ----------------------------------------------------------------------- */

@@ -33,7 +33,7 @@ struct campaign_result {
     struct campaign_plan plan;
     bool effective;
     bool late; /* had to be noticed by then, and was not */
-    uint32_t effect_tick, noticed_tick, unloaded_tick, unsafe_tick; /* JUDGE_NEVER: not */
+    uint32_t effect_tick, noticed_tick, unloaded_tick, unsafe_tick; /* ORACLE_NEVER: not */
     enum supervisor_fault fault;
     enum walk_fault walk_fault;
     unsigned unsafe;

@@ -27,7 +27,7 @@ static double between(struct shot_state *state, double low, double high)
     return low + (high - low) * injector_random(&state->rng);
 }
 
-void intruder_begin(struct shot_state *state, uint64_t now_ns)
+void foreign_node_begin(struct shot_state *state, uint64_t now_ns)
 {
     if (!injector_is_foreign(state->shot.kind)) {
         return;
@@ -136,10 +136,10 @@ static struct can_msg frame_of(const struct fault_shot *shot, const struct loop 
     }
 }
 
-void intruder_send(struct shot_state *state, struct loop *loop)
+void foreign_node_send(struct shot_state *state, struct loop *loop)
 {
-    struct sim_bus_port *port = &loop->bus.ports[INJECTOR_PORT_INTRUDER];
-    const struct can_bus bus = sim_bus_port(&loop->bus, INJECTOR_PORT_INTRUDER);
+    struct sim_bus_port *port = &loop->bus.ports[INJECTOR_PORT_FOREIGN];
+    const struct can_bus bus = sim_bus_port(&loop->bus, INJECTOR_PORT_FOREIGN);
     const struct can_msg message = frame_of(&state->shot, loop);
     can_bus_recover(&bus);
     /* One mailbox: while the last frame waits there is no other. */

@@ -35,7 +35,7 @@ uint32_t injector_node_id(const struct fault_shot *shot)
 
 bool injector_prepare(struct loop *loop)
 {
-    return sim_bus_attach(&loop->bus, "intruder", NULL, NULL) == INJECTOR_PORT_INTRUDER;
+    return sim_bus_attach(&loop->bus, "intruder", NULL, NULL) == INJECTOR_PORT_FOREIGN;
 }
 
 static struct sim_bus_fault on_frame(void *context, const struct can_msg *message, unsigned sender,
@@ -53,14 +53,14 @@ static struct sim_bus_fault on_frame(void *context, const struct can_msg *messag
     return fault;
 }
 
-static uint32_t intruder_frames(const struct loop *loop)
+static uint32_t foreign_node_frames(const struct loop *loop)
 {
-    return loop->bus.ports[INJECTOR_PORT_INTRUDER].status.tx_frames;
+    return loop->bus.ports[INJECTOR_PORT_FOREIGN].status.tx_frames;
 }
 
 uint32_t injector_intrusions(const struct injector *injector)
 {
-    return intruder_frames(injector->loop) - injector->intruder_frames;
+    return foreign_node_frames(injector->loop) - injector->foreign_node_frames;
 }
 
 void injector_begin(struct injector *injector, struct loop *loop, const struct fault_shot *shots,
@@ -72,7 +72,7 @@ void injector_begin(struct injector *injector, struct loop *loop, const struct f
         injector->shot[i].rng = shots[i].seed;
         injector->shot[i].next_ns = UINT64_MAX;
     }
-    injector->intruder_frames = intruder_frames(loop);
+    injector->foreign_node_frames = foreign_node_frames(loop);
     sim_bus_set_fault_hook(&loop->bus, on_frame, injector);
 }
 
@@ -84,7 +84,7 @@ static void begin_and_end(struct injector *injector)
         if (!state->active && !state->done && injector->tick >= shot->start_tick) {
             state->active = true;
             injector_start(state, injector->loop);
-            intruder_begin(state, injector->loop->tick * (uint64_t)TICK_NS);
+            foreign_node_begin(state, injector->loop->tick * (uint64_t)TICK_NS);
         }
         if (state->active && injector->tick >= shot->start_tick + shot->duration_ticks) {
             state->active = false;
@@ -135,7 +135,7 @@ static void run_bus(struct injector *injector, uint64_t until_ns)
             break;
         }
         sim_bus_run_until(&loop->bus, next->next_ns);
-        intruder_send(next, loop);
+        foreign_node_send(next, loop);
     }
     sim_bus_run_until(&loop->bus, until_ns);
 }

@@ -13,7 +13,7 @@
 #include "sim_host/faults/fault_kinds.h"
 #include "sim_host/loop/loop.h"
 
-enum { INJECTOR_SHOTS = 2, INJECTOR_PORT_FIRST_NODE = 1, INJECTOR_PORT_INTRUDER = 5 };
+enum { INJECTOR_SHOTS = 2, INJECTOR_PORT_FIRST_NODE = 1, INJECTOR_PORT_FOREIGN = 5 };
 
 struct fault_shot {
     enum fault_kind kind;
@@ -41,7 +41,7 @@ struct shot_state {
 struct injector {
     struct loop *loop;
     uint32_t tick;
-    uint32_t intruder_frames; /* the intruder's at the beginning */
+    uint32_t foreign_node_frames; /* the intruder's at the beginning */
     unsigned count;
     struct shot_state shot[INJECTOR_SHOTS];
 };

@@ -15,10 +15,10 @@ struct sim_bus_fault injector_on_frame(struct shot_state *state, const struct ca
                                        unsigned sender);
 
 /* A foreign node with a clock of its own: it begins to send at an arbitrary moment of the
- * tick that starts at now_ns; intruder_send puts one frame on its port and sets
+ * tick that starts at now_ns; foreign_node_send puts one frame on its port and sets
  * state->next_ns to the moment of the next. Kinds that send nothing: next_ns UINT64_MAX. */
-void intruder_begin(struct shot_state *state, uint64_t now_ns);
-void intruder_send(struct shot_state *state, struct loop *loop);
+void foreign_node_begin(struct shot_state *state, uint64_t now_ns);
+void foreign_node_send(struct shot_state *state, struct loop *loop);
 
 /* Nodes and plant: when a shot begins and ends, and before every tick while it lasts. */
 void injector_start(struct shot_state *state, struct loop *loop);

@@ -191,9 +191,9 @@ static void reset_controller(struct loop *loop)
     struct loop_config *config = &loop->config;
     const bool pressed = loop->rig.stop_pressed;
     sim_bus_reset_port(&loop->bus, LOOP_PORT_CONTROLLER);
-    (void)task_rig_init(&loop->rig, &config->subject, &config->params,
-                        sim_bus_port(&loop->bus, LOOP_PORT_CONTROLLER), config->desired_speed_rad_s,
-                        false); /* nobody has asked it yet */
+    (void)host_task_init(&loop->rig, &config->subject, &config->params,
+                         sim_bus_port(&loop->bus, LOOP_PORT_CONTROLLER),
+                         config->desired_speed_rad_s, false); /* nobody has asked it yet */
     loop->rig.stop_pressed = pressed;
 }
 
@@ -252,7 +252,7 @@ static void babble(struct shot_state *state, struct loop *loop, bool on)
     struct can_msg noise_frame = {.id = state->shot.kind == FAULT_BABBLE_HIGH ? 0x001 : 0x7FF,
                                   .length = 8};
     memset(noise_frame.data, 0x55, sizeof noise_frame.data);
-    sim_bus_babble(&loop->bus, INJECTOR_PORT_INTRUDER, &noise_frame, on ? UINT64_MAX : 0);
+    sim_bus_babble(&loop->bus, INJECTOR_PORT_FOREIGN, &noise_frame, on ? UINT64_MAX : 0);
 }
 
 static bool pulls_plug(const struct fault_shot *shot)

@@ -23,7 +23,7 @@
 
 #include "sim_host/loop/loop.h"
 
-enum judge_unsafe {
+enum oracle_unsafe {
     UNSAFE_RELEASE = 1 << 0,
     UNSAFE_LOADED = 1 << 1,
     UNSAFE_FALLEN = 1 << 2,
@@ -36,18 +36,18 @@ enum judge_unsafe {
 };
 
 /* Name of bit 0..7. */
-const char *judge_unsafe_name(int bit);
+const char *oracle_unsafe_name(int bit);
 
-enum { JUDGE_UNLOAD_MS = 300 };
-#define JUDGE_NEVER UINT32_MAX
+enum { ORACLE_UNLOAD_MS = 300 };
+#define ORACLE_NEVER UINT32_MAX
 
-struct judge {
+struct oracle {
     struct loop *loop; /* the caller's */
     uint32_t tick;
     uint32_t effect_tick; /* first difference from the run without the fault */
     uint32_t noticed_tick;
     uint32_t unloaded_tick;    /* both springs slack after the notice */
-    uint32_t must_notice_tick; /* JUDGE_NEVER: need not */
+    uint32_t must_notice_tick; /* ORACLE_NEVER: need not */
     uint32_t fault_tick;       /* controller entered FAULT */
     uint32_t down_tick;
     uint32_t unsafe_tick; /* of the first unsafe bit */
@@ -64,12 +64,12 @@ struct judge {
 };
 
 /* At the moment the shots begin to count. */
-void judge_begin(struct judge *judge, struct loop *loop);
+void oracle_begin(struct oracle *oracle, struct loop *loop);
 
 /* After every tick. differs: bus or plant is not as it was without the fault. */
-void judge_tick(struct judge *judge, bool differs);
+void oracle_tick(struct oracle *oracle, bool differs);
 
 /* Nothing more can happen that matters: torque off, slack, for a while. */
-bool judge_is_settled(const struct judge *judge);
+bool oracle_is_settled(const struct oracle *oracle);
 
 #endif

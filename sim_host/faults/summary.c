@@ -32,12 +32,12 @@ static void take(struct row *row, const struct campaign_result *result)
     row->fell += result->walk_fault != WALK_FAULT_NONE ? 1 : 0;
     row->late += result->late ? 1 : 0;
     row->unsafe += result->unsafe != 0 ? 1 : 0;
-    if (result->noticed_tick == JUDGE_NEVER) {
+    if (result->noticed_tick == ORACLE_NEVER) {
         return;
     }
     row->noticed++;
     row->notice_ms[row->notices++] = result->noticed_tick - result->effect_tick;
-    if (result->unloaded_tick != JUDGE_NEVER) {
+    if (result->unloaded_tick != ORACLE_NEVER) {
         row->unload_ms[row->unloads++] = result->unloaded_tick - result->noticed_tick;
     }
 }
@@ -112,7 +112,7 @@ unsigned summary_table(FILE *stream, const struct campaign_result *results, uint
 
 static void tell_tick(FILE *stream, const char *what, uint32_t tick)
 {
-    if (tick != JUDGE_NEVER) {
+    if (tick != ORACLE_NEVER) {
         fprintf(stream, ", %s at %u", what, tick);
     }
 }
@@ -140,7 +140,7 @@ void summary_tell(FILE *stream, const struct campaign_result *result)
             walk_fault_name(result->walk_fault), result->late ? ", LATE" : "");
     for (int bit = 0; bit < UNSAFE_BITS; bit++) {
         if ((result->unsafe & (1u << bit)) != 0) {
-            fprintf(stream, ", UNSAFE: %s", judge_unsafe_name(bit));
+            fprintf(stream, ", UNSAFE: %s", oracle_unsafe_name(bit));
         }
     }
     tell_tick(stream, "unsafe", result->unsafe_tick);

@@ -7,7 +7,7 @@
 #define LONGEST_STEP_R0 0.004
 #define LARGEST_CORRECTION 0.02 /* of the prediction, in own units */
 #define MOST_STEPS 200.0
-#define SMALLEST_SHARE (1.0 / 4096.0)
+#define SMALLEST_RATIO (1.0 / 4096.0)
 
 struct branch_gait branch_start(enum branch branch)
 {
@@ -76,7 +76,7 @@ int branch_follow(struct branch_gait *gait, double mass_ratio, double stiffness,
         }
         if (!solve(&next)) {
             step *= 0.5;
-            if (step < SMALLEST_SHARE * longest) {
+            if (step < SMALLEST_RATIO * longest) {
                 return 0;
             }
             continue;

@@ -68,8 +68,8 @@ static int switch_on(struct replay *replay)
     replay->next_fed = 0;
     replay->sync_pending = false;
     replay->fresh = true;
-    return task_rig_init(&replay->rig, replay->subject, replay->params, bus,
-                         replay->desired_speed_rad_s, true) == CONTROL_PARAMS_OK
+    return host_task_init(&replay->rig, replay->subject, replay->params, bus,
+                          replay->desired_speed_rad_s, true) == CONTROL_PARAMS_OK
                ? 0
                : -1;
 }

@@ -57,7 +57,7 @@ struct replay {
     const struct subject *subject;
     const struct control_params *params;
     double desired_speed_rad_s;
-    struct task_rig rig;
+    struct host_task rig;
     struct replay_frame cycle[REPLAY_CYCLE_FRAMES];  /* input of the tick that runs next */
     struct replay_frame next[REPLAY_CYCLE_FRAMES];   /* being read: what followed its SYNC */
     struct replay_frame before[REPLAY_CYCLE_FRAMES]; /* what lies before a run's first SYNC */

@@ -30,7 +30,7 @@ unsigned lock_step_expected(const struct control_task *task)
     unsigned expected = 0;
     for (unsigned i = 0; i < NETWORK_NODES; i++) {
         const struct network_node *node = &task->network.node[i];
-        const bool taken_out = node->held || task->setup.node == node->id;
+        const bool taken_out = node->stop_pending || task->setup.node == node->id;
         if (may_answer(task, node) && !taken_out) {
             expected |= 1u << i;
         }

@@ -76,11 +76,11 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
     return 0;
 }
 
-void loop_configure_wearer(struct loop_config *config, unsigned engage_steps)
+void loop_configure_recording(struct loop_config *config, unsigned engage_steps)
 {
     struct control_params *params = &config->params;
     params->engage_steps = (real)engage_steps;
-    config->plant.support.least_load_m = 0.0;
+    config->plant.start_hold.least_load_m = 0.0;
     config->own_push = (struct own_push_params){
         .present = true,
         .target_rad_s = config->desired_speed_rad_s,
@@ -182,8 +182,8 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     if (config->wrap_bus != NULL) {
         bus = config->wrap_bus(config->wrap_context, bus);
     }
-    if (task_rig_init(&loop->rig, &config->subject, &config->params, bus,
-                      config->desired_speed_rad_s, true) != CONTROL_PARAMS_OK) {
+    if (host_task_init(&loop->rig, &config->subject, &config->params, bus,
+                       config->desired_speed_rad_s, true) != CONTROL_PARAMS_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
         return -1;
     }

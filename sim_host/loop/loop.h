@@ -61,8 +61,8 @@ struct loop {
     struct walker_nodes nodes; /* plant, drives and sensors */
     struct own_push own_push;
     struct loop_wake wake[WALKER_NODES];
-    struct task_rig rig; /* the control task and its drives' protocol */
-    uint64_t tick;       /* SYNCs so far */
+    struct host_task rig; /* the control task and its drives' protocol */
+    uint64_t tick;        /* SYNCs so far */
     bool fault_active;
     FILE *log; /* candump -L, or NULL */
     uint64_t logged_frames;
@@ -77,7 +77,7 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
 
 /* From the bench to a wearer: they have a push-off of their own at the desired speed, the
  * hand lets go of them unloaded, and the controller assists after so many steady steps. */
-void loop_configure_wearer(struct loop_config *config, unsigned engage_steps);
+void loop_configure_recording(struct loop_config *config, unsigned engage_steps);
 
 /* Builds everything and boots the nodes. The loop is large (about 200 kB): static
  * or on the heap. log may be NULL, else it stays the caller's. Returns 0, or -1

@@ -43,7 +43,7 @@ static void match_step(struct walk_record *record, const struct step_record *ste
             row->measured_speed_rad_s = (double)step->measured_speed_rad_s;
             row->command_rad_s = (double)step->commanded_speed_rad_s;
             row->r0_m = (double)step->r0_m;
-            row->fell_back = step->fell_back;
+            row->used_fallback = step->used_fallback;
             return;
         }
     }

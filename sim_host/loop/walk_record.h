@@ -17,8 +17,8 @@ struct walk_row {
     bool measured;        /* the controller saw this apex: the fields below are valid */
     double measured_speed_rad_s;
     double command_rad_s;
-    double r0_m;    /* what the law asked for at this apex */
-    bool fell_back; /* by eq. (16) in place of the predictive law */
+    double r0_m;        /* what the law asked for at this apex */
+    bool used_fallback; /* by eq. (16) in place of the predictive law */
 };
 
 struct walk_record {

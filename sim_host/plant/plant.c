@@ -50,13 +50,13 @@ void plant_config_for(const struct walker3_params *body, double spring_N_per_m,
     config->seed = 1;
     walk_params_default(body, &config->walk);
     start_pose(body, spring_N_per_m, &config->start);
-    support_params_default(body->leg_length_m, &config->support);
+    start_hold_params_default(body->leg_length_m, &config->start_hold);
     for (int side = 0; side < SIDE_COUNT; side++) {
         sea_preset(sea, &subject, &config->sea[side]);
         sensor_preset(sensors, &config->sensors[side]);
     }
-    wearer_format_default(&config->wearer_format);
-    config->wearer_start_tick = config->support.release_tick;
+    recording_format_default(&config->recording_format);
+    config->recording_start_tick = config->start_hold.release_tick;
 }
 
 void plant_config_default(struct plant_config *config)
@@ -108,8 +108,8 @@ static enum plant_error check_config(const struct plant_config *config, char *me
     if ((bad = check_pose(&config->start)) != NULL) {
         return complain(PLANT_BAD_START, message, "start", bad);
     }
-    if ((bad = support_params_check(&config->support)) != NULL) {
-        return complain(PLANT_BAD_SUPPORT, message, "support", bad);
+    if ((bad = start_hold_params_check(&config->start_hold)) != NULL) {
+        return complain(PLANT_BAD_START_HOLD, message, "support", bad);
     }
     for (int side = 0; side < SIDE_COUNT; side++) {
         if ((bad = sea_params_check(&config->sea[side])) != NULL) {
@@ -161,14 +161,14 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
     }
     memset(plant, 0, sizeof *plant);
     plant->config = *config;
-    if (config->kind == PLANT_WEARER) {
-        char why[WEARER_ERROR_MAX];
-        if (wearer_load(&plant->wearer, config->wearer_path, &config->wearer_format, why) !=
-            WEARER_OK) {
+    if (config->kind == PLANT_RECORDED_PERSON) {
+        char why[RECORDING_ERROR_MAX];
+        if (recording_load(&plant->recording, config->recording_path, &config->recording_format,
+                           why) != RECORDING_OK) {
             (void)snprintf(message, PLANT_ERROR_MAX, "%s", why);
-            return PLANT_BAD_WEARER;
+            return PLANT_BAD_RECORDING;
         }
-        wearer_at(&plant->wearer, 0.0, &plant->wearer_cursor, &plant->person);
+        recorded_person_at(&plant->recording, 0.0, &plant->recording_cursor, &plant->person);
     }
     for (int side = 0; side < SIDE_COUNT; side++) {
         sea_init(&plant->sea[side], &config->sea[side], config->seed + (uint64_t)side);
@@ -176,7 +176,7 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
                     STREAM_SENSOR + (uint64_t)side);
     }
     rng_init(&plant->ground_rng, config->seed, STREAM_GROUND);
-    support_init(&plant->support, &config->support);
+    start_hold_init(&plant->start_hold, &config->start_hold);
     walk_init(&plant->walk, &config->walk, &config->start);
     lay_next_foothold(plant);
     return PLANT_OK;
@@ -184,7 +184,7 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
 
 void plant_free(struct plant *plant)
 {
-    wearer_free(&plant->wearer);
+    recording_free(&plant->recording);
 }
 
 double plant_now_s(const struct plant *plant)
@@ -197,29 +197,29 @@ void plant_set_command(struct plant *plant, enum side side, const struct sea_com
     sea_set_command(&plant->sea[side], command, plant_now_s(plant));
 }
 
-static bool is_wearer(const struct plant *plant)
+static bool is_person(const struct plant *plant)
 {
-    return plant->config.kind == PLANT_WEARER;
+    return plant->config.kind == PLANT_RECORDED_PERSON;
 }
 
 static double ankle_of(const struct plant *plant, enum side side)
 {
-    return is_wearer(plant) ? plant->person.ankle_m[side]
+    return is_person(plant) ? plant->person.ankle_m[side]
                             : walk_ankle_m(&plant->walk, plant->sea, side);
 }
 
 static double ankle_rate_of(const struct plant *plant, enum side side)
 {
-    return is_wearer(plant) ? plant->person.ankle_rate_m_s[side]
+    return is_person(plant) ? plant->person.ankle_rate_m_s[side]
                             : walk_ankle_rate_m_s(&plant->walk, plant->sea, side);
 }
 
 void plant_sample(struct plant *plant, enum side side, struct sensor_sample *sample)
 {
     const struct sensor_truth truth = {
-        .leg_angle_rad = is_wearer(plant) ? plant->person.leg_angle_rad[side]
+        .leg_angle_rad = is_person(plant) ? plant->person.leg_angle_rad[side]
                                           : walk_leg_angle_rad(&plant->walk, side),
-        .leg_rate_rad_s = is_wearer(plant) ? plant->person.leg_rate_rad_s[side]
+        .leg_rate_rad_s = is_person(plant) ? plant->person.leg_rate_rad_s[side]
                                            : walk_leg_rate_rad_s(&plant->walk, side),
         .ankle_extension_m = ankle_of(plant, side),
         .ankle_rate_m_s = ankle_rate_of(plant, side),
@@ -238,7 +238,7 @@ static void tend(struct plant *plant)
     const enum side stance = plant->walk.stance;
     struct sea_output loaded;
     plant_sea_output(plant, stance, &loaded);
-    const struct support_view view = {
+    const struct start_hold_view view = {
         .drives_enabled = plant->sea[SIDE_LEFT].command.mode == SEA_POSITION &&
                           plant->sea[SIDE_RIGHT].command.mode == SEA_POSITION,
         .stance_position_m = loaded.reported_position_m,
@@ -246,13 +246,13 @@ static void tend(struct plant *plant)
         .stance_speed_m_s = loaded.speed_m_s,
         .fault = plant->walk.fault != WALK_FAULT_NONE,
     };
-    switch (support_tick(&plant->support, plant->tick, &view)) {
-    case SUPPORT_NONE:
+    switch (start_hold_tick(&plant->start_hold, plant->tick, &view)) {
+    case START_HOLD_NONE:
         break;
-    case SUPPORT_LET_GO:
+    case START_HOLD_LET_GO:
         walk_let_go(&plant->walk);
         break;
-    case SUPPORT_TAKE_HOLD:
+    case START_HOLD_TAKE_HOLD:
         walk_hold(&plant->walk, &plant->config.start);
         lay_next_foothold(plant);
         break;
@@ -274,8 +274,8 @@ static void advance_walker(struct plant *plant)
 void plant_advance(struct plant *plant)
 {
     plant->walk.time_s = plant_now_s(plant);
-    if (is_wearer(plant)) {
-        plant_advance_wearer(plant);
+    if (is_person(plant)) {
+        plant_advance_recorded_person(plant);
     } else {
         advance_walker(plant);
     }
@@ -301,26 +301,26 @@ static void walker_truth(const struct plant *plant, struct plant_truth *truth)
 void plant_truth(const struct plant *plant, struct plant_truth *truth)
 {
     const struct walk *walk = &plant->walk;
-    const struct wearer_state *person = &plant->person;
+    const struct recorded_person_state *person = &plant->person;
     memset(truth, 0, sizeof *truth);
     truth->tick = plant->tick;
     truth->time_s = plant_now_s(plant);
     for (int i = 0; i < SIDE_COUNT; i++) {
         const enum side side = (enum side)i;
         truth->leg_angle_rad[side] =
-            is_wearer(plant) ? person->leg_angle_rad[side] : walk_leg_angle_rad(walk, side);
+            is_person(plant) ? person->leg_angle_rad[side] : walk_leg_angle_rad(walk, side);
         truth->leg_rate_rad_s[side] =
-            is_wearer(plant) ? person->leg_rate_rad_s[side] : walk_leg_rate_rad_s(walk, side);
+            is_person(plant) ? person->leg_rate_rad_s[side] : walk_leg_rate_rad_s(walk, side);
         truth->ankle_m[side] = ankle_of(plant, side);
         truth->ankle_rate_m_s[side] = ankle_rate_of(plant, side);
         truth->contact[side] =
-            is_wearer(plant) ? person->contact[side] : walk_on_ground(walk, side);
+            is_person(plant) ? person->contact[side] : walk_on_ground(walk, side);
     }
     truth->stance = walk->stance;
     truth->phase = walk->phase;
     truth->fault = walk->fault;
     truth->finished = person->finished;
-    if (!is_wearer(plant)) {
+    if (!is_person(plant)) {
         walker_truth(plant, truth);
     }
 }
@@ -329,7 +329,7 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
 {
     const struct walk *walk = &plant->walk;
     memset(energy, 0, sizeof *energy);
-    if (!is_wearer(plant)) {
+    if (!is_person(plant)) {
         energy->walker_J = walk_energy_J(walk);
         energy->collision_loss_J = walk->collision_loss_J;
         energy->own_work_J = walk->own_work_J;
@@ -342,7 +342,7 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
             energy->springs_J += 0.5 * output.spring_force_N * output.spring_force_N / stiffness;
         }
         energy->device_work_J[i] =
-            is_wearer(plant) ? plant->wearer_work_J[i] : walk->device_work_J[i];
+            is_person(plant) ? plant->person_work_J[i] : walk->device_work_J[i];
         energy->motor_work_J[i] = plant->sea[i].motor_work_J;
         energy->motor_positive_work_J[i] = plant->sea[i].motor_positive_work_J;
     }

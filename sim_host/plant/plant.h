@@ -31,7 +31,7 @@
 #include "sim_host/plant/start_hold.h"
 #include "sim_host/plant/walk.h"
 
-enum plant_kind { PLANT_WALKER = 0, PLANT_WEARER = 1 };
+enum plant_kind { PLANT_WALKER = 0, PLANT_RECORDED_PERSON = 1 };
 
 enum { PLANT_PATH_MAX = 512, PLANT_ERROR_MAX = 512 };
 
@@ -41,15 +41,15 @@ struct plant_config {
     uint64_t seed;           /* sensors, release jitter, rough ground */
     struct walk_params walk; /* body, slope, ...; body also of a wearer's subject */
     struct walk_pose start;  /* just after lift-off of the start gait */
-    struct support_params support;
+    struct start_hold_params start_hold;
     struct sea_params sea[SIDE_COUNT];
     struct sensor_params sensors[SIDE_COUNT];
-    double roughness_m;               /* standard deviation of foothold heights; default 0 */
-    const double *heights_m;          /* heights of footholds 1.. above the slope line, or NULL; */
-    size_t heights_count;             /* caller's, must outlive the plant; after the last: 0 */
-    char wearer_path[PLANT_PATH_MAX]; /* PLANT_WEARER: the recording */
-    struct wearer_format wearer_format;
-    uint64_t wearer_start_tick; /* the recording runs from this tick on (its first sample
+    double roughness_m;      /* standard deviation of foothold heights; default 0 */
+    const double *heights_m; /* heights of footholds 1.. above the slope line, or NULL; */
+    size_t heights_count;    /* caller's, must outlive the plant; after the last: 0 */
+    char recording_path[PLANT_PATH_MAX]; /* PLANT_RECORDED_PERSON: the recording */
+    struct recording_format recording_format;
+    uint64_t recording_start_tick; /* the recording runs from this tick on (its first sample
                                             is held before); default 1000 */
 };
 
@@ -58,11 +58,11 @@ enum plant_error {
     PLANT_BAD_BODY = -1,
     PLANT_BAD_WALK = -2,
     PLANT_BAD_START = -3,
-    PLANT_BAD_SUPPORT = -4,
+    PLANT_BAD_START_HOLD = -4,
     PLANT_BAD_SEA = -5,
     PLANT_BAD_SENSOR = -6,
     PLANT_BAD_GROUND = -7,
-    PLANT_BAD_WEARER = -8,
+    PLANT_BAD_RECORDING = -8,
     PLANT_BAD_TICK = -9 /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
 };
 
@@ -82,15 +82,15 @@ struct plant {
     uint64_t tick;
     struct sea sea[SIDE_COUNT];
     struct sensor sensor[SIDE_COUNT];
-    struct support support;
+    struct start_hold start_hold;
     struct walk walk;
     struct rng ground_rng;
     uint64_t footholds;
     double foothold_height_m, next_foothold_height_m; /* above the slope line */
-    double wearer_work_J[SIDE_COUNT];
-    struct wearer wearer;
-    struct wearer_state person;
-    size_t wearer_cursor;
+    double person_work_J[SIDE_COUNT];
+    struct recording recording;
+    struct recorded_person_state person;
+    size_t recording_cursor;
 };
 
 /* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665), real SEAs,

@@ -9,6 +9,6 @@ double plant_now_s(const struct plant *plant);
 
 /* One tick of a recorded wearer: the person moves on, the SEAs work against the
  * recorded ankles. */
-void plant_advance_wearer(struct plant *plant);
+void plant_advance_recorded_person(struct plant *plant);
 
 #endif

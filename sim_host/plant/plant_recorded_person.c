@@ -4,24 +4,24 @@
 #include "sim_host/plant/plant_internal.h"
 #include "sim_host/plant/walk_internal.h"
 
-/* Recording's time at a plant time: it stands still before wearer_start_tick. */
+/* Recording's time at a plant time: it stands still before recording_start_tick. */
 static double recording_s(const struct plant *plant, uint64_t tick)
 {
-    const uint64_t start = plant->config.wearer_start_tick;
+    const uint64_t start = plant->config.recording_start_tick;
     return tick <= start ? 0.0 : (double)(tick - start) * plant->config.tick_s;
 }
 
 static double plant_time_of_s(const struct plant *plant, double recorded_s)
 {
-    return recorded_s + (double)plant->config.wearer_start_tick * plant->config.tick_s;
+    return recorded_s + (double)plant->config.recording_start_tick * plant->config.tick_s;
 }
 
 /* Heel strikes and toe-offs of the samples that this tick reaches. */
 static void pass_contacts(struct plant *plant, size_t from, size_t to)
 {
-    const struct wearer *wearer = &plant->wearer;
-    for (size_t i = from + 1; i <= to && wearer->has_contact; i++) {
-        const struct wearer_sample *now = &wearer->samples[i], *before = now - 1;
+    const struct recording *recording = &plant->recording;
+    for (size_t i = from + 1; i <= to && recording->has_contact; i++) {
+        const struct recording_sample *now = &recording->samples[i], *before = now - 1;
         const double time_s = plant_time_of_s(plant, now->time_s);
         for (int k = 0; k < SIDE_COUNT; k++) {
             const enum side side = (enum side)k;
@@ -37,12 +37,12 @@ static void pass_contacts(struct plant *plant, size_t from, size_t to)
 }
 
 /* The recorded leg passes the vertical while its foot is on the ground. */
-static void pass_apex(struct plant *plant, const struct wearer_state *next)
+static void pass_apex(struct plant *plant, const struct recorded_person_state *next)
 {
-    const struct wearer_state *now = &plant->person;
+    const struct recorded_person_state *now = &plant->person;
     for (int k = 0; k < SIDE_COUNT; k++) {
         const double from = now->leg_angle_rad[k], to = next->leg_angle_rad[k];
-        if (from > 0.0 && to <= 0.0 && (next->contact[k] || !plant->wearer.has_contact)) {
+        if (from > 0.0 && to <= 0.0 && (next->contact[k] || !plant->recording.has_contact)) {
             const double part = from / (from - to);
             const double rate =
                 now->leg_rate_rad_s[k] + part * (next->leg_rate_rad_s[k] - now->leg_rate_rad_s[k]);
@@ -76,7 +76,8 @@ static void run_latch(struct plant *plant, enum side side, double before_m, doub
     }
 }
 
-static void run_actuator(struct plant *plant, enum side side, const struct wearer_state *next)
+static void run_actuator(struct plant *plant, enum side side,
+                         const struct recorded_person_state *next)
 {
     struct sea *sea = &plant->sea[side];
     const double period_s = sea->params.drive_period_s;
@@ -91,17 +92,18 @@ static void run_actuator(struct plant *plant, enum side side, const struct weare
         const double before_N = sea_ankle_force_N(sea, ankle_m);
         sea_finish_period(sea);
         const double after_N = sea_ankle_force_N(sea, ankle_m + step_m);
-        plant->wearer_work_J[side] += 0.5 * (before_N + after_N) * step_m;
+        plant->person_work_J[side] += 0.5 * (before_N + after_N) * step_m;
     }
 }
 
-void plant_advance_wearer(struct plant *plant)
+void plant_advance_recorded_person(struct plant *plant)
 {
-    const size_t from = plant->wearer_cursor;
-    struct wearer_state next;
-    wearer_at(&plant->wearer, recording_s(plant, plant->tick + 1), &plant->wearer_cursor, &next);
+    const size_t from = plant->recording_cursor;
+    struct recorded_person_state next;
+    recorded_person_at(&plant->recording, recording_s(plant, plant->tick + 1),
+                       &plant->recording_cursor, &next);
     pass_apex(plant, &next);
-    pass_contacts(plant, from, plant->wearer_cursor);
+    pass_contacts(plant, from, plant->recording_cursor);
     for (int side = 0; side < SIDE_COUNT; side++) {
         run_actuator(plant, (enum side)side, &next);
     }

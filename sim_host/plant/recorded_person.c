@@ -2,9 +2,9 @@
 
 #include <stddef.h>
 
-void wearer_format_default(struct wearer_format *format)
+void recording_format_default(struct recording_format *format)
 {
-    *format = (struct wearer_format){
+    *format = (struct recording_format){
         .time_column = "time_s",
         .thigh_column = {"thigh_l_deg", "thigh_r_deg"},
         .shank_column = {"shank_l_deg", "shank_r_deg"},
@@ -18,13 +18,13 @@ void wearer_format_default(struct wearer_format *format)
     };
 }
 
-double wearer_span_rad(const struct wearer *wearer)
+double recording_span_rad(const struct recording *recording)
 {
     double widest_rad = 0.0;
-    for (int side = 0; side < SIDE_COUNT && wearer->count > 0; side++) {
-        double low = wearer->samples[0].leg_angle_rad[side], high = low;
-        for (size_t i = 1; i < wearer->count; i++) {
-            const double angle = wearer->samples[i].leg_angle_rad[side];
+    for (int side = 0; side < SIDE_COUNT && recording->count > 0; side++) {
+        double low = recording->samples[0].leg_angle_rad[side], high = low;
+        for (size_t i = 1; i < recording->count; i++) {
+            const double angle = recording->samples[i].leg_angle_rad[side];
             low = angle < low ? angle : low;
             high = angle > high ? angle : high;
         }
@@ -36,19 +36,21 @@ double wearer_span_rad(const struct wearer *wearer)
 /* The quantities that are interpolated, per side. */
 enum quantity { LEG_ANGLE, ANKLE };
 
-static double sampled(const struct wearer *wearer, size_t i, enum quantity quantity, int side)
+static double sampled(const struct recording *recording, size_t i, enum quantity quantity, int side)
 {
-    const struct wearer_sample *sample = &wearer->samples[i];
+    const struct recording_sample *sample = &recording->samples[i];
     return quantity == LEG_ANGLE ? sample->leg_angle_rad[side] : sample->ankle_m[side];
 }
 
 /* Slope at sample i through its neighbours (one-sided at the ends). */
-static double slope_at(const struct wearer *wearer, size_t i, enum quantity quantity, int side)
+static double slope_at(const struct recording *recording, size_t i, enum quantity quantity,
+                       int side)
 {
     const size_t low = i > 0 ? i - 1 : 0;
-    const size_t high = i + 1 < wearer->count ? i + 1 : i;
-    const double span_s = wearer->samples[high].time_s - wearer->samples[low].time_s;
-    return (sampled(wearer, high, quantity, side) - sampled(wearer, low, quantity, side)) / span_s;
+    const size_t high = i + 1 < recording->count ? i + 1 : i;
+    const double span_s = recording->samples[high].time_s - recording->samples[low].time_s;
+    return (sampled(recording, high, quantity, side) - sampled(recording, low, quantity, side)) /
+           span_s;
 }
 
 struct value {
@@ -56,14 +58,14 @@ struct value {
 };
 
 /* Catmull-Rom between samples i and i + 1, at part u of the way. */
-static struct value between(const struct wearer *wearer, size_t i, double u, enum quantity quantity,
-                            int side)
+static struct value between(const struct recording *recording, size_t i, double u,
+                            enum quantity quantity, int side)
 {
-    const double h = wearer->samples[i + 1].time_s - wearer->samples[i].time_s;
-    const double a = sampled(wearer, i, quantity, side);
-    const double b = sampled(wearer, i + 1, quantity, side);
-    const double ra = h * slope_at(wearer, i, quantity, side);
-    const double rb = h * slope_at(wearer, i + 1, quantity, side);
+    const double h = recording->samples[i + 1].time_s - recording->samples[i].time_s;
+    const double a = sampled(recording, i, quantity, side);
+    const double b = sampled(recording, i + 1, quantity, side);
+    const double ra = h * slope_at(recording, i, quantity, side);
+    const double rb = h * slope_at(recording, i + 1, quantity, side);
     const double c2 = 3.0 * (b - a) - 2.0 * ra - rb, c3 = 2.0 * (a - b) + ra + rb;
     return (struct value){
         .value = a + u * (ra + u * (c2 + u * c3)),
@@ -71,7 +73,7 @@ static struct value between(const struct wearer *wearer, size_t i, double u, enu
     };
 }
 
-static void hold_sample(const struct wearer_sample *sample, struct wearer_state *state)
+static void hold_sample(const struct recording_sample *sample, struct recorded_person_state *state)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         state->leg_angle_rad[side] = sample->leg_angle_rad[side];
@@ -82,27 +84,27 @@ static void hold_sample(const struct wearer_sample *sample, struct wearer_state 
     }
 }
 
-void wearer_at(const struct wearer *wearer, double time_s, size_t *cursor,
-               struct wearer_state *state)
+void recorded_person_at(const struct recording *recording, double time_s, size_t *cursor,
+                        struct recorded_person_state *state)
 {
-    const struct wearer_sample *samples = wearer->samples;
-    size_t i = *cursor < wearer->count ? *cursor : wearer->count - 1;
+    const struct recording_sample *samples = recording->samples;
+    size_t i = *cursor < recording->count ? *cursor : recording->count - 1;
     while (i > 0 && samples[i].time_s > time_s) {
         i--;
     }
-    while (i + 1 < wearer->count && samples[i + 1].time_s <= time_s) {
+    while (i + 1 < recording->count && samples[i + 1].time_s <= time_s) {
         i++;
     }
     *cursor = i;
-    state->finished = i + 1 == wearer->count;
+    state->finished = i + 1 == recording->count;
     if (state->finished || time_s <= 0.0) {
         hold_sample(&samples[i], state);
         return;
     }
     const double u = (time_s - samples[i].time_s) / (samples[i + 1].time_s - samples[i].time_s);
     for (int side = 0; side < SIDE_COUNT; side++) {
-        const struct value leg = between(wearer, i, u, LEG_ANGLE, side);
-        struct value ankle = between(wearer, i, u, ANKLE, side);
+        const struct value leg = between(recording, i, u, LEG_ANGLE, side);
+        struct value ankle = between(recording, i, u, ANKLE, side);
         if (ankle.value <= 0.0) {
             ankle = (struct value){0.0, 0.0}; /* the heel is down */
         }

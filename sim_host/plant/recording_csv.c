@@ -28,14 +28,14 @@ enum { LARGEST_FILE_BYTES = 1 << 30, ABSENT = -1, SHOWN_CHARACTERS = 40 };
 
 struct reader {
     const char *path;
-    const struct wearer_format *format;
+    const struct recording_format *format;
     char *text; /* owned, zero-terminated */
     size_t bytes;
     const char *at;
     size_t line;              /* of *at, from 1 */
     long index[COLUMN_COUNT]; /* place of each column in a row, or ABSENT */
     long columns;             /* per row */
-    struct wearer *wearer;
+    struct recording *recording;
     size_t capacity;
     char *message;
 };
@@ -45,7 +45,7 @@ struct field {
     const char *begin, *end;
 };
 
-static const char *column_name(const struct wearer_format *format, int column)
+static const char *column_name(const struct recording_format *format, int column)
 {
     switch ((enum column)column) {
     case TIME:
@@ -68,20 +68,20 @@ static const char *column_name(const struct wearer_format *format, int column)
     return "";
 }
 
-static enum wearer_error fail_at(const struct reader *reader, enum wearer_error error, long column,
-                                 const char *what)
+static enum recording_error fail_at(const struct reader *reader, enum recording_error error,
+                                    long column, const char *what)
 {
     if (column >= 0) {
-        (void)snprintf(reader->message, WEARER_ERROR_MAX, "%.200s: line %zu, column %ld: %.200s",
+        (void)snprintf(reader->message, RECORDING_ERROR_MAX, "%.200s: line %zu, column %ld: %.200s",
                        reader->path, reader->line, column + 1, what);
     } else {
-        (void)snprintf(reader->message, WEARER_ERROR_MAX, "%.200s: line %zu: %.200s", reader->path,
-                       reader->line, what);
+        (void)snprintf(reader->message, RECORDING_ERROR_MAX, "%.200s: line %zu: %.200s",
+                       reader->path, reader->line, what);
     }
     return error;
 }
 
-static enum wearer_error check_format(const struct wearer_format *format, char *message)
+static enum recording_error check_format(const struct recording_format *format, char *message)
 {
     const struct range ranges[] = {
         {"sample_rate_hz", format->sample_rate_hz, 1.0, 1e5},
@@ -97,16 +97,16 @@ static enum wearer_error check_format(const struct wearer_format *format, char *
         }
     }
     if (bad == NULL) {
-        return WEARER_OK;
+        return RECORDING_OK;
     }
-    (void)snprintf(message, WEARER_ERROR_MAX, "recording's format: %s is out of range", bad);
-    return WEARER_BAD_FORMAT;
+    (void)snprintf(message, RECORDING_ERROR_MAX, "recording's format: %s is out of range", bad);
+    return RECORDING_BAD_FORMAT;
 }
 
-static enum wearer_error read_file(struct reader *reader)
+static enum recording_error read_file(struct reader *reader)
 {
     const char *why = NULL;
-    enum wearer_error error = WEARER_CANNOT_READ;
+    enum recording_error error = RECORDING_CANNOT_READ;
     FILE *file = fopen(reader->path, "rb");
     long size = -1;
     if (file == NULL) {
@@ -118,19 +118,19 @@ static enum wearer_error read_file(struct reader *reader)
         why = "larger than 1 GB";
     } else if ((reader->text = malloc((size_t)size + 1)) == NULL) {
         why = "not enough memory";
-        error = WEARER_NO_MEMORY;
+        error = RECORDING_NO_MEMORY;
     } else if (fread(reader->text, 1, (size_t)size, file) != (size_t)size) {
         why = "cannot be read";
     } else {
         reader->text[size] = '\0';
         reader->bytes = (size_t)size;
-        error = WEARER_OK;
+        error = RECORDING_OK;
     }
     if (file != NULL) {
         (void)fclose(file);
     }
-    if (error != WEARER_OK) {
-        (void)snprintf(reader->message, WEARER_ERROR_MAX, "%.200s: %.200s", reader->path, why);
+    if (error != RECORDING_OK) {
+        (void)snprintf(reader->message, RECORDING_ERROR_MAX, "%.200s: %.200s", reader->path, why);
     }
     return error;
 }
@@ -173,9 +173,9 @@ static bool field_is(struct field field, const char *name)
     return strlen(name) == length && memcmp(field.begin, name, length) == 0;
 }
 
-static enum wearer_error read_header(struct reader *reader)
+static enum recording_error read_header(struct reader *reader)
 {
-    char what[WEARER_NAME_MAX + 64];
+    char what[RECORDING_NAME_MAX + 64];
     bool more = true;
     for (int column = 0; column < COLUMN_COUNT; column++) {
         reader->index[column] = ABSENT;
@@ -184,7 +184,7 @@ static enum wearer_error read_header(struct reader *reader)
         reader->at += 3;
     }
     if (!next_line(reader)) {
-        return fail_at(reader, WEARER_BAD_HEADER, ABSENT, "the file is empty");
+        return fail_at(reader, RECORDING_BAD_HEADER, ABSENT, "the file is empty");
     }
     for (; more; reader->columns++) {
         const struct field field = next_field(reader, &more);
@@ -195,7 +195,7 @@ static enum wearer_error read_header(struct reader *reader)
             }
             if (reader->index[column] != ABSENT) {
                 (void)snprintf(what, sizeof what, "column '%s' is there twice", name);
-                return fail_at(reader, WEARER_BAD_HEADER, reader->columns, what);
+                return fail_at(reader, RECORDING_BAD_HEADER, reader->columns, what);
             }
             reader->index[column] = reader->columns;
         }
@@ -204,10 +204,10 @@ static enum wearer_error read_header(struct reader *reader)
         const char *name = column_name(reader->format, column);
         if (name[0] != '\0' && reader->index[column] == ABSENT) {
             (void)snprintf(what, sizeof what, "no column named '%s'", name);
-            return fail_at(reader, WEARER_BAD_HEADER, ABSENT, what);
+            return fail_at(reader, RECORDING_BAD_HEADER, ABSENT, what);
         }
     }
-    return WEARER_OK;
+    return RECORDING_OK;
 }
 
 static bool is_contact(int column)
@@ -215,8 +215,8 @@ static bool is_contact(int column)
     return column == CONTACT_L || column == CONTACT_R;
 }
 
-static enum wearer_error read_value(const struct reader *reader, struct field field, int column,
-                                    long place, double *value)
+static enum recording_error read_value(const struct reader *reader, struct field field, int column,
+                                       long place, double *value)
 {
     char text[SHOWN_CHARACTERS], what[SHOWN_CHARACTERS + 80];
     char *end;
@@ -236,13 +236,13 @@ static enum wearer_error read_value(const struct reader *reader, struct field fi
         wrong = "is not an angle (-180 to 180 degrees)";
     }
     if (wrong == NULL) {
-        return WEARER_OK;
+        return RECORDING_OK;
     }
     (void)snprintf(what, sizeof what, "'%s' %s", text, wrong);
-    return fail_at(reader, WEARER_BAD_VALUE, place, what);
+    return fail_at(reader, RECORDING_BAD_VALUE, place, what);
 }
 
-static enum wearer_error read_row(struct reader *reader, double values[COLUMN_COUNT])
+static enum recording_error read_row(struct reader *reader, double values[COLUMN_COUNT])
 {
     bool more = true;
     long place = 0;
@@ -252,9 +252,9 @@ static enum wearer_error read_row(struct reader *reader, double values[COLUMN_CO
             if (reader->index[column] != place) {
                 continue;
             }
-            const enum wearer_error error =
+            const enum recording_error error =
                 read_value(reader, field, column, place, &values[column]);
-            if (error != WEARER_OK) {
+            if (error != RECORDING_OK) {
                 return error;
             }
         }
@@ -263,56 +263,58 @@ static enum wearer_error read_row(struct reader *reader, double values[COLUMN_CO
         char what[80];
         (void)snprintf(what, sizeof what, "%ld columns where the header has %ld", place,
                        reader->columns);
-        return fail_at(reader, WEARER_BAD_ROW, ABSENT, what);
+        return fail_at(reader, RECORDING_BAD_ROW, ABSENT, what);
     }
-    return WEARER_OK;
+    return RECORDING_OK;
 }
 
-static enum wearer_error make_room(struct reader *reader)
+static enum recording_error make_room(struct reader *reader)
 {
-    struct wearer *wearer = reader->wearer;
-    if (wearer->count < reader->capacity) {
-        return WEARER_OK;
+    struct recording *recording = reader->recording;
+    if (recording->count < reader->capacity) {
+        return RECORDING_OK;
     }
     const size_t wanted = reader->capacity == 0 ? 4096 : 2 * reader->capacity;
-    struct wearer_sample *grown =
-        wanted > SIZE_MAX / sizeof *grown ? NULL : realloc(wearer->samples, wanted * sizeof *grown);
+    struct recording_sample *grown = wanted > SIZE_MAX / sizeof *grown
+                                         ? NULL
+                                         : realloc(recording->samples, wanted * sizeof *grown);
     if (grown == NULL) {
-        return fail_at(reader, WEARER_NO_MEMORY, ABSENT, "not enough memory");
+        return fail_at(reader, RECORDING_NO_MEMORY, ABSENT, "not enough memory");
     }
-    wearer->samples = grown;
+    recording->samples = grown;
     reader->capacity = wanted;
-    return WEARER_OK;
+    return RECORDING_OK;
 }
 
 /* Time since the first row; *origin_s is that row's own. */
-static enum wearer_error row_time(struct reader *reader, const double values[COLUMN_COUNT],
-                                  double *origin_s, double *time_s)
+static enum recording_error row_time(struct reader *reader, const double values[COLUMN_COUNT],
+                                     double *origin_s, double *time_s)
 {
-    const struct wearer *wearer = reader->wearer;
+    const struct recording *recording = reader->recording;
     if (reader->index[TIME] == ABSENT) {
-        *time_s = (double)wearer->count / reader->format->sample_rate_hz;
-        return WEARER_OK;
+        *time_s = (double)recording->count / reader->format->sample_rate_hz;
+        return RECORDING_OK;
     }
-    if (wearer->count == 0) {
+    if (recording->count == 0) {
         *origin_s = values[TIME];
     }
     *time_s = values[TIME] - *origin_s;
-    if (wearer->count > 0) {
-        const double gap_s = *time_s - wearer->samples[wearer->count - 1].time_s;
+    if (recording->count > 0) {
+        const double gap_s = *time_s - recording->samples[recording->count - 1].time_s;
         if (!(gap_s > 0.0)) {
-            return fail_at(reader, WEARER_BAD_TIME, reader->index[TIME], "time does not ascend");
+            return fail_at(reader, RECORDING_BAD_TIME, reader->index[TIME], "time does not ascend");
         }
         if (gap_s > reader->format->largest_gap_s) {
-            return fail_at(reader, WEARER_BAD_TIME, reader->index[TIME],
+            return fail_at(reader, RECORDING_BAD_TIME, reader->index[TIME],
                            "too long a gap since the row before");
         }
     }
-    return WEARER_OK;
+    return RECORDING_OK;
 }
 
-static enum wearer_error fill_sample(const struct reader *reader, const double values[COLUMN_COUNT],
-                                     struct wearer_sample *sample)
+static enum recording_error fill_sample(const struct reader *reader,
+                                        const double values[COLUMN_COUNT],
+                                        struct recording_sample *sample)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         const double unit_rad = reader->format->angle_unit_rad;
@@ -320,7 +322,7 @@ static enum wearer_error fill_sample(const struct reader *reader, const double v
         const double shank_rad = values[SHANK_L + side] * unit_rad;
         const double knee_rad = thigh_rad - shank_rad;
         if (!(knee_rad > -HALF_TURN_RAD && knee_rad < HALF_TURN_RAD)) {
-            return fail_at(reader, WEARER_BAD_VALUE, reader->index[SHANK_L + side],
+            return fail_at(reader, RECORDING_BAD_VALUE, reader->index[SHANK_L + side],
                            "thigh and shank point in opposite directions: no leg pitch");
         }
         /* The sum of two unit vectors points half way between them: this is
@@ -334,69 +336,69 @@ static enum wearer_error fill_sample(const struct reader *reader, const double v
         sample->ankle_m[side] = has_ankle && lifted_m > 0.0 ? lifted_m : 0.0;
         sample->contact[side] = values[CONTACT_L + side] != 0.0;
     }
-    return WEARER_OK;
+    return RECORDING_OK;
 }
 
-static enum wearer_error read_rows(struct reader *reader)
+static enum recording_error read_rows(struct reader *reader)
 {
     double origin_s = 0.0;
     while (next_line(reader)) {
         double values[COLUMN_COUNT] = {0.0};
-        struct wearer_sample sample = {0};
-        enum wearer_error error = make_room(reader);
-        if (error == WEARER_OK) {
+        struct recording_sample sample = {0};
+        enum recording_error error = make_room(reader);
+        if (error == RECORDING_OK) {
             error = read_row(reader, values);
         }
-        if (error == WEARER_OK) {
+        if (error == RECORDING_OK) {
             error = row_time(reader, values, &origin_s, &sample.time_s);
         }
-        if (error == WEARER_OK) {
+        if (error == RECORDING_OK) {
             error = fill_sample(reader, values, &sample);
         }
-        if (error != WEARER_OK) {
+        if (error != RECORDING_OK) {
             return error;
         }
-        reader->wearer->samples[reader->wearer->count++] = sample;
+        reader->recording->samples[reader->recording->count++] = sample;
     }
-    reader->wearer->start_s = origin_s;
+    reader->recording->start_s = origin_s;
     /* A zero byte ends the text early: not a text file. */
     if (reader->at != reader->text + reader->bytes) {
-        return fail_at(reader, WEARER_BAD_VALUE, ABSENT, "a zero byte: this is not a text file");
+        return fail_at(reader, RECORDING_BAD_VALUE, ABSENT, "a zero byte: this is not a text file");
     }
-    if (reader->wearer->count < 2) {
-        return fail_at(reader, WEARER_TOO_SHORT, ABSENT, "fewer than two rows of data");
+    if (reader->recording->count < 2) {
+        return fail_at(reader, RECORDING_TOO_SHORT, ABSENT, "fewer than two rows of data");
     }
-    return WEARER_OK;
+    return RECORDING_OK;
 }
 
-enum wearer_error wearer_load(struct wearer *wearer, const char *path,
-                              const struct wearer_format *format, char *message)
+enum recording_error recording_load(struct recording *recording, const char *path,
+                                    const struct recording_format *format, char *message)
 {
     struct reader reader = {
-        .path = path, .format = format, .line = 1, .wearer = wearer, .message = message};
-    *wearer = (struct wearer){0};
+        .path = path, .format = format, .line = 1, .recording = recording, .message = message};
+    *recording = (struct recording){0};
     message[0] = '\0';
-    enum wearer_error error = check_format(format, message);
-    if (error == WEARER_OK) {
+    enum recording_error error = check_format(format, message);
+    if (error == RECORDING_OK) {
         error = read_file(&reader);
     }
-    if (error == WEARER_OK) {
+    if (error == RECORDING_OK) {
         reader.at = reader.text;
         error = read_header(&reader);
     }
-    if (error == WEARER_OK) {
+    if (error == RECORDING_OK) {
         error = read_rows(&reader);
     }
-    wearer->has_contact = reader.index[CONTACT_L] != ABSENT && reader.index[CONTACT_R] != ABSENT;
+    recording->has_contact = reader.index[CONTACT_L] != ABSENT && reader.index[CONTACT_R] != ABSENT;
     free(reader.text);
-    if (error != WEARER_OK) {
-        wearer_free(wearer);
+    if (error != RECORDING_OK) {
+        recording_free(recording);
     }
     return error;
 }
 
-void wearer_free(struct wearer *wearer)
+void recording_free(struct recording *recording)
 {
-    free(wearer->samples);
-    *wearer = (struct wearer){0};
+    free(recording->samples);
+    *recording = (struct recording){0};
 }

@@ -7,7 +7,7 @@ static const double INTERPOLATION_S = 0.001;
 static const double SPEED_FILTER = 0.3;
 
 /* Speed the position loop may ask for, in limits of the reference's. */
-static const double LOOP_SPEED_SHARE = 1.1;
+static const double LOOP_SPEED_RATIO = 1.1;
 
 static double clamp(double x, double low, double high)
 {
@@ -180,8 +180,8 @@ static double loop_force_N(struct sea *sea)
     /* The same as a cascade: the position loop asks for a speed, and that has its limit, so
      * that a motor far off (it had no force for a while) does not rush. */
     const double asked_m_s = sea->reference_speed_m_s + stiffness * off_m / damping;
-    if (magnitude(asked_m_s) > LOOP_SPEED_SHARE * p->speed_limit_m_s) {
-        const double limit_m_s = LOOP_SPEED_SHARE * p->speed_limit_m_s;
+    if (magnitude(asked_m_s) > LOOP_SPEED_RATIO * p->speed_limit_m_s) {
+        const double limit_m_s = LOOP_SPEED_RATIO * p->speed_limit_m_s;
         direct_N = damping * (clamp(asked_m_s, -limit_m_s, limit_m_s) - sea->measured_speed_m_s);
     }
     const double wanted_N = direct_N + sea->integral_N;

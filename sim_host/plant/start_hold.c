@@ -4,9 +4,9 @@
 
 #include "sim_host/plant/range.h"
 
-void support_params_default(double leg_length_m, struct support_params *params)
+void start_hold_params_default(double leg_length_m, struct start_hold_params *params)
 {
-    *params = (struct support_params){
+    *params = (struct start_hold_params){
         .release_tick = 1000,
         .release_grid_ticks = 100,
         .settle_ticks = 20,
@@ -17,7 +17,7 @@ void support_params_default(double leg_length_m, struct support_params *params)
     };
 }
 
-const char *support_params_check(const struct support_params *params)
+const char *start_hold_params_check(const struct start_hold_params *params)
 {
     const struct range ranges[] = {
         {"release_grid_ticks", (double)params->release_grid_ticks, 1.0, 1e6},
@@ -29,9 +29,9 @@ const char *support_params_check(const struct support_params *params)
     return range_first_bad(ranges, sizeof ranges / sizeof ranges[0]);
 }
 
-void support_init(struct support *support, const struct support_params *params)
+void start_hold_init(struct start_hold *support, const struct start_hold_params *params)
 {
-    *support = (struct support){
+    *support = (struct start_hold){
         .params = *params, .holding = true, .grid_origin_tick = params->release_tick};
 }
 
@@ -41,7 +41,7 @@ static double magnitude(double x)
 }
 
 /* The stance spring stands loaded where its drive was told to. */
-static bool is_settled(const struct support_params *params, const struct support_view *view)
+static bool is_settled(const struct start_hold_params *params, const struct start_hold_view *view)
 {
     /* Still enough not to leave the tolerance within a tenth of a second. */
     return view->drives_enabled && view->stance_target_m >= params->least_load_m &&
@@ -50,35 +50,35 @@ static bool is_settled(const struct support_params *params, const struct support
            magnitude(view->stance_speed_m_s) <= 10.0 * params->position_tolerance_m;
 }
 
-static enum support_action hold(struct support *support, uint64_t tick,
-                                const struct support_view *view)
+static enum start_hold_action hold(struct start_hold *support, uint64_t tick,
+                                   const struct start_hold_view *view)
 {
-    const struct support_params *params = &support->params;
+    const struct start_hold_params *params = &support->params;
     if (!is_settled(params, view)) {
         support->settled_ticks = 0;
-        return SUPPORT_NONE;
+        return START_HOLD_NONE;
     }
     if (support->settled_ticks < params->settle_ticks) {
         support->settled_ticks++;
-        return SUPPORT_NONE;
+        return START_HOLD_NONE;
     }
     if (tick < support->grid_origin_tick ||
         (tick - support->grid_origin_tick) % params->release_grid_ticks != 0) {
-        return SUPPORT_NONE;
+        return START_HOLD_NONE;
     }
     support->holding = false;
-    return SUPPORT_LET_GO;
+    return START_HOLD_LET_GO;
 }
 
-enum support_action support_tick(struct support *support, uint64_t tick,
-                                 const struct support_view *view)
+enum start_hold_action start_hold_tick(struct start_hold *support, uint64_t tick,
+                                       const struct start_hold_view *view)
 {
     if (support->holding) {
         return hold(support, tick, view);
     }
     if (!view->fault) {
         support->fallen = false;
-        return SUPPORT_NONE;
+        return START_HOLD_NONE;
     }
     if (!support->fallen) {
         support->fallen = true;
@@ -86,10 +86,10 @@ enum support_action support_tick(struct support *support, uint64_t tick,
     }
     if (!support->params.hold_after_fall ||
         tick - support->fallen_since_tick < support->params.fall_ticks) {
-        return SUPPORT_NONE;
+        return START_HOLD_NONE;
     }
     support->holding = true;
     support->fallen = false;
     support->settled_ticks = 0;
-    return SUPPORT_TAKE_HOLD;
+    return START_HOLD_TAKE_HOLD;
 }

@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-struct support_params {
+struct start_hold_params {
     uint64_t release_tick;       /* earliest tick to let go at; default 1000 */
     uint32_t release_grid_ticks; /* >= 1; default 100 */
     uint32_t settle_ticks;       /* loaded and still for so long; default 20 */
@@ -23,8 +23,8 @@ struct support_params {
     uint32_t fall_ticks;         /* lies so long before the hand lifts it; default 500 */
 };
 
-struct support {
-    struct support_params params;
+struct start_hold {
+    struct start_hold_params params;
     bool holding;
     uint32_t settled_ticks;
     uint64_t grid_origin_tick;
@@ -33,7 +33,7 @@ struct support {
 };
 
 /* What the hand looks at, once per SYNC. */
-struct support_view {
+struct start_hold_view {
     bool drives_enabled;      /* both in position mode */
     double stance_position_m; /* reported */
     double stance_target_m;
@@ -41,14 +41,14 @@ struct support_view {
     bool fault; /* the walker has fallen or is otherwise lost */
 };
 
-enum support_action { SUPPORT_NONE = 0, SUPPORT_LET_GO = 1, SUPPORT_TAKE_HOLD = 2 };
+enum start_hold_action { START_HOLD_NONE = 0, START_HOLD_LET_GO = 1, START_HOLD_TAKE_HOLD = 2 };
 
-void support_params_default(double leg_length_m, struct support_params *params);
-const char *support_params_check(const struct support_params *params);
+void start_hold_params_default(double leg_length_m, struct start_hold_params *params);
+const char *start_hold_params_check(const struct start_hold_params *params);
 /* Begins holding. */
-void support_init(struct support *support, const struct support_params *params);
+void start_hold_init(struct start_hold *support, const struct start_hold_params *params);
 /* One SYNC. LET_GO and TAKE_HOLD are told once each. */
-enum support_action support_tick(struct support *support, uint64_t tick,
-                                 const struct support_view *view);
+enum start_hold_action start_hold_tick(struct start_hold *support, uint64_t tick,
+                                       const struct start_hold_view *view);
 
 #endif

@@ -240,7 +240,7 @@ static void finish_period(struct walk_run *run)
 
 /* A foot that carries less than this share of the weight may slide unnoticed: as it
  * leaves the ground the quotient of its two vanishing forces means nothing. */
-static const double CARRYING_SHARE = 0.05;
+static const double CARRYING_RATIO = 0.05;
 
 /* What each step's record says about the ground. */
 static void watch_ground(struct walk *walk, const struct sea sea[SIDE_COUNT])
@@ -262,7 +262,7 @@ static void watch_ground(struct walk *walk, const struct sea sea[SIDE_COUNT])
         if (step->least_normal_force_N == 0.0 || normal_N < step->least_normal_force_N) {
             step->least_normal_force_N = normal_N;
         }
-        if (normal_N < CARRYING_SHARE * weight_N) {
+        if (normal_N < CARRYING_RATIO * weight_N) {
             continue;
         }
         if (along_N > step->friction_needed * normal_N) {

@@ -7,10 +7,10 @@ static const double PI = 3.14159265358979323846;
 
 /* A foot counts as ahead from this share of the leg on: where the legs pass each
  * other the toe's height is zero whatever the walk does. */
-static const double AHEAD_SHARE = 1e-3;
+static const double AHEAD_RATIO = 1e-3;
 
 /* The stance foot may be so far (share of the leg) off the ground before it is flight. */
-static const double FLIGHT_SHARE = 0.02;
+static const double FLIGHT_RATIO = 0.02;
 
 /* Bisections of one drive period reach the last bit within 60. */
 enum { ROOT_ITERATIONS = 80 };
@@ -166,7 +166,7 @@ static bool may_strike(const struct walk_run *run, const struct walker3_state *n
         return false;
     }
     walk_toe_gap(walk, next, swing_extension_at(run, tau_s), &gap_m, &ahead_m);
-    return gap_m <= 0.0 && ahead_m > AHEAD_SHARE * walk->params.body.leg_length_m;
+    return gap_m <= 0.0 && ahead_m > AHEAD_RATIO * walk->params.body.leg_length_m;
 }
 
 static enum happening first_event(struct walk_run *run, const struct walker3_ankle *ankle,
@@ -292,7 +292,7 @@ static void judge(struct walk_run *run, double legs_before_rad)
             walk_fail(walk, WALK_FAULT_TRIPPED);
         } else if (sea->latch != SEA_LATCH_CLOSED && !walk->contact.ankle_locked &&
                    state->q[WALKER3_ANKLE] - sea_position_at_m(sea, run->tau_s) >
-                       FLIGHT_SHARE * length_m) {
+                       FLIGHT_RATIO * length_m) {
             walk_fail(walk, WALK_FAULT_FLIGHT);
         }
     }

@@ -159,7 +159,7 @@ static double pass_s(const struct batch_job *job, int threads, double *processor
 static void report_cores(const struct bench_rows *rows)
 {
     enum { PASSES = 1000, STRIDES = 2 };
-    const int cores = pieces_threads(0);
+    const int cores = parallel_for_threads(0);
     static struct batch_item items[BENCH_MAX_ROWS * REPEATS];
     const struct batch_job job = {.walkers = &rows->row[0].walker,
                                   .walker_count = 1,

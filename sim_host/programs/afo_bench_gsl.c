@@ -44,7 +44,7 @@ static int land(struct gsl *gsl, int which, enum bench_phase phase, double step,
     gsl_odeiv2_system *system = &gsl->system[which];
     double before[4], after[4] = {0.0}, slope[4] = {0.0}, error[4];
     memcpy(before, state, sizeof(double) * system->dimension);
-    const double rest = phase == PHASE_PUSH_OFF ? gsl->support.spring_rest_m : 0.0;
+    const double rest = phase == PHASE_PUSH_OFF ? gsl->start_hold.spring_rest_m : 0.0;
     double t = 0.5 * step;
     for (int i = 0; i < LANDINGS; i++) {
         memcpy(after, before, sizeof(double) * system->dimension);
@@ -54,8 +54,8 @@ static int land(struct gsl *gsl, int which, enum bench_phase phase, double step,
             return 0;
         }
         system->function(0.0, after, slope, system->params);
-        const double rate = bench_event(phase, &gsl->support, slope) - rest;
-        const double change = bench_event(phase, &gsl->support, after) / rate;
+        const double rate = bench_event(phase, &gsl->start_hold, slope) - rest;
+        const double change = bench_event(phase, &gsl->start_hold, after) / rate;
         t -= change;
         if (real_abs(change) < 1e-14) {
             break;
@@ -84,8 +84,8 @@ static int run_phase(void *solver, enum bench_phase phase, double tolerance, dou
                                     state) != GSL_SUCCESS) {
             break;
         }
-        if (bench_event(phase, &gsl->support, before) > 0.0 &&
-            bench_event(phase, &gsl->support, state) <= 0.0) {
+        if (bench_event(phase, &gsl->start_hold, before) > 0.0 &&
+            bench_event(phase, &gsl->start_hold, state) <= 0.0) {
             memcpy(state, before, bytes);
             done = land(gsl, which, phase, t - from, state);
         }
@@ -102,12 +102,12 @@ int main(int argc, char **argv)
         return EXIT_FAILURE;
     }
     gsl.system[0] = (gsl_odeiv2_system){single_rates, NULL, 4, &gsl.walker};
-    gsl.system[1] = (gsl_odeiv2_system){double_rates, NULL, 2, &gsl.support};
+    gsl.system[1] = (gsl_odeiv2_system){double_rates, NULL, 2, &gsl.start_hold};
     for (int i = 0; i < 2; i++) {
         gsl.step[i] = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, gsl.system[i].dimension);
         gsl.evolve[i] = gsl_odeiv2_evolve_alloc(gsl.system[i].dimension);
     }
-    struct bench_solver solver = {run_phase, &gsl, &gsl.walker, &gsl.support};
+    struct bench_solver solver = {run_phase, &gsl, &gsl.walker, &gsl.start_hold};
     double tolerance = 1e-4;
     for (int rung = 0; rung < 22; rung++) {
         bench_measure("GSL rk8pd", &rows, bench_solve, &solver, tolerance, 1);

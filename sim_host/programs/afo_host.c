@@ -53,7 +53,7 @@ struct host {
     double speed_rad_s;
     struct socketcan_bus socket, operator_socket;
     struct operator_line operator_line;
-    struct task_rig rig;
+    struct host_task rig;
     struct bus_recorder recorder;
     struct black_box black_box; /* read it with afo-blackbox */
     bool identity_told;         /* asked for over the bus, for the log's sake */
@@ -76,7 +76,7 @@ static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "Time:", 3},
     {"real-time", 'r', 0, 0,
      "SYNC every millisecond by the clock (default: lock-step, as fast as the nodes answer)", 0},
-    {"patience", KEY_PATIENCE, "MS", 0,
+    {"answer-timeout", KEY_PATIENCE, "MS", 0,
      "lock-step: an answer that takes longer is lost, and the walk goes on without it "
      "(default 1000)",
      0},
@@ -98,7 +98,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->real_time = true;
         break;
     case KEY_PATIENCE:
-        options->patience_ns = option_whole(state, "--patience", text, 1, 600000) * 1000000u;
+        options->patience_ns = option_whole(state, "--answer-timeout", text, 1, 600000) * 1000000u;
         break;
     case KEY_AUTO_RESET:
         options->auto_reset = true;
@@ -440,8 +440,8 @@ int main(int argc, char **argv)
     if (open_bus(&host) != 0) {
         return EXIT_USAGE;
     }
-    if (task_rig_init(&host.rig, &host.subject, &host.params, recorded_bus(&host), host.speed_rad_s,
-                      true) != CONTROL_PARAMS_OK) {
+    if (host_task_init(&host.rig, &host.subject, &host.params, recorded_bus(&host),
+                       host.speed_rad_s, true) != CONTROL_PARAMS_OK) {
         fprintf(stderr, "afo-host: the control task refuses these parameters\n");
         close_bus(&host);
         return EXIT_USAGE;

@@ -97,11 +97,11 @@ static int prepare(struct session *session)
         return complain(message);
     }
     sensor_options_apply(&options->sensor, &session->config);
-    if (options->wearer_path != NULL) {
-        struct wearer_format format;
-        wearer_format_default(&format);
-        if (wearer_options_apply(options->wearer_path, &format, options->walk.open_loop,
-                                 &session->config, message) != 0) {
+    if (options->recording_path != NULL) {
+        struct recording_format format;
+        recording_format_default(&format);
+        if (recording_options_apply(options->recording_path, &format, options->walk.open_loop,
+                                    &session->config, message) != 0) {
             return complain(message);
         }
     }
@@ -163,7 +163,7 @@ static void tick(struct session *session)
 static bool recording_is_over(const struct session *session)
 {
     struct plant_truth truth;
-    if (session->options.wearer_path == NULL) {
+    if (session->options.recording_path == NULL) {
         return false;
     }
     plant_truth(&session->loop->nodes.plant, &truth);

@@ -22,7 +22,7 @@ enum { KEY_OTHERS = 0x600 };
 
 static const struct argp_option option_list[] = {
     {"quiet", 'q', 0, 0, "say nothing when all is equal", 2},
-    {"others", KEY_OTHERS, 0, 0,
+    {"foreign-nodes", KEY_OTHERS, 0, 0,
      "other nodes spoke with identifiers of the controller (a tool's SDO requests, NMT): what it does not hear itself "
      "is theirs",
      2},
@@ -61,7 +61,7 @@ static int report_unheard(const struct replay *replay, const char *path)
 {
     printf(
         "%s: %s; %llu such frame%s in all that the controller does not hear itself: its own, or another node's "
-        "(then say --others)\n",
+        "(then say --foreign-nodes)\n",
         path, replay->unheard_message, (unsigned long long)replay->unheard_frames,
         replay->unheard_frames == 1 ? "" : "s");
     return EXIT_DIFFERS;

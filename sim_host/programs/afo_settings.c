@@ -19,7 +19,7 @@ struct options {
 enum { KEY_WALK_AT_START = 0x200 };
 
 static const struct argp_option option_list[] = {
-    {"walk-at-start", KEY_WALK_AT_START, 0, 0,
+    {"autostart", KEY_WALK_AT_START, 0, 0,
      "assist without being asked over the bus (on a bench only)", 2},
     {0}};
 
@@ -65,7 +65,7 @@ static const struct can_bus_ops no_bus = {.send = no_frames, .recover = no_recov
 
 static int write_settings(const struct options *options)
 {
-    static struct task_rig rig;
+    static struct host_task rig;
     static uint8_t image[SETTINGS_IMAGE_BYTES];
     static struct output_file out;
     struct settings settings;
@@ -79,8 +79,8 @@ static int write_settings(const struct options *options)
         return EXIT_USAGE;
     }
     if (subject.protocol != DRIVE_PROTOCOL_CIA402 ||
-        task_rig_init(&rig, &subject, &params, (struct can_bus){&no_bus, NULL}, speed_rad_s,
-                      false) != CONTROL_PARAMS_OK) {
+        host_task_init(&rig, &subject, &params, (struct can_bus){&no_bus, NULL}, speed_rad_s,
+                       false) != CONTROL_PARAMS_OK) {
         fprintf(stderr, "afo-settings: the firmware speaks to CiA 402 drives only\n");
         return EXIT_USAGE;
     }

@@ -76,14 +76,14 @@ static int prepare(struct session *session)
     }
     sensor_options_apply(&options->sensor, &session->config);
     if (options->engage_steps > 0) {
-        loop_configure_wearer(&session->config, options->engage_steps);
+        loop_configure_recording(&session->config, options->engage_steps);
     }
     ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
-    if (options->wearer_path != NULL &&
-        wearer_options_apply(options->wearer_path, &options->wearer_format, options->walk.open_loop,
-                             &session->config, message) != 0) {
+    if (options->recording_path != NULL &&
+        recording_options_apply(options->recording_path, &options->recording_format,
+                                options->walk.open_loop, &session->config, message) != 0) {
         complain(message);
         return -1;
     }
@@ -146,7 +146,7 @@ static bool is_over(struct session *session, uint64_t last_progress_tick)
          loop->tick - last_progress_tick > RECORD_DELAY_TICKS)) {
         return true;
     }
-    if (session->options.wearer_path != NULL) { /* may stand still as long as they like */
+    if (session->options.recording_path != NULL) { /* may stand still as long as they like */
         struct plant_truth truth;
         plant_truth(&loop->nodes.plant, &truth);
         return truth.finished;
@@ -332,10 +332,10 @@ static int run(struct session *session)
     }
     session->loop = (struct loop *)malloc(sizeof *session->loop);
     const uint32_t rows =
-        session->options.wearer_path != NULL ? 1000000 : session->options.steps + 2;
+        session->options.recording_path != NULL ? 1000000 : session->options.steps + 2;
     const double origin_s =
-        session->options.wearer_path != NULL
-            ? (double)session->config.plant.wearer_start_tick * session->config.plant.tick_s
+        session->options.recording_path != NULL
+            ? (double)session->config.plant.recording_start_tick * session->config.plant.tick_s
             : 0.0;
     if (session->loop == NULL || !walk_record_init(&session->record, rows, origin_s)) {
         complain("out of memory");
@@ -348,10 +348,10 @@ static int run(struct session *session)
         complain(message);
         return EXIT_USAGE;
     }
-    if (session->options.wearer_path != NULL) {
-        const struct wearer *wearer = &session->loop->nodes.plant.wearer;
-        session->record.gait.origin_s -= wearer->start_s; /* as the file counts */
-        if (wearer_span_rad(wearer) < LEAST_SPAN_RAD) {
+    if (session->options.recording_path != NULL) {
+        const struct recording *recording = &session->loop->nodes.plant.recording;
+        session->record.gait.origin_s -= recording->start_s; /* as the file counts */
+        if (recording_span_rad(recording) < LEAST_SPAN_RAD) {
             complain("the recorded legs move by less than 3 degrees: are the angles in radians "
                      "(--angles rad)?");
         }

@@ -70,7 +70,7 @@ static error_t take(int key, char *text, struct argp_state *state)
             options->spoil = strcmp(text, spoil_names[i]) == 0 ? (enum spoil)i : options->spoil;
         }
         if (options->spoil == SPOIL_NOTHING) {
-            argp_error(state, "--spoil: \"%s\" is none of leak, wrap, stuck, clock, stop", text);
+            argp_error(state, "--inject: \"%s\" is none of leak, wrap, stuck, clock, stop", text);
         }
         break;
     case ARGP_KEY_ARG:
@@ -95,7 +95,7 @@ static int set_up(struct soak *soak, const struct options *options)
         fprintf(stderr, "afo-soak: %s\n", message);
         return -1;
     }
-    config.plant.support.hold_after_fall = true;
+    config.plant.start_hold.hold_after_fall = true;
     if (loop_init(&soak->loop, &config, NULL, message) != 0) {
         fprintf(stderr, "afo-soak: %s\n", message);
         return -1;
@@ -276,7 +276,7 @@ int main(int argc, char **argv)
     static const struct argp_option option_list[] = {
         {"ticks", KEY_TICKS, "N", 0, "control ticks to walk (default 100000000: 28 hours)", 0},
         {"seed", KEY_SEED, "N", 0, "seed of commands and disturbances (default 1)", 0},
-        {"spoil", KEY_SPOIL, "WHAT", 0,
+        {"inject", KEY_SPOIL, "WHAT", 0,
          "make something ill, to see it noticed: leak, wrap, stuck, clock or stop", 0},
         {0}};
     static const struct argp parser = {

@@ -191,7 +191,7 @@ static int prepare(struct session *session)
         complain(message);
         return -1;
     }
-    session->config.plant.support.hold_after_fall = true;
+    session->config.plant.start_hold.hold_after_fall = true;
     const int error = socketcan_bus_open(&session->bus, options->bus.interface, NULL, 0, false);
     if (error != 0) {
         bus_program_no_interface("afo-walker", options->bus.interface, error);

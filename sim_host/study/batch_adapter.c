@@ -1,6 +1,6 @@
 #include "sim_host/study/batch_adapter.h"
 
-struct batch_walker engine_walker(const struct walker_params *params)
+struct batch_walker batch_adapter_walker(const struct walker_params *params)
 {
     const struct batch_walker walker = {params->hip_mass_kg, params->leg_mass_kg,
                                         params->leg_length_m, params->ankle_stiffness_N_m,
@@ -8,13 +8,13 @@ struct batch_walker engine_walker(const struct walker_params *params)
     return walker;
 }
 
-void engine_push(const struct problem *problem, struct batch_item *item)
+void batch_adapter_push(const struct problem *problem, struct batch_item *item)
 {
     item->push_m = problem_push_off(problem, item->apex[0]);
 }
 
-void engine_by_apex(const struct problem *problem, const struct batch_slopes *slopes,
-                    double by_x[3][3])
+void batch_adapter_by_apex(const struct problem *problem, const struct batch_slopes *slopes,
+                           double by_x[3][3])
 {
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {

@@ -8,13 +8,13 @@
 #define ENGINE_ACCURACY 1e-11   /* of an apex, as that of the scalar map's accurate settings */
 #define ENGINE_LEAVE_ALONE (-1) /* an item's fault before it starts: the engine passes it over */
 
-struct batch_walker engine_walker(const struct walker_params *params);
+struct batch_walker batch_adapter_walker(const struct walker_params *params);
 
 /* Writes the push-off of the problem's law at the item's apex into the item. */
-void engine_push(const struct problem *problem, struct batch_item *item);
+void batch_adapter_push(const struct problem *problem, struct batch_item *item);
 
 /* The derivative of the next apex by the apex with the problem's law, from the engine's by apex and push-off. */
-void engine_by_apex(const struct problem *problem, const struct batch_slopes *slopes,
-                    double by_x[3][3]);
+void batch_adapter_by_apex(const struct problem *problem, const struct batch_slopes *slopes,
+                           double by_x[3][3]);
 
 #endif

@@ -2,12 +2,12 @@
 
 static bool is_pressed(void *context)
 {
-    return ((const struct task_rig *)context)->stop_pressed;
+    return ((const struct host_task *)context)->stop_pressed;
 }
 
 static const struct emergency_stop_ops stop_ops = {is_pressed};
 
-static struct sea_drives init_cia402(struct task_rig *rig, const struct subject *subject)
+static struct sea_drives init_cia402(struct host_task *rig, const struct subject *subject)
 {
     struct cia402_axis_config axes[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
@@ -22,7 +22,7 @@ static struct sea_drives init_cia402(struct task_rig *rig, const struct subject 
     return cia402_drives_interface(&rig->cia402);
 }
 
-static struct sea_drives init_cansimple(struct task_rig *rig, const struct subject *subject)
+static struct sea_drives init_cansimple(struct host_task *rig, const struct subject *subject)
 {
     struct cansimple_axis_config axes[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
@@ -34,7 +34,7 @@ static struct sea_drives init_cansimple(struct task_rig *rig, const struct subje
     return cansimple_drives_interface(&rig->cansimple);
 }
 
-static struct sea_drives init_mit(struct task_rig *rig, const struct subject *subject)
+static struct sea_drives init_mit(struct host_task *rig, const struct subject *subject)
 {
     struct mit_axis_config axes[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
@@ -55,7 +55,7 @@ static struct sea_drives init_mit(struct task_rig *rig, const struct subject *su
     return mit_drives_interface(&rig->mit);
 }
 
-static struct sea_drives init_drives(struct task_rig *rig, const struct subject *subject)
+static struct sea_drives init_drives(struct host_task *rig, const struct subject *subject)
 {
     switch (subject->protocol) {
     case DRIVE_PROTOCOL_CANSIMPLE:
@@ -67,11 +67,11 @@ static struct sea_drives init_drives(struct task_rig *rig, const struct subject 
     }
 }
 
-int task_rig_init(struct task_rig *rig, const struct subject *subject,
-                  const struct control_params *params, struct can_bus bus,
-                  double desired_speed_rad_s, bool walk_requested)
+int host_task_init(struct host_task *rig, const struct subject *subject,
+                   const struct control_params *params, struct can_bus bus,
+                   double desired_speed_rad_s, bool walk_requested)
 {
-    *rig = (struct task_rig){.params = *params};
+    *rig = (struct host_task){.params = *params};
     struct control_task_config config = {
         .params = &rig->params,
         .bus = bus,

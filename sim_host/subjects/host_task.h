@@ -10,7 +10,7 @@
 #include "hal/devices/sea_drive_mit.h"
 #include "sim_host/subjects/subject.h"
 
-struct task_rig {
+struct host_task {
     struct control_params params;
     struct cia402_drives cia402; /* one of the three speaks, the subject says which */
     struct cansimple_drives cansimple;
@@ -22,8 +22,8 @@ struct task_rig {
 /* Sets up the task for a subject on a bus; the bus's context must outlive the
  * rig. Do not move the rig afterwards. Returns CONTROL_PARAMS_OK, or what
  * control_task_init says. */
-int task_rig_init(struct task_rig *rig, const struct subject *subject,
-                  const struct control_params *params, struct can_bus bus,
-                  double desired_speed_rad_s, bool walk_requested);
+int host_task_init(struct host_task *rig, const struct subject *subject,
+                   const struct control_params *params, struct can_bus bus,
+                   double desired_speed_rad_s, bool walk_requested);
 
 #endif

@@ -4,7 +4,7 @@
 
 const struct law_name law_names[] = {
     {"proportional", LAW_PROPORTIONAL}, {"open-loop", LAW_OPEN_LOOP},   {"dlqr", LAW_DLQR},
-    {"deadbeat", LAW_DEADBEAT},         {"predictive", LAW_PREDICTIVE}, {"wearer", LAW_WEARER},
+    {"deadbeat", LAW_DEADBEAT},         {"predictive", LAW_PREDICTIVE}, {"recording", LAW_PERSON},
     {NULL, LAW_PROPORTIONAL},
 };
 
@@ -31,5 +31,5 @@ const char *law_name_of(enum law_mode law)
 
 const char *law_names_allowed(void)
 {
-    return "proportional, open-loop, dlqr, deadbeat, predictive or wearer";
+    return "proportional, open-loop, dlqr, deadbeat, predictive or person";
 }

@@ -4,7 +4,7 @@
 
 #include "hal/storage/param_store.h"
 
-void settings_of_rig(struct settings *settings, const struct task_rig *rig,
+void settings_of_rig(struct settings *settings, const struct host_task *rig,
                      double desired_speed_rad_s, bool walk_at_start)
 {
     const struct control_task_config *config = &rig->task.config;

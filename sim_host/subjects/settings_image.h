@@ -11,7 +11,7 @@
 enum { SETTINGS_IMAGE_WORDS = 512, SETTINGS_IMAGE_BYTES = 2 * SETTINGS_IMAGE_WORDS * 8 };
 
 /* The settings of a device that is set up like this rig's control task. */
-void settings_of_rig(struct settings *settings, const struct task_rig *rig,
+void settings_of_rig(struct settings *settings, const struct host_task *rig,
                      double desired_speed_rad_s, bool walk_at_start);
 
 /* Both banks of a memory into which the settings were saved once. Returns 0, or -1

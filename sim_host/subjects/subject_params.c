@@ -232,7 +232,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
         .unload_timeout_s = REAL(0.6),
         .engage_steps = REAL(0.0), /* the paper's walker has no push-off of its own */
         .engage_ramp_steps = REAL(10.0),
-        .rough_speed_rad_s = REAL(0.0), /* nobody gets faster than asked unless it is said so */
+        .terrain_speed_rad_s = REAL(0.0), /* nobody gets faster than asked unless it is said so */
     };
     if (check_spring(subject, length_scale, message) != 0 ||
         make_speed_table(subject, length_scale, &params->table, message) != 0) {

@@ -27,7 +27,7 @@ static struct rig *start(double speed_rad_s, unsigned engage_steps)
     ck_assert_int_eq(
         loop_configure(&config, &subject, &params, speed_rad_s, SENSORS_17BIT, 1, message), 0);
     if (engage_steps > 0) {
-        loop_configure_wearer(&config, engage_steps);
+        loop_configure_recording(&config, engage_steps);
     }
     ck_assert_int_eq(loop_init(&rig->loop, &config, NULL, message), 0);
     injector_begin(&rig->injector, &rig->loop, NULL, 0);
@@ -79,7 +79,7 @@ START_TEST(the_bench_walks_and_stops_when_asked)
     struct rig *rig = start(0.6, 0);
     walk(rig, 6);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
-    assert_close((double)controller_of(rig)->share, 1.0, 0.0, 0.0);
+    assert_close((double)controller_of(rig)->assist_level, 1.0, 0.0, 0.0);
     rig->loop.rig.task.node.objects.walk_requested = 0;
     run(rig, 2);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
@@ -115,13 +115,14 @@ START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
     struct rig *rig = start(0.45, 4);
     walk(rig, 4);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
-    assert_close((double)controller_of(rig)->share, 0.0, 0.0, 0.0);
+    assert_close((double)controller_of(rig)->assist_level, 0.0, 0.0, 0.0);
     assert_close(motor_m(rig, SIDE_LEFT), 0.0, 1e-3, 0.0);
     walk(rig, 9);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
-    ck_assert(controller_of(rig)->share > REAL(0.1) && controller_of(rig)->share < REAL(0.5));
+    ck_assert(controller_of(rig)->assist_level > REAL(0.1) &&
+              controller_of(rig)->assist_level < REAL(0.5));
     walk(rig, 22);
-    assert_close((double)controller_of(rig)->share, 1.0, 0.0, 0.0);
+    assert_close((double)controller_of(rig)->assist_level, 1.0, 0.0, 0.0);
     double least = 1.0; /* share of the push-off that is still the wearer's */
     for (int i = 0; i < 2000; i++) {
         injector_tick(&rig->injector);
@@ -135,7 +136,7 @@ START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
     rig->loop.rig.task.node.objects.walk_requested = 1;
     run(rig, 200); /* and are verified anew */
     ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
-    assert_close((double)controller_of(rig)->share, 0.0, 0.0, 0.0);
+    assert_close((double)controller_of(rig)->assist_level, 0.0, 0.0, 0.0);
     const struct step_record before = controller_of(rig)->last_step;
     ck_assert_uint_gt(before.number, 20);
     ck_assert(before.r0_m > REAL(0.02));
@@ -151,13 +152,13 @@ START_TEST(an_unsteady_step_does_not_raise_the_share)
 {
     struct rig *rig = start(0.45, 4);
     walk(rig, 9);
-    const real share = controller_of(rig)->share;
+    const real share = controller_of(rig)->assist_level;
     ck_assert(share > REAL(0.0) && share < REAL(1.0));
-    controller_of(rig)->steps.step_ticks[0] *= 2;
+    controller_of(rig)->step_monitor.step_ticks[0] *= 2;
     walk(rig, 10);
     run(rig, 1);
-    ck_assert_uint_eq(controller_of(rig)->steps.unsteady, 1);
-    ck_assert(controller_of(rig)->share == share);
+    ck_assert_uint_eq(controller_of(rig)->step_monitor.unsteady, 1);
+    ck_assert(controller_of(rig)->assist_level == share);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
     free(rig);
 }
@@ -168,7 +169,7 @@ START_TEST(irregular_steps_withdraw_the_assistance)
 {
     struct rig *rig = start(0.45, 4);
     walk(rig, 20);
-    controller_of(rig)->steps.unsteady = STEP_MONITOR_IRREGULAR;
+    controller_of(rig)->step_monitor.unsteady = STEP_MONITOR_IRREGULAR;
     run(rig, 2);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
     ck_assert_int_eq(rig->loop.rig.task.output.fault, SUPERVISOR_FAULT_NONE);
@@ -182,7 +183,7 @@ START_TEST(the_same_leg_twice_is_a_fault_on_the_bench)
 {
     struct rig *rig = start(0.6, 0);
     walk(rig, 4);
-    controller_of(rig)->steps.same_side = true;
+    controller_of(rig)->step_monitor.same_side = true;
     run(rig, 2);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
     ck_assert_int_eq(rig->loop.rig.task.output.fault, SUPERVISOR_FAULT_LEGS);

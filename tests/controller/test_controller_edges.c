@@ -353,7 +353,7 @@ START_TEST(only_a_compass_leg_that_steps_twice_is_a_fault)
 {
     params.body = (real)(_i == 0 ? BODY_COMPASS : BODY_PERSON);
     engage();
-    controller.steps.same_side = true;
+    controller.step_monitor.same_side = true;
     run_powered(1);
     ck_assert_int_eq(output.fault, _i == 0 ? SUPERVISOR_FAULT_LEGS : SUPERVISOR_FAULT_NONE);
     ck_assert_int_eq(output.state, _i == 0 ? SUPERVISOR_UNLOADING : SUPERVISOR_ENGAGING);
@@ -371,7 +371,7 @@ START_TEST(a_wearer_s_patience_ends_with_the_timeout)
     params.step_timeout_s = 1.5f;
     engage();
     controller.supervisor.state = SUPERVISOR_WALKING;
-    controller.steps = (struct step_monitor){
+    controller.step_monitor = (struct step_monitor){
         .seen = true,
         .known_tick = input.tick,
         .steady = 5,

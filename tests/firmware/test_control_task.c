@@ -541,7 +541,7 @@ START_TEST(a_node_that_is_stopped_is_set_up_later)
     run_setup(&b, 2, true);
     ck_assert_uint_eq(b.task.setup.node, 1);
     ck_assert_int_eq(network_stop_all(&b.task.network, &b.task.config.bus), CAN_OK);
-    for (int tick = 1; tick < NETWORK_HOLD_TICKS; tick++) {
+    for (int tick = 1; tick < NETWORK_STOP_TICKS; tick++) {
         run_setup(&b, 1, false);
         ck_assert_ptr_null(fake_bus_last(&b.fake, 0x601));
     }

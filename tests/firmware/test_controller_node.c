@@ -258,7 +258,7 @@ START_TEST(a_steps_last_byte_holds_side_fallback_and_fault)
         controller.last_step = (struct step_record){.number = 7 + bits,
                                                     .side = bits & 1u ? SIDE_RIGHT : SIDE_LEFT,
                                                     .r0_m = 0.05f,
-                                                    .fell_back = (bits & 2u) != 0};
+                                                    .used_fallback = (bits & 2u) != 0};
         output.fault = bits == 3 ? SUPERVISOR_FAULT_FOREIGN : SUPERVISOR_FAULT_NONE;
         output.new_step = true;
         run(1);

@@ -77,8 +77,8 @@ static const struct nv_store_ops nv_ops = {bank_words, read_word, map, erase, wr
 static const struct nv_store nv = {&nv_ops, NULL};
 static const struct watchdog_ops watchdog_ops = {feed};
 static const struct watchdog watchdog = {&watchdog_ops, NULL};
-static const struct power_permit_ops permit_ops = {toggle};
-static const struct power_permit permit = {&permit_ops, NULL};
+static const struct drive_power_enable_ops permit_ops = {toggle};
+static const struct drive_power_enable permit = {&permit_ops, NULL};
 static const struct emergency_stop_ops stop_ops = {is_pressed};
 
 static void setup(void)

@@ -76,7 +76,7 @@ def test_a_recorded_person(tmp_path):
         pytest.skip(f"no recording at {recording}; set AFO_GAIT_CSV to one")
     part = tmp_path / "part.csv"
     part.write_text("".join(recording.read_text(encoding="utf-8").splitlines(keepends=True)[:4001]), encoding="utf-8")
-    walk = pil("--wearer", str(part))
+    walk = pil("--recording", str(part))
     assert walk["steps"] >= 30 and walk["differences"] == 0
     assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
 

@@ -125,13 +125,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const struct leg_sensor_node_config sensor_config = {.side = SIDE_LEFT, .node_id = 3};
     static struct drive_node drive;
     static struct leg_sensor_node sensor;
-    static struct task_rig rig;
+    static struct host_task rig;
     struct inbox inbox = {.full = false};
     const struct can_bus bus = {.ops = &ops, .context = &inbox};
     uint64_t now_ns = 0;
     if (drive_node_init(&drive, &drive_config, bus, 0) != 0 ||
         leg_sensor_node_init(&sensor, &sensor_config, bus, 0) != 0 ||
-        task_rig_init(&rig, &subject, &params, bus, 0.5, true) != CONTROL_PARAMS_OK) {
+        host_task_init(&rig, &subject, &params, bus, 0.5, true) != CONTROL_PARAMS_OK) {
         abort();
     }
     for (; size >= RECORD; data += RECORD, size -= RECORD) {

@@ -10,14 +10,22 @@ SCRIPT = ROOT / "scripts" / "check-layering"
 CLEAN = {
     "model/map.h": "#include <stdint.h>\n",
     "model/map.c": '#include "model/map.h"\n',
+    "model/side.h": "#include <stdbool.h>\n",
     "controller/law.h": '#include "model/map.h"\n',
     "controller/law.c": '#include "controller/law.h"\n#include <string.h>\n',
-    "hal/bus.h": "#include <stdbool.h>\n",
+    "hal/bus.h": '#include "model/side.h"\n#include <stdbool.h>\n',
+    "hal/port_stm32g474/chip.c": '#include "hal/port_fdcan/fdcan.h"\n',
+    "hal/port_fdcan/fdcan.h": "#include <stdint.h>\n",
     "hal/port_linux/port.h": '#include "hal/bus.h"\n',
     "hal/port_linux/port.c": '#include "hal/port_linux/port.h"\n#include <sys/socket.h>\n',
     "firmware/task.c": '#include "controller/law.h"\n#include "hal/bus.h"\n',
     "firmware/board/main.c": '#include "hal/port_linux/port.h"\nint main(void)\n{\n}\n',
     "sim_host/plant/walker.c": '#include "model/map.h"\n#include <math.h>\n',
+    "sim_host/plant/walker_internal.h": '#include "sim_host/plant/walker.h"\n',
+    "sim_host/plant/walker.h": "#include <stdint.h>\n",
+    "sim_host/plant/walker_parts.c": '#include "sim_host/plant/walker_internal.h"\n',
+    "sim_host/study/laws/basin.c": '#include "sim_host/loop/loop.h"\n',
+    "sim_host/loop/loop.h": '#include "sim_host/plant/walker.h"\n',
     "sim_host/programs/walk.c": '#include "hal/port_linux/port.h"\nint main(void)\n{\n}\n',
     "tests/hal/test_port.c": '#include "hal/port_linux/port.h"\n#include <check.h>\n',
     "Makefile": "",
@@ -34,8 +42,13 @@ VIOLATIONS = [
     ("firmware/bad.c", '#include "model/map.h"\n', "firmware/ must not know model/"),
     ("firmware/bad.c", '#include "sim_host/plant/walker.c"\n', "firmware/ must not know sim_host/"),
     ("firmware/bad.c", '#include "hal/port_linux/port.h"\n', "only a file with main()"),
-    ("sim_host/bad.c", '#include "hal/port_linux/port.h"\n', "only a file with main()"),
-    ("sim_host/bad.c", '#include "tests/hal/test_port.c"\n', "sim_host/ must not know tests/"),
+    ("sim_host/loop/bad.c", '#include "hal/port_linux/port.h"\n', "only a file with main()"),
+    ("sim_host/loop/bad.c", '#include "tests/hal/test_port.c"\n', "sim_host/loop/ must not know tests/"),
+    ("sim_host/plant/bad.c", '#include "sim_host/loop/loop.h"\n', "sim_host/plant/ must not know sim_host/loop/"),
+    ("sim_host/study/bad.c", '#include "sim_host/loop/loop.h"\n', "sim_host/study/ must not know sim_host/loop/"),
+    ("sim_host/bad.c", "", "lies in no room of the table"),
+    ("sim_host/drawer/bad.c", "", "lies in no room of the table"),
+    ("hal/port_fdcan/bad.c", '#include "hal/port_linux/port.h"\n', "only a file with main()"),
     ("hal/bad.c", "#include <sys/socket.h>\n", "freestanding"),
     ("controller/bad.c", "#include <math.h>\n", "freestanding"),
     ("model/bad.c", "#include <stdlib.h>\n", "freestanding"),
@@ -56,6 +69,27 @@ def lay_out(tree, files):
         path = tree / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
+
+
+def test_modules_that_include_each_other_are_caught(tmp_path):
+    lay_out(tmp_path, CLEAN)
+    lay_out(tmp_path, {"hal/a.h": "#include <stdint.h>\n", "hal/b.h": "#include <stdint.h>\n",
+                       "hal/c.h": "#include <stdint.h>\n",
+                       "hal/a.c": '#include "hal/a.h"\n#include "hal/b.h"\n',
+                       "hal/b.c": '#include "hal/b.h"\n#include "hal/c.h"\n'})
+    assert "0 violations" in run(tmp_path).stdout
+    lay_out(tmp_path, {"hal/c.c": '#include "hal/c.h"\n#include "hal/a.h"\n'})
+    result = run(tmp_path)
+    assert result.returncode == 1
+    assert result.stdout.splitlines()[0] == "circle: hal/a -> hal/b -> hal/c"
+
+
+def test_a_row_that_names_a_later_one_is_caught(tmp_path):
+    lay_out(tmp_path, CLEAN)
+    script = tmp_path / "check-layering"
+    script.write_text(SCRIPT.read_text().replace('"sim_host/bus": ("hal",)', '"sim_host/bus": ("hal", "sim_host/plant")'))
+    done = subprocess.run(["/usr/bin/python3", script, tmp_path / "."], capture_output=True, text=True, timeout=60)
+    assert "sim_host/bus/ names sim_host/plant/, which does not stand above it" in done.stdout
 
 
 def test_this_tree_is_clean():

@@ -17,7 +17,7 @@ def test_help_names_every_flag():
     done = run("--help")
     assert done.returncode == 0 and not done.stderr
     for flag in ("--speed", "--steps", "--open-loop", "--r0", "--kp", "--sensors", "--subject", "--seed",
-                 "--csv", "--ticks", "--log", "--quiet", "--json", "--wearer", "--help", "--version"):
+                 "--csv", "--ticks", "--log", "--quiet", "--json", "--recording", "--help", "--version"):
         assert flag in done.stdout, flag
 
 
@@ -87,7 +87,7 @@ NOTE_LINE = re.compile(r"\(\d+\.\d{6}\) can0 1AB00[01][0-9A-F]{2}#([0-9A-F]*)$")
 
 def frame_table():
     """Identifier -> data bytes, read from the header that the code is built from."""
-    text = (ROOT / "hal" / "frame_table.h").read_text(encoding="utf-8")
+    text = (ROOT / "hal" / "bus" / "frame_table.h").read_text(encoding="utf-8")
     return {int(identifier, 16): int(length)
             for identifier, length in re.findall(r"X\(\w+, (0x[0-9A-Fa-f]+), (\d),", text)}
 
@@ -134,7 +134,7 @@ def test_same_seed_same_log_other_seed_other_log(tmp_path):
 
 @pytest.mark.parametrize("arguments,words", [
     (["--no-such-flag"], ["--no-such-flag"]),
-    (["surplus"], ["surplus"]),
+    (["duplicate_id_count"], ["duplicate_id_count"]),
     (["--speed"], ["--speed"]),
     (["--speed", "fast"], ["--speed", "fast"]),
     (["--speed", "nan"], ["--speed"]),
@@ -150,25 +150,25 @@ def test_same_seed_same_log_other_seed_other_log(tmp_path):
     (["--open-loop", "--r0", "7"], ["--r0"]),
     (["--sensors", "perfect"], ["--sensors", "perfect", "17bit"]),
     (["--subject", "/no/such/file.ini"], ["/no/such/file.ini"]),
-    (["--wearer", "/no/such/file.csv"], ["/no/such/file.csv"]),
+    (["--recording", "/no/such/file.csv"], ["/no/such/file.csv"]),
     (["--csv", "/no/such/folder/x.csv"], ["/no/such/folder/x.csv"]),
     (["--log", "/no/such/folder/x.log"], ["/no/such/folder/x.log"]),
     (["--csv", ""], ["no file name"]),
     (["--csv", "folder/"], ["folder/", "no file name"]),
     (["--csv", "same", "--log", "same"], ["--csv", "--log", "same file"]),
     (["--fault-step", "3"], ["--fault-step", "--fault"]),
-    (["--rate", "100"], ["--rate", "--wearer"]),
-    (["--wearer", "w.csv", "--slope-deg", "3"], ["--slope-deg", "--wearer"]),
-    (["--wearer", "w.csv", "--terrain-mm", "50"], ["--terrain-mm", "--wearer"]),
-    (["--wearer", "w.csv", "--push", "100@1"], ["--push", "--wearer"]),
-    (["--wearer", "w.csv", "--law", "predictive"], ["--law", "--wearer"]),
+    (["--rate", "100"], ["--rate", "--recording"]),
+    (["--recording", "w.csv", "--slope-deg", "3"], ["--slope-deg", "--recording"]),
+    (["--recording", "w.csv", "--terrain-mm", "50"], ["--terrain-mm", "--recording"]),
+    (["--recording", "w.csv", "--push", "100@1"], ["--push", "--recording"]),
+    (["--recording", "w.csv", "--law", "predictive"], ["--law", "--recording"]),
     (["--law", "dlqr", "--kp", "0.5"], ["--kp", "dlqr"]),
     (["--law", "deadbeat", "--kp", "0.5"], ["--kp", "deadbeat"]),
     (["--push", "20000@1"], ["--push", "-10000 to 10000 N s"]),
     (["--push", "0@1"], ["--push", "but 0"]),
     (["--push", "1@-1"], ["--push", "0 to 1e+06 s"]),
     (["--csv", "-"], ["\"-\"", "/dev/stdout"]),
-    (["--column", "time="], ["--column", "--wearer"]),
+    (["--column", "time="], ["--column", "--recording"]),
     (["--open-loop", "--r0", "0.35"], ["0.35", "allows"]),
     (["--start-r0", "0.5"], ["0.5", "allow"]),
     (["--speed", "1.18", "--law", "dlqr"], ["1.18", "this law"]),

@@ -46,7 +46,7 @@ def test_nobody_gets_faster_than_asked_unless_the_subject_file_says_so(tmp_path)
     fastest, aimed = {}, {}
     for allowed in (0, 0.8):
         subject.write_text("[walker]\nM = 1\nm = 0.01\nl = 1\nk = 100\ng = 9.80665\n[controller]\nlaw = predictive\n"
-                           f"rough_speed_rad_s = {allowed}\n", encoding="utf-8")
+                           f"terrain_speed_rad_s = {allowed}\n", encoding="utf-8")
         table = tmp_path / "walk.csv"
         fastest[allowed] = max(walk("--subject", subject, "--speed", 0.4, "--push", "0.05@20", "--steps", 50,
                                     "--csv", table)["apex_speed_rad_s"][10:])

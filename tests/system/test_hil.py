@@ -26,7 +26,7 @@ def test_the_other_drive_protocols_walk_over_vcan(tmp_path):
         subject=sim_host/subjects/{subject}.ini
         "{BUILD}/afo-walker" --can vcan0 --subject $subject --silence 60000 --json >{tmp_path}/{subject}.walker & walker=$!
         sleep 0.3
-        "{BUILD}/afo-host" --can vcan0 --subject $subject --speed 0.45 --steps 3 --patience 60000 --json \\
+        "{BUILD}/afo-host" --can vcan0 --subject $subject --speed 0.45 --steps 3 --answer-timeout 60000 --json \\
             >{tmp_path}/{subject}.host || exit
         kill -TERM $walker; wait $walker || exit""" for subject in subjects)
     done = subprocess.run(["scripts/vcan-guest", "--timeout", "150", "--", "bash", "-c", script], cwd=ROOT,

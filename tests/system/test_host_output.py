@@ -30,7 +30,7 @@ begin() {{ # begin NAME HOST-OPTIONS...: a walk with its record; the host's line
     candump -L -r 67108864 vcan0,181:7FF,182:7FF,7FF:7FF >$name.log & dump=$!
     "{BUILD}/afo-walker" --can vcan0 --silence 60000 --quiet & walker=$!
     sleep 0.3
-    "{BUILD}/afo-host" --can vcan0 --speed 0.45 --patience 3000 "$@" >$name.out 2>$name.err & host=$!
+    "{BUILD}/afo-host" --can vcan0 --speed 0.45 --answer-timeout 3000 "$@" >$name.out 2>$name.err & host=$!
 }}
 until_walking() {{ until grep -q walking $name.out; do sleep 0.05; done; }}
 ended() {{

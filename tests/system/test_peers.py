@@ -52,7 +52,7 @@ def test_canopen_and_can_utils_during_a_walk(tmp_path):
     assert out.count("\n") == 6, out
     done = run("--speed", "0.41", log, program=BUILD / "afo-replay")
     assert done.returncode == 1 and "2 such frames" in done.stdout, done.stdout  # 0x000, 0x601: who sent them?
-    done = run("--speed", "0.41", "--others", log, program=BUILD / "afo-replay")
+    done = run("--speed", "0.41", "--foreign-nodes", log, program=BUILD / "afo-replay")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "3 frames of another node" in done.stdout, done.stdout  # 0x000, 0x601, 0x201
 
@@ -91,7 +91,7 @@ def test_cantools_decodes_a_whole_walk_to_the_programs_own_numbers(tmp_path):
                                            ("Precompression", "r0_m", 1e-5)):
             assert values[signal] == pytest.approx(float(row[column]), abs=0.51 * resolution)
         assert bool(values["RightSide"]) == (row["side"] == "right")
-        assert values["FellBack"] == 0 and row["fell_back"] == "0"
+        assert values["FellBack"] == 0 and row["used_fallback"] == "0"
 
 
 def test_a_step_left_to_equation_16_is_told_everywhere_alike(tmp_path):
@@ -104,8 +104,8 @@ def test_a_step_left_to_equation_16_is_told_everywhere_alike(tmp_path):
     rows = [row for row in csv.DictReader(table.open()) if row["measured_speed_rad_s"]]
     on_bus = {number for number, values in by_number.items() if values["FellBack"]}
     assert 1 <= len(on_bus) < len(rows)
-    assert on_bus == {int(row["step"]) for row in rows if row["fell_back"] == "1"}
-    assert on_bus == {i + 1 for i, fell_back in enumerate(json.loads(done.stdout)["fell_back"]) if fell_back}
+    assert on_bus == {int(row["step"]) for row in rows if row["used_fallback"] == "1"}
+    assert on_bus == {i + 1 for i, used_fallback in enumerate(json.loads(done.stdout)["used_fallback"]) if used_fallback}
     text = run(*rough).stdout
     assert f"in {len(on_bus)} of {len(by_number)} steps, last in {max(on_bus)}" in text
 

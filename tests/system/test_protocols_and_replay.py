@@ -82,7 +82,7 @@ def test_a_frame_that_the_task_did_not_send_is_found(log, tmp_path, extra):
     changed.write_text("".join(lines))
     done = replay(changed)
     assert done.returncode == 1 and f"line {middle + 1}," in done.stdout and extra[:3] in done.stdout, done.stdout
-    assert replay(changed, "--others").returncode == 0
+    assert replay(changed, "--foreign-nodes").returncode == 0
 
 
 def test_a_log_replays_to_every_frame_of_the_controller(log):

@@ -1,4 +1,4 @@
-"""afo-sim --wearer on a recorded human walk: one apex per stance, none missed, none false.
+"""afo-sim --recording on a recorded human walk: one apex per stance, none missed, none false.
 
 The recording is other people's data and not part of the tree. It is looked for
 where AFO_GAIT_CSV says, else in shared/data/ beside the tree.
@@ -33,7 +33,7 @@ def stances_with_apex(rows, side):
 def wearer():
     if not recording().is_file():
         pytest.skip(f"no recording at {recording()}; set AFO_GAIT_CSV to one")
-    return walk("--wearer", recording())
+    return walk("--recording", recording())
 
 
 def test_one_apex_per_stance(wearer):
@@ -55,7 +55,7 @@ def test_a_recording_that_is_none_is_refused(tmp_path):
     for name, text in (("empty.csv", ""), ("other.csv", "a,b\n1,2\n"),
                        ("short.csv", "time_s,thigh_l_deg\n0,1\n0.005,x\n")):
         (tmp_path / name).write_text(text)
-        done = run("--wearer", tmp_path / name, "--json")
+        done = run("--recording", tmp_path / name, "--json")
         assert done.returncode == 2
         assert name in done.stderr
         assert done.stdout == ""

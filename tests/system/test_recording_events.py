@@ -58,13 +58,13 @@ def judge(result, rows, toe_off_shares=(0.85, 0.97)):
 
 
 def test_events_of_the_recording(rows):
-    _, result = walk("--wearer", recording())
+    _, result = walk("--recording", recording())
     judge(result, rows)
 
 
 @pytest.mark.parametrize("sensors", ["ideal", "14bit", "12bit"])
 def test_other_sensors(rows, sensors):
-    _, result = walk("--wearer", recording(), "--sensors", sensors)
+    _, result = walk("--recording", recording(), "--sensors", sensors)
     judge(result, rows)
 
 
@@ -72,7 +72,7 @@ def test_other_sensors(rows, sensors):
 def test_another_pace(rows, scale, tmp_path):
     """Slower, the scatter of the recorded contacts is slower too."""
     other = [dict(row, time_s=row["time_s"] * scale) for row in rows]
-    _, result = walk("--wearer", write(tmp_path / "pace.csv", other))
+    _, result = walk("--recording", write(tmp_path / "pace.csv", other))
     judge(result, other, toe_off_shares=(0.8, 0.95))
 
 
@@ -82,7 +82,7 @@ def test_slow_and_short_steps(rows, tmp_path):
     other = [{key: value * 1.4 if key == "time_s" else
               value * 0.7 if key.split("_")[0] in ("thigh", "shank") else value
               for key, value in row.items()} for row in rows]
-    _, result = walk("--wearer", write(tmp_path / "slow.csv", other))
+    _, result = walk("--recording", write(tmp_path / "slow.csv", other))
     for name, side in SIDES.items():
         off = errors(result[name]["heel_strike_s"], changes(other, side, 1))
         assert share_within(off, 0.030) > 0.98
@@ -97,8 +97,8 @@ def test_legs_exchanged(rows, tmp_path):
         parts = key.split("_")
         return "_".join([parts[0], swap[parts[1]]] + parts[2:]) if parts[1] in swap else key
     other = [{key: row[other_leg(key)] for key in row} for row in rows]
-    _, result = walk("--wearer", write(tmp_path / "mirror.csv", other))
-    _, plain = walk("--wearer", recording(), "--sensors", "ideal")
+    _, result = walk("--recording", write(tmp_path / "mirror.csv", other))
+    _, plain = walk("--recording", recording(), "--sensors", "ideal")
     judge(result, other)
     for name, opposite in (("left", "right"), ("right", "left")):
         assert result[name]["heel_strike_s"] == \
@@ -112,7 +112,7 @@ def test_drifting_sensors(rows, tmp_path):
         other.append({key: value + drift[key.split("_")[1]]
                       if key.split("_")[0] in ("thigh", "shank") else value
                       for key, value in row.items()})
-    _, result = walk("--wearer", write(tmp_path / "drift.csv", other))
+    _, result = walk("--recording", write(tmp_path / "drift.csv", other))
     judge(result, other)
 
 
@@ -128,7 +128,7 @@ def test_lost_samples_and_noise(rows, tmp_path):
         other.append({key: value + rng.gauss(0.0, 0.1)
                       if key.split("_")[0] in ("thigh", "shank") else value
                       for key, value in row.items()})
-    _, result = walk("--wearer", write(tmp_path / "lost.csv", other))
+    _, result = walk("--recording", write(tmp_path / "lost.csv", other))
     for name, side in SIDES.items():
         assert len(result[name]["apex_s"]) == len(apexes(other, side))
         off = errors(result[name]["heel_strike_s"], changes(rows, side, 1))
@@ -139,7 +139,7 @@ def test_lost_samples_and_noise(rows, tmp_path):
 def test_the_device_pushes_off_after_the_other_foot_has_landed(rows):
     """On every step after engagement: released between 20 ms before the other foot's
     recorded strike and the own toe-off."""
-    _, result = walk("--wearer", recording())
+    _, result = walk("--recording", recording())
     for name, side in SIDES.items():
         other = "r" if side == "l" else "l"
         strikes, toe_offs = changes(rows, other, 1), changes(rows, side, 0)
@@ -166,22 +166,22 @@ def test_other_columns_and_rates(rows, tmp_path):
     columns = []
     for old, new in names.items():
         columns += ["--column", f"{old.removesuffix('_deg')}={new}"]
-    _, result = walk("--wearer", path, "--rate", 100, "--column", "time=", "--column", "ankle_l=",
+    _, result = walk("--recording", path, "--rate", 100, "--column", "time=", "--column", "ankle_l=",
                      "--column", "ankle_r=", *columns)
     judge(result, rows)
 
 
 def test_unknown_roles_are_refused():
     for column in ("knee_l=Knee", "thigh_l", "=x"):
-        done = run("--wearer", "x.csv", "--column", column)
+        done = run("--recording", "x.csv", "--column", column)
         assert done.returncode == 2
         assert "thigh_l" in done.stderr
 
 
 def test_times_count_as_the_file_does(rows, tmp_path):
     late = [dict(row, time_s=row["time_s"] + 100.0) for row in rows[:2000]]
-    _, plain = walk("--wearer", write(tmp_path / "plain.csv", rows[:2000]))
-    _, result = walk("--wearer", write(tmp_path / "late.csv", late))
+    _, plain = walk("--recording", write(tmp_path / "plain.csv", rows[:2000]))
+    _, result = walk("--recording", write(tmp_path / "late.csv", late))
     for name in SIDES:
         for key in ("apex_s", "heel_strike_known_s", "toe_off_s", "recorded_toe_off_s"):
             assert result[name][key] == pytest.approx([t + 100.0 for t in plain[name][key]],
@@ -192,10 +192,10 @@ def test_angles_in_radians(rows, tmp_path):
     other = [{key: math.radians(value) if key.endswith("_deg") else value
               for key, value in row.items()} for row in rows[:2000]]
     path = write(tmp_path / "rad.csv", other)
-    _, plain = walk("--wearer", write(tmp_path / "deg.csv", rows[:2000]))
-    _, result = walk("--wearer", path, "--angles", "rad")
+    _, plain = walk("--recording", write(tmp_path / "deg.csv", rows[:2000]))
+    _, result = walk("--recording", path, "--angles", "rad")
     assert result["left"]["heel_strike_s"] == pytest.approx(plain["left"]["heel_strike_s"],
                                                             abs=1e-3)
-    done = run("--wearer", path, "--json", "--quiet")
+    done = run("--recording", path, "--json", "--quiet")
     assert "--angles rad" in done.stderr
-    assert run("--wearer", path, "--angles", "turns").returncode == 2
+    assert run("--recording", path, "--angles", "turns").returncode == 2

@@ -71,7 +71,7 @@ def pushes_in_phase(result, rows, pace=1.0):
 def test_walking_in_another_way(gait, manner, tmp_path):
     _, pace, size = manner
     rows = play(gait, 30, pace, size)
-    _, result = walk("--wearer", write(tmp_path / "way.csv", rows))
+    _, result = walk("--recording", write(tmp_path / "way.csv", rows))
     once_each(result, rows, 2.0, 29.0)
     pushes_in_phase(result, rows, min(1.0, pace(0)))
     assert all(len(result[name]["release_s"]) >= 30 * pace(0) / 1.13 - 5 for name in SIDES)
@@ -87,7 +87,7 @@ def test_standing(gait, tmp_path):
         for side, sign in (("l", 1), ("r", -1)):
             for part in ("thigh", "shank"):
                 row[f"{part}_{side}_deg"] += sway + sign * against
-    _, result = walk("--wearer", write(tmp_path / "still.csv", still))
+    _, result = walk("--recording", write(tmp_path / "still.csv", still))
     for name in SIDES:
         assert not any(result[name][f"{kind}_s"] for kind in KINDS + ("release",))
 
@@ -99,7 +99,7 @@ def test_starting_and_stopping(gait, tmp_path):
     def going(t, _side=None):
         return max(between(t, *bout) for bout in bouts)
     rows = play(gait, 46, going, going)
-    _, result = walk("--wearer", write(tmp_path / "bouts.csv", rows))
+    _, result = walk("--recording", write(tmp_path / "bouts.csv", rows))
     for first, last in bouts:
         once_each(result, rows, first + 1.5, last - 1.5)
         for name in SIDES:
@@ -116,7 +116,7 @@ def test_starting_and_stopping(gait, tmp_path):
 def test_stopping_in_mid_stride(gait, tmp_path):
     """Frozen where they are, legs apart, for six seconds; then on."""
     rows = play(gait, 40, lambda t: 1.0 - smooth((t - 12) / 0.5) + smooth((t - 18) / 0.7), full)
-    _, result = walk("--wearer", write(tmp_path / "frozen.csv", rows))
+    _, result = walk("--recording", write(tmp_path / "frozen.csv", rows))
     once_each(result, rows, 1.0, 11.8)
     once_each(result, rows, 19.5, 39.0)
     pushes_in_phase(result, rows)
@@ -129,7 +129,7 @@ def test_walking_backwards(gait, tmp_path):
     """A planted foot then turns its leg forwards: what looks like steps is none, and the device
     keeps out of it from the second one on."""
     rows = play(gait, 30, lambda t: 1.0 if t < 14 else -1.0, full)
-    _, result = walk("--wearer", write(tmp_path / "back.csv", rows))
+    _, result = walk("--recording", write(tmp_path / "back.csv", rows))
     for name in SIDES:
         assert [t for t in result[name]["release_s"] if t < 14]
         assert not [t for t in result[name]["release_s"] if t > 14.6]

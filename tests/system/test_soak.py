@@ -31,7 +31,7 @@ def test_a_minute_is_well():
     ("stop", ["it walks in every part"]),
 ])
 def test_what_is_made_ill_is_noticed(what, noticed):
-    status, ill, said = soak("--spoil", what)
+    status, ill, said = soak("--inject", what)
     assert status == 1, said
     assert len(ill) == len(noticed) and all(a.startswith(b) for a, b in zip(ill, noticed)), said
 
@@ -42,4 +42,4 @@ def test_what_is_too_short_to_judge_is_refused():
 
 
 def test_usage():
-    assert soak("--spoil", "nothing at all")[0] == 2
+    assert soak("--inject", "nothing at all")[0] == 2

@@ -14,17 +14,17 @@ static const double speeds[] = {0.4, 0.6, 0.8};
 
 struct count {
     int reached, survived;
-    int viable_inner, viable_outer; /* of the same states */
+    int viability_inner, viability_outer; /* of the same states */
     int beyond; /* reached from outside the outer bound: none, or the bound is wrong */
     bool failed;
 };
 
 struct basin {
     const struct laws_options *options;
-    enum laws_entrant entrant;
+    enum law_case law_case;
     double speed_rad_s;
     int samples;
-    struct viable_grid grid;
+    struct viability_grid grid;
     unsigned char *inner, *outer; /* sets of viable nodes */
     struct count *chunk;
 };
@@ -32,7 +32,7 @@ struct basin {
 /* The walks of one chunk. */
 struct chunk_walks {
     const struct basin *basin;
-    struct laws_bench bench;
+    struct law_setup bench;
     double gait[3];
     struct laws_course course[CHUNK];
     bool may[CHUNK]; /* begins within the outer bound */
@@ -74,12 +74,12 @@ static int judge(void *context, size_t i, const struct laws_walk *walk)
 static void bound(struct chunk_walks *walks, int i, const double apex[3])
 {
     const struct basin *basin = walks->basin;
-    struct viable_state state;
-    const bool strikes = viable_after_apex(&walks->bench.truth, apex, &state);
-    walks->may[i] = strikes && viable_has(&basin->grid, VIABLE_OUTER, basin->outer, &state);
-    walks->count->viable_outer += walks->may[i] ? 1 : 0;
-    walks->count->viable_inner +=
-        strikes && viable_has(&basin->grid, VIABLE_INNER, basin->inner, &state) ? 1 : 0;
+    struct viability_state state;
+    const bool strikes = viability_after_apex(&walks->bench.truth, apex, &state);
+    walks->may[i] = strikes && viability_has(&basin->grid, VIABILITY_OUTER, basin->outer, &state);
+    walks->count->viability_outer += walks->may[i] ? 1 : 0;
+    walks->count->viability_inner +=
+        strikes && viability_has(&basin->grid, VIABILITY_INNER, basin->inner, &state) ? 1 : 0;
 }
 
 static void compute(void *context, int chunk)
@@ -93,9 +93,9 @@ static void compute(void *context, int chunk)
         return;
     }
     walks->basin = basin;
-    walks->bench = laws_entrant_bench(basin->options, basin->entrant);
+    walks->bench = law_case_setup(basin->options, basin->law_case);
     walks->count = &basin->chunk[chunk];
-    const double r0_m = laws_bench_gait(&walks->bench, basin->speed_rad_s, walks->gait);
+    const double r0_m = law_setup_gait(&walks->bench, basin->speed_rad_s, walks->gait);
     rng_init(&rng, basin->options->seed, (uint64_t)chunk); /* the same states for every law */
     for (; count < CHUNK && chunk * CHUNK + count < basin->samples; count++) {
         struct laws_course *course = &walks->course[count];
@@ -117,8 +117,8 @@ static struct count sum_up(const struct basin *basin)
     for (int i = 0; i < chunks; i++) {
         sum.reached += basin->chunk[i].reached;
         sum.survived += basin->chunk[i].survived;
-        sum.viable_inner += basin->chunk[i].viable_inner;
-        sum.viable_outer += basin->chunk[i].viable_outer;
+        sum.viability_inner += basin->chunk[i].viability_inner;
+        sum.viability_outer += basin->chunk[i].viability_outer;
         sum.beyond += basin->chunk[i].beyond;
         sum.failed = sum.failed || basin->chunk[i].failed;
     }
@@ -130,40 +130,40 @@ static void print(const struct basin *basin, const struct count *sum, double pap
     const double n = basin->samples, share = sum->reached / n;
     const double error = sqrt(share * (1.0 - share) / n);
     printf("  %-13s %.1f rad/s: reached %7.3f %% +- %.3f, still walking %7.3f %%",
-           laws_entrant_names[basin->entrant], paper_speed, 100.0 * share, 100.0 * error,
+           law_case_names[basin->law_case], paper_speed, 100.0 * share, 100.0 * error,
            100.0 * sum->survived / n);
     printf("; of what can be walked on from at least %.2f %%\n",
-           100.0 * sum->reached / sum->viable_outer);
+           100.0 * sum->reached / sum->viability_outer);
     if (csv != NULL) {
-        fprintf(csv, "%s,%.1f,%d,%d,%d,%d,%d,%d\n", laws_entrant_names[basin->entrant], paper_speed,
-                basin->samples, sum->reached, sum->survived, sum->viable_inner, sum->viable_outer,
-                sum->beyond);
+        fprintf(csv, "%s,%.1f,%d,%d,%d,%d,%d,%d\n", law_case_names[basin->law_case], paper_speed,
+                basin->samples, sum->reached, sum->survived, sum->viability_inner,
+                sum->viability_outer, sum->beyond);
     }
     fflush(stdout);
 }
 
 /* The sets of viable states; the grid is finer where more states are asked about. */
-static bool find_viable(struct basin *basin)
+static bool find_viability_kernel(struct basin *basin)
 {
     const struct laws_options *options = basin->options;
     const struct gait_walker walker = subject_gait_walker(&options->subject);
-    const struct viable_range range =
-        laws_viable_range(options, basin->samples >= MANY_SAMPLES ? 8 : 2, 120);
-    if (viable_make(&basin->grid, &walker, &range, options->threads) != 0) {
+    const struct viability_range range =
+        laws_viability_range(options, basin->samples >= MANY_SAMPLES ? 8 : 2, 120);
+    if (viability_make(&basin->grid, &walker, &range, options->threads) != 0) {
         return false;
     }
     basin->inner = malloc((size_t)basin->grid.nodes);
     basin->outer = malloc((size_t)basin->grid.nodes);
     return basin->inner != NULL && basin->outer != NULL &&
-           viable_kernel(&basin->grid, VIABLE_INNER, basin->inner) > 0 &&
-           viable_kernel(&basin->grid, VIABLE_OUTER, basin->outer) > 0;
+           viability_kernel(&basin->grid, VIABILITY_INNER, basin->inner) > 0 &&
+           viability_kernel(&basin->grid, VIABILITY_OUTER, basin->outer) > 0;
 }
 
-static bool run(struct basin *basin, enum laws_entrant entrant, double speed, FILE *csv)
+static bool run(struct basin *basin, enum law_case law_case, double speed, FILE *csv)
 {
     const int chunks = (basin->samples + CHUNK - 1) / CHUNK;
     const struct pool_jobs jobs = {0, chunks, basin->options->threads, basin, compute, laws_take};
-    basin->entrant = entrant;
+    basin->law_case = law_case;
     basin->speed_rad_s = speed * laws_speed_unit(basin->options);
     for (int k = 0; k < chunks; k++) {
         basin->chunk[k] = (struct count){0};
@@ -184,8 +184,8 @@ int laws_basin(const struct laws_options *options)
     struct output_file file;
     FILE *csv =
         laws_csv(options, "basin",
-                 "law,speed_rad_s,samples,reached,survived,viable_inner,viable_outer,beyond", &file,
-                 &failed);
+                 "law,speed_rad_s,samples,reached,survived,viability_inner,viability_outer,beyond",
+                 &file, &failed);
     struct basin basin = {.options = options,
                           .samples = options->samples > 0 ? options->samples : DEFAULT_SAMPLES};
     basin.chunk = calloc((size_t)(basin.samples + CHUNK - 1) / CHUNK, sizeof *basin.chunk);
@@ -194,20 +194,21 @@ int laws_basin(const struct laws_options *options)
         laws_box_low[0], laws_box_high[0], laws_box_low[1], laws_box_high[1], laws_box_low[2],
         laws_box_high[2], basin.samples);
     fflush(stdout); /* what can be walked on from takes its time */
-    if (!failed && (basin.chunk == NULL || !find_viable(&basin))) {
+    if (!failed && (basin.chunk == NULL || !find_viability_kernel(&basin))) {
         fprintf(stderr,
                 "afo-study laws: no memory for the grid of states that can be walked on from\n");
         failed = true;
     }
-    for (int e = 0; e < ENTRANTS && !failed; e++) {
-        if (!options->entrant[e] || e == ENTRANT_RAMP) { /* from the gait's own command: no ramp */
+    for (int e = 0; e < LAW_CASES && !failed; e++) {
+        if (!options->law_case[e] ||
+            e == LAW_CASE_RAMP) { /* from the gait's own command: no ramp */
             continue;
         }
         for (unsigned i = 0; i < sizeof speeds / sizeof speeds[0] && !failed; i++) {
-            failed = !run(&basin, (enum laws_entrant)e, speeds[i], csv);
+            failed = !run(&basin, (enum law_case)e, speeds[i], csv);
         }
     }
-    viable_free(&basin.grid);
+    viability_free(&basin.grid);
     free(basin.inner);
     free(basin.outer);
     free(basin.chunk);

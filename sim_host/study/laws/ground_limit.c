@@ -1,4 +1,4 @@
-/* How far any law can get on uneven ground (study/rough_ground.h), and how much of that the flown ones reach.
+/* How far any law can get on uneven ground (study/terrain_ground.h), and how much of that the flown ones reach.
  *
  * Every foothold lies within +-10 mm (on a leg of 1 m) of the one before, evenly drawn; walks begin in the gait of the
  * commanded speed. First at any speed: the chance to be still up after 500 steps. Then with the mean speed of the
@@ -21,7 +21,7 @@ static const double prices[SPEEDS][PRICES] = {{2.0, 4.0}, {8.0, 15.0}, {0.0, 0.0
 
 struct study {
     const struct laws_options *options;
-    struct rough_table table;
+    struct terrain_table table;
     int walks;
     FILE *csv;
 };
@@ -31,8 +31,8 @@ struct study {
 /* One walker's law: made from a value, or one that is flown (value NULL). */
 struct walking {
     const struct study *study;
-    const struct rough_value *value;
-    struct laws_bench bench;
+    const struct terrain_value *value;
+    struct law_setup bench;
     double speed_rad_s;
     struct walked {
         int steps;
@@ -45,8 +45,8 @@ static int step_by_value(const struct walking *walking, struct laws_walk *walk, 
 {
     const struct control_params *params = &walking->bench.params;
     double worth;
-    walk->r0_m = rough_law(&walking->study->table, walking->value, walk->apex,
-                           (double)params->r0_min_m, (double)params->r0_max_m, &worth);
+    walk->r0_m = terrain_law(&walking->study->table, walking->value, walk->apex,
+                             (double)params->r0_min_m, (double)params->r0_max_m, &worth);
     const int fault = laws_stride(&walking->bench.truth, walking->bench.accuracy, walk->apex,
                                   walk->r0_m, 0.0, rise, &walk->stride);
     for (int i = 0; i < 3; i++) {
@@ -62,7 +62,7 @@ static void walk_once(void *context, int w)
     struct laws_walk walk;
     struct rng rng;
     double apex[3];
-    const double r0_m = laws_bench_gait(&walking->bench, walking->speed_rad_s, apex);
+    const double r0_m = law_setup_gait(&walking->bench, walking->speed_rad_s, apex);
     laws_walk_start(&walking->bench, &walk, apex, r0_m, walking->speed_rad_s);
     rng_init(&rng, walking->study->options->seed + (uint64_t)w, 75);
     *walked = (struct walked){0, false, 0.0};
@@ -78,8 +78,8 @@ static void walk_once(void *context, int w)
 }
 
 /* Steps per fall, share still up at the end, mean speed over the command. */
-static bool walk_all(const struct study *study, const char *name, const struct rough_value *value,
-                     const struct laws_bench *bench, double speed)
+static bool walk_all(const struct study *study, const char *name, const struct terrain_value *value,
+                     const struct law_setup *bench, double speed)
 {
     struct walking walking = {study, value, *bench, speed * laws_speed_unit(study->options),
                               malloc((size_t)study->walks * sizeof *walking.walked)};
@@ -113,23 +113,23 @@ static bool walk_all(const struct study *study, const char *name, const struct r
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-static bool solve(const struct study *study, double speed, enum rough_side side,
-                  const struct rough_goal *goal, bool walks)
+static bool solve(const struct study *study, double speed, enum terrain_side side,
+                  const struct terrain_goal *goal, bool walks)
 {
-    const struct laws_bench *bench = &study->options->bench;
-    struct rough_value value;
+    const struct law_setup *bench = &study->options->bench;
+    struct terrain_value value;
     double apex[3], worth;
     char name[48];
-    (void)laws_bench_gait(bench, speed * laws_speed_unit(study->options), apex);
-    if (rough_solve(&study->table, side, goal, apex, ROUNDS_MOST, study->options->threads,
-                    &value) != 0) {
+    (void)law_setup_gait(bench, speed * laws_speed_unit(study->options), apex);
+    if (terrain_solve(&study->table, side, goal, apex, ROUNDS_MOST, study->options->threads,
+                      &value) != 0) {
         return false;
     }
-    (void)rough_law(&study->table, &value, apex, 0.0, HUGE_VAL, &worth);
-    if (goal->question == ROUGH_CHANCE) {
+    (void)terrain_law(&study->table, &value, apex, 0.0, HUGE_VAL, &worth);
+    if (goal->question == TERRAIN_CHANCE) {
         (void)snprintf(name, sizeof name, "any speed");
         printf("    %s, %s: up after %d steps %.1f %%%s\n", name,
-               side == ROUGH_OUTER ? "at most" : "about", value.rounds, 100.0 * worth,
+               side == TERRAIN_OUTER ? "at most" : "about", value.rounds, 100.0 * worth,
                value.settled ? ", and for ever" : "");
     } else {
         (void)snprintf(name, sizeof name, "price %g", goal->price);
@@ -139,42 +139,41 @@ static bool solve(const struct study *study, double speed, enum rough_side side,
     }
     if (study->csv != NULL) {
         fprintf(study->csv, "%.1f,%s,%s,%.6g,%.6g,%d,%d,\n", speed,
-                side == ROUGH_OUTER ? "outer" : "middle", name, goal->price, worth, value.rounds,
+                side == TERRAIN_OUTER ? "outer" : "middle", name, goal->price, worth, value.rounds,
                 value.settled);
     }
     const bool done = !walks || walk_all(study, name, &value, bench, speed);
-    rough_value_free(&value);
+    terrain_value_free(&value);
     return done;
 }
 
 static bool study_speed(const struct study *study, int v)
 {
     const double speed = speeds[v];
-    const struct rough_goal any = {ROUGH_CHANCE, 0.0, 1.0};
+    const struct terrain_goal any = {TERRAIN_CHANCE, 0.0, 1.0};
     bool done = true;
     printf("  %.1f rad/s\n", speed);
-    for (int e = 0; e < ENTRANTS && done; e++) {
-        if (study->options->entrant[e] && e != ENTRANT_RAMP) {
-            const struct laws_bench bench =
-                laws_entrant_bench(study->options, (enum laws_entrant)e);
-            done = walk_all(study, laws_entrant_names[e], NULL, &bench, speed);
+    for (int e = 0; e < LAW_CASES && done; e++) {
+        if (study->options->law_case[e] && e != LAW_CASE_RAMP) {
+            const struct law_setup bench = law_case_setup(study->options, (enum law_case)e);
+            done = walk_all(study, law_case_names[e], NULL, &bench, speed);
         }
     }
-    done = done && solve(study, speed, ROUGH_OUTER, &any, false) &&
-           solve(study, speed, ROUGH_MIDDLE, &any, true);
+    done = done && solve(study, speed, TERRAIN_OUTER, &any, false) &&
+           solve(study, speed, TERRAIN_MIDDLE, &any, true);
     for (int p = 0; p < PRICES && prices[v][p] > 0.0 && done; p++) {
-        const struct rough_goal goal = {ROUGH_STEPS, prices[v][p],
-                                        SPEED_LIMIT * speed * laws_speed_unit(study->options)};
-        done = solve(study, speed, ROUGH_MIDDLE, &goal, true);
+        const struct terrain_goal goal = {TERRAIN_STEPS, prices[v][p],
+                                          SPEED_LIMIT * speed * laws_speed_unit(study->options)};
+        done = solve(study, speed, TERRAIN_MIDDLE, &goal, true);
     }
     return done;
 }
 
-static struct rough_range range_of(const struct laws_options *options, int fineness)
+static struct terrain_range range_of(const struct laws_options *options, int fineness)
 {
     const double unit = laws_speed_unit(options);
     const struct control_params *params = &options->bench.params;
-    return (struct rough_range){
+    return (struct terrain_range){
         .speed = {0.0, 1.6 * unit, 2.0, 55 * fineness + 1},
         .angle = {-0.6, 0.3, 1.0, 30 * fineness + 1},
         .swing = {-1.0 * unit, 3.6 * unit, 1.0, 40 * fineness + 1},
@@ -188,10 +187,10 @@ static struct rough_range range_of(const struct laws_options *options, int finen
 /* All speeds, or the slowest alone on a grid twice as fine each way: how far the bounds have still to go. */
 static bool study_on_grid(struct study *study, int fineness)
 {
-    const struct rough_goal any = {ROUGH_CHANCE, 0.0, 1.0};
+    const struct terrain_goal any = {TERRAIN_CHANCE, 0.0, 1.0};
     const struct gait_walker walker = subject_gait_walker(&study->options->subject);
-    const struct rough_range range = range_of(study->options, fineness);
-    if (rough_make(&study->table, &walker, &range, study->options->threads) != 0) {
+    const struct terrain_range range = range_of(study->options, fineness);
+    if (terrain_make(&study->table, &walker, &range, study->options->threads) != 0) {
         return false;
     }
     bool done = true;
@@ -201,10 +200,10 @@ static bool study_on_grid(struct study *study, int fineness)
         }
     } else {
         printf("  %.1f rad/s, %d times as many nodes a side\n", speeds[0], fineness);
-        done = solve(study, speeds[0], ROUGH_OUTER, &any, false) &&
-               solve(study, speeds[0], ROUGH_MIDDLE, &any, false);
+        done = solve(study, speeds[0], TERRAIN_OUTER, &any, false) &&
+               solve(study, speeds[0], TERRAIN_MIDDLE, &any, false);
     }
-    rough_free(&study->table);
+    terrain_free(&study->table);
     return done;
 }
 

@@ -16,7 +16,7 @@ enum {
 static const double cell_size[3] = {0.01, 0.005, 0.04};
 
 struct mesh {
-    const struct laws_bench *bench;
+    const struct law_setup *bench;
     double speed_rad_s, unit;
     double (*apex)[3];                    /* of each cell's representative */
     int (*next)[DRAWS];                   /* cell after each draw of the ground */
@@ -75,7 +75,7 @@ static double answer(const struct mesh *mesh, const double apex[3])
 {
     struct laws_walk walk;
     double gait[3];
-    const double r0_m = laws_bench_gait(mesh->bench, mesh->speed_rad_s, gait);
+    const double r0_m = law_setup_gait(mesh->bench, mesh->speed_rad_s, gait);
     laws_walk_start(mesh->bench, &walk, apex, r0_m, mesh->speed_rad_s);
     return laws_walk_answer(mesh->bench, &walk, mesh->speed_rad_s, apex);
 }
@@ -110,7 +110,7 @@ static int explore(struct mesh *mesh)
     double gait[3];
     struct batch_item *items = calloc((size_t)CELLS_AT_ONCE * DRAWS, sizeof *items);
     int status = items == NULL ? -1 : 0;
-    (void)laws_bench_gait(mesh->bench, mesh->speed_rad_s, gait);
+    (void)law_setup_gait(mesh->bench, mesh->speed_rad_s, gait);
     (void)cell_of(mesh, gait);
     for (int first = 0; first < mesh->cells && status == 0;) {
         const int left = mesh->cells - first;
@@ -175,7 +175,7 @@ static void count_steps(const struct mesh *mesh, double *p, double *q,
     result->settled_steps = chance > 0.0 ? 1.0 / chance : (double)INFINITY;
 }
 
-int ground_operator(const struct laws_bench *bench, double speed_rad_s, double rise_most,
+int ground_operator(const struct law_setup *bench, double speed_rad_s, double rise_most,
                     double step_share, bool heights, struct ground_operator_result *result)
 {
     struct mesh mesh = {.bench = bench, .speed_rad_s = speed_rad_s};
@@ -203,7 +203,7 @@ int ground_operator(const struct laws_bench *bench, double speed_rad_s, double r
     return explored ? 0 : -1;
 }
 
-static double largest_rise(const struct laws_bench *bench, const double apex[3], double r0_m)
+static double largest_rise(const struct law_setup *bench, const double apex[3], double r0_m)
 {
     struct laws_stride stride;
     double low = 0.0, high = 0.2;
@@ -219,14 +219,14 @@ static double largest_rise(const struct laws_bench *bench, const double apex[3],
     return low;
 }
 
-void ground_rise_survived(const struct laws_bench *bench, double speed_rad_s,
+void ground_rise_survived(const struct law_setup *bench, double speed_rad_s,
                           struct ground_rise *rise)
 {
     const struct gait_walker *body = &bench->truth;
     const double low_m = (double)bench->params.r0_min_m, high_m = (double)bench->params.r0_max_m;
     double apex[3];
     struct laws_stride stride;
-    const double r0_m = laws_bench_gait(bench, speed_rad_s, apex);
+    const double r0_m = law_setup_gait(bench, speed_rad_s, apex);
     *rise = (struct ground_rise){.climbed = 0.5 * speed_rad_s * speed_rad_s * body->leg_length_m /
                                             body->gravity_m_s2,
                                  .own_push = largest_rise(bench, apex, r0_m)};

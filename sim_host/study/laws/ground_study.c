@@ -31,13 +31,13 @@ struct cell_result {
 struct study {
     const struct laws_options *options;
     int walks;
-    struct cell_result cell[ENTRANTS][CELLS]; /* by kind, then speed, then size */
+    struct cell_result cell[LAW_CASES][CELLS]; /* by kind, then speed, then size */
 };
 
 /* The ramp makes no difference at one speed. */
 static bool wanted(const struct study *study, int e)
 {
-    return study->options->entrant[e] && e != ENTRANT_RAMP;
+    return study->options->law_case[e] && e != LAW_CASE_RAMP;
 }
 
 /* What a cell is about. */
@@ -57,7 +57,7 @@ static struct ground_case case_of(const struct study *study, int cell)
 static struct session_config session_of(const struct study *study, int e, int cell, int w)
 {
     const struct ground_case what = case_of(study, cell);
-    return (struct session_config){.entrant = (enum laws_entrant)e,
+    return (struct session_config){.law_case = (enum law_case)e,
                                    .from_rad_s = what.speed_rad_s,
                                    .to_rad_s = what.speed_rad_s,
                                    .steps = study->options->chain ? CHAIN_STEPS : MAP_STEPS,
@@ -99,11 +99,11 @@ static void compute_operator(void *context, int i)
     if (!wanted(study, e)) {
         return;
     }
-    const struct laws_bench bench = laws_entrant_bench(study->options, (enum laws_entrant)e);
+    const struct law_setup bench = law_case_setup(study->options, (enum law_case)e);
     const struct ground_case what = case_of(study, i % CELLS);
     struct laws_stride stride;
     double apex[3];
-    const double r0_m = laws_bench_gait(&bench, what.speed_rad_s, apex);
+    const double r0_m = law_setup_gait(&bench, what.speed_rad_s, apex);
     (void)laws_stride(&bench.truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
     cell->failed = ground_operator(&bench, what.speed_rad_s, what.rise,
                                    stride.step_length_m / bench.truth.leg_length_m, what.heights,
@@ -113,12 +113,12 @@ static void compute_operator(void *context, int i)
 /* All that is counted. Returns 0, or -1. */
 static int run(struct study *study)
 {
-    for (int e = 0; e < ENTRANTS; e++) {
+    for (int e = 0; e < LAW_CASES; e++) {
         if (wanted(study, e) && count_walks(study, e) != 0) {
             return -1;
         }
     }
-    const int operators = study->options->chain ? 0 : ENTRANTS * CELLS;
+    const int operators = study->options->chain ? 0 : LAW_CASES * CELLS;
     const struct pool_jobs jobs = {0,     operators,        study->options->threads,
                                    study, compute_operator, laws_take};
     int status = pool_run(&jobs) == 1 ? 0 : -1;
@@ -133,7 +133,7 @@ static int run(struct study *study)
 
 static void print(const struct study *study, int e, int kind, int v, FILE *csv)
 {
-    printf("  %-13s %-8s %.1f rad/s:", laws_entrant_names[e], kinds[kind], speeds[v]);
+    printf("  %-13s %-8s %.1f rad/s:", law_case_names[e], kinds[kind], speeds[v]);
     for (int s = 0; s < SIZES; s++) {
         const struct cell_result *c = &study->cell[e][(kind * SPEEDS + v) * SIZES + s];
         const double direct = c->falls > 0 ? (double)c->steps / c->falls : (double)INFINITY;
@@ -147,8 +147,8 @@ static void print(const struct study *study, int e, int kind, int v, FILE *csv)
                    c->operator.settled_steps);
         }
         if (csv != NULL) {
-            fprintf(csv, "%s,%s,%.1f,%g,%ld,%d,%.6g,%.6g,%d,%d\n", laws_entrant_names[e],
-                    kinds[kind], speeds[v], sizes_mm[s], c->steps, c->falls, c->operator.mean_steps,
+            fprintf(csv, "%s,%s,%.1f,%g,%ld,%d,%.6g,%.6g,%d,%d\n", law_case_names[e], kinds[kind],
+                    speeds[v], sizes_mm[s], c->steps, c->falls, c->operator.mean_steps,
                     c->operator.settled_steps, c->operator.cells, c->operator.full);
         }
     }
@@ -197,7 +197,7 @@ int laws_ground(const struct laws_options *options)
                   "step,\n  as the predictive one does of the ground, the operator leaves out)");
         print_rises(options);
     }
-    for (int e = 0; e < ENTRANTS && !failed; e++) {
+    for (int e = 0; e < LAW_CASES && !failed; e++) {
         for (int i = 0; i < KINDS * SPEEDS && wanted(study, e); i++) {
             print(study, e, i / SPEEDS, i % SPEEDS, csv);
         }

@@ -4,7 +4,7 @@
 #include "sim_host/study/laws/session.h"
 
 enum { SPEEDS = 9, PAIRS = SPEEDS * SPEEDS, TAIL = 20, MAP_STEPS = 150, CHAIN_STEPS = 80 };
-#define SETTLED_SHARE 0.01
+#define SETTLED_RATIO 0.01
 
 struct jump {
     bool fell, settled;
@@ -13,7 +13,7 @@ struct jump {
 
 struct jumps {
     const struct laws_options *options;
-    enum laws_entrant entrant;
+    enum law_case law_case;
     double unit; /* rad/s of this subject per rad/s of the paper's walker */
     struct session_config config[PAIRS];
     struct session_result result[PAIRS];
@@ -27,12 +27,12 @@ static double speed_of(int index)
 
 static struct session_config pair(const struct jumps *jumps, int i)
 {
-    struct session_config config = {.entrant = jumps->entrant,
+    struct session_config config = {.law_case = jumps->law_case,
                                     .from_rad_s = speed_of(i / SPEEDS) * jumps->unit,
                                     .to_rad_s = speed_of(i % SPEEDS) * jumps->unit,
                                     .seed = jumps->options->seed};
     config.steps = jumps->options->chain ? CHAIN_STEPS : MAP_STEPS;
-    if (jumps->entrant == ENTRANT_RAMP) {
+    if (jumps->law_case == LAW_CASE_RAMP) {
         config.steps += 200; /* the ramp itself takes up to 160 */
     }
     return config;
@@ -43,7 +43,7 @@ static void judge(const struct session_config *config, const struct session_resu
 {
     jump->fell = result->fell;
     jump->steps =
-        result->fell ? result->steps + 1 : session_settled(result, config->to_rad_s, SETTLED_SHARE);
+        result->fell ? result->steps + 1 : session_settled(result, config->to_rad_s, SETTLED_RATIO);
     jump->settled = !result->fell && jump->steps <= result->steps - TAIL;
 }
 
@@ -66,7 +66,7 @@ static int run(struct jumps *jumps)
 static void print(const struct jumps *jumps, FILE *csv)
 {
     int falls = 0, unsettled = 0, most_up = 0, most_down = 0;
-    printf("  %s%s\n  from\\to ", laws_entrant_names[jumps->entrant],
+    printf("  %s%s\n  from\\to ", law_case_names[jumps->law_case],
            jumps->options->chain ? ", whole chain" : ", map");
     for (int j = 0; j < SPEEDS; j++) {
         printf("%6.1f", speed_of(j));
@@ -78,8 +78,8 @@ static void print(const struct jumps *jumps, FILE *csv)
             printf("\n  %6.1f  ", speed_of(from));
         }
         if (csv != NULL) {
-            fprintf(csv, "%s,%.1f,%.1f,%d,%d,%d\n", laws_entrant_names[jumps->entrant],
-                    speed_of(from), speed_of(to), jump->fell, jump->settled, jump->steps);
+            fprintf(csv, "%s,%.1f,%.1f,%d,%d,%d\n", law_case_names[jumps->law_case], speed_of(from),
+                    speed_of(to), jump->fell, jump->settled, jump->steps);
         }
         if (jump->fell) {
             printf("%6s", "fell");
@@ -111,12 +111,12 @@ int laws_jumps(const struct laws_options *options)
         laws_csv(options, "jumps", "law,from_rad_s,to_rad_s,fell,settled,steps", &file, &failed);
     struct jumps *jumps = malloc(sizeof *jumps);
     failed = failed || jumps == NULL;
-    for (int e = 0; e < ENTRANTS && !failed; e++) {
-        if (!options->entrant[e]) {
+    for (int e = 0; e < LAW_CASES && !failed; e++) {
+        if (!options->law_case[e]) {
             continue;
         }
         *jumps = (struct jumps){
-            .options = options, .entrant = (enum laws_entrant)e, .unit = laws_speed_unit(options)};
+            .options = options, .law_case = (enum law_case)e, .unit = laws_speed_unit(options)};
         failed = run(jumps) != 0;
         if (!failed) {
             print(jumps, csv);

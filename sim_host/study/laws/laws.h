@@ -18,26 +18,26 @@
 
 /* The laws compared. "ramp" is eq. (16) with the command ramped as flown, the others take the command at
  * once. */
-enum laws_entrant {
-    ENTRANT_PROPORTIONAL = 0,
-    ENTRANT_RAMP = 1,
-    ENTRANT_DLQR = 2,
-    ENTRANT_DEADBEAT = 3,
-    ENTRANT_PREDICTIVE = 4,
-    ENTRANTS = 5
+enum law_case {
+    LAW_CASE_PROPORTIONAL = 0,
+    LAW_CASE_RAMP = 1,
+    LAW_CASE_DLQR = 2,
+    LAW_CASE_DEADBEAT = 3,
+    LAW_CASE_PREDICTIVE = 4,
+    LAW_CASES = 5
 };
-extern const char *const laws_entrant_names[ENTRANTS];
+extern const char *const law_case_names[LAW_CASES];
 
 struct laws_options {
-    bool entrant[ENTRANTS]; /* which ones to run */
-    bool chain;             /* through bus, sensors and SEA instead of the map */
+    bool law_case[LAW_CASES]; /* which ones to run */
+    bool chain;               /* through bus, sensors and SEA instead of the map */
     enum sensor_preset_kind sensors;
     int samples; /* 0: the study's own default */
     int threads;
     uint64_t seed;
     const char *out_directory; /* NULL: none */
     struct subject subject;
-    struct laws_bench bench; /* of the subject, with eq. (16) */
+    struct law_setup bench; /* of the subject, with eq. (16) */
 };
 
 /* A study: returns 0, or -1 after saying what is wrong on standard error. */
@@ -52,10 +52,11 @@ extern const double laws_box_low[3], laws_box_high[3];
 void laws_draw_apex(const struct laws_options *options, struct rng *rng, double apex[3]);
 
 /* The grid of all states that viable.h is asked on, finer with fineness (1: 100 x 60 states). */
-struct viable_range laws_viable_range(const struct laws_options *options, int fineness, int pushes);
+struct viability_range laws_viability_range(const struct laws_options *options, int fineness,
+                                            int pushes);
 
-/* The bench of an entrant for the subject. */
-struct laws_bench laws_entrant_bench(const struct laws_options *options, enum laws_entrant entrant);
+/* The bench of an law_case for the subject. */
+struct law_setup law_case_setup(const struct laws_options *options, enum law_case law_case);
 
 /* For pools whose results stay where they were computed. */
 int laws_take(void *context, int i);

@@ -18,13 +18,13 @@ enum {
     KEY_THREADS,
     KEY_SEED,
     KEY_OUT,
-    KEY_ROUGH,
+    KEY_TERRAIN_SPEED,
     KEY_SUBJECT
 };
 
-const char *const laws_entrant_names[ENTRANTS] = {"proportional", "ramp", "dlqr", "deadbeat",
-                                                  "predictive"};
-static const enum law_mode entrant_laws[ENTRANTS] = {LAW_PROPORTIONAL, LAW_PROPORTIONAL, LAW_DLQR,
+const char *const law_case_names[LAW_CASES] = {"proportional", "ramp", "dlqr", "deadbeat",
+                                               "predictive"};
+static const enum law_mode law_of_case[LAW_CASES] = {LAW_PROPORTIONAL, LAW_PROPORTIONAL, LAW_DLQR,
                                                      LAW_DEADBEAT, LAW_PREDICTIVE};
 
 static const struct {
@@ -58,7 +58,7 @@ static const struct argp_option option_list[] = {
     {"sensors", KEY_SENSORS, "PRESET", 0, "with --chain: ideal, 17bit or 14bit (14bit)", 0},
     {"samples", KEY_SAMPLES, "N", 0, "as many samples (each study has its default)", 0},
     {"threads", KEY_THREADS, "N", 0, "use so many threads (all processors)", 0},
-    {"rough-speed", KEY_ROUGH, "RAD_S", 0,
+    {"terrain-speed", KEY_TERRAIN_SPEED, "RAD_S", 0,
      "what the predictive law may want on uneven ground; 0: nothing above the command (0.8)", 0},
     {"seed", KEY_SEED, "N", 0, "of all random numbers (1)", 0},
     {"out", KEY_OUT, "DIRECTORY", 0, "write laws-STUDY.csv there, too", 0},
@@ -68,15 +68,15 @@ static const struct argp_option option_list[] = {
 struct input {
     struct laws_options options;
     const char *study;
-    double rough_speed_rad_s; /* below 0: not said */
+    double terrain_speed_rad_s; /* below 0: not said */
 };
 
 static void only(struct laws_options *options, const char *name, struct argp_state *state)
 {
     bool found = false;
-    for (int i = 0; i < ENTRANTS; i++) {
-        options->entrant[i] = strcmp(name, laws_entrant_names[i]) == 0;
-        found = found || options->entrant[i];
+    for (int i = 0; i < LAW_CASES; i++) {
+        options->law_case[i] = strcmp(name, law_case_names[i]) == 0;
+        found = found || options->law_case[i];
     }
     if (!found) {
         argp_error(state, "--law: \"%s\" is none of proportional, ramp, dlqr, deadbeat, predictive",
@@ -112,8 +112,8 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_THREADS:
         options->threads = (int)option_whole(state, "--threads", text, 1, 256);
         return 0;
-    case KEY_ROUGH:
-        input->rough_speed_rad_s = option_number(state, "--rough-speed", text, 0.0, 20.0);
+    case KEY_TERRAIN_SPEED:
+        input->terrain_speed_rad_s = option_number(state, "--terrain-speed", text, 0.0, 20.0);
         return 0;
     case KEY_SEED:
         options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
@@ -143,11 +143,11 @@ static error_t take(int key, char *text, struct argp_state *state)
     }
 }
 
-struct laws_bench laws_entrant_bench(const struct laws_options *options, enum laws_entrant entrant)
+struct law_setup law_case_setup(const struct laws_options *options, enum law_case law_case)
 {
-    struct laws_bench bench = options->bench;
-    bench.params.law = (real)entrant_laws[entrant];
-    if (entrant == ENTRANT_RAMP) {
+    struct law_setup bench = options->bench;
+    bench.params.law = (real)law_of_case[law_case];
+    if (law_case == LAW_CASE_RAMP) {
         bench.params.speed_ramp_rad_s = (real)(0.005 * laws_speed_unit(options)); /* as flown */
     }
     return bench;
@@ -230,22 +230,22 @@ int laws_main(int argc, char **argv)
     const struct argp parser = {option_list, take, "STUDY", doc, NULL, NULL, NULL};
     struct input input = {
         .options = {.sensors = SENSORS_14BIT, .threads = pool_processors(), .seed = 1},
-        .rough_speed_rad_s = -1.0};
-    for (int i = 0; i < ENTRANTS; i++) {
-        input.options.entrant[i] = true;
+        .terrain_speed_rad_s = -1.0};
+    for (int i = 0; i < LAW_CASES; i++) {
+        input.options.law_case[i] = true;
     }
     subject_default(&input.options.subject);
     argp_err_exit_status = 2;
     argv[0] = name;
     argp_parse(&parser, argc, argv, 0, NULL, &input);
     char message[SUBJECT_MESSAGE_MAX];
-    if (laws_bench_init(&input.options.bench, &input.options.subject, LAW_PREDICTIVE, message) !=
+    if (law_setup_init(&input.options.bench, &input.options.subject, LAW_PREDICTIVE, message) !=
         0) {
         fprintf(stderr, "afo-study laws: %s\n", message);
         return 2;
     }
-    if (input.rough_speed_rad_s >= 0.0) {
-        input.options.bench.params.rough_speed_rad_s = (real)input.rough_speed_rad_s;
+    if (input.terrain_speed_rad_s >= 0.0) {
+        input.options.bench.params.terrain_speed_rad_s = (real)input.terrain_speed_rad_s;
     }
     if (input.options.out_directory != NULL &&
         access(input.options.out_directory, W_OK | X_OK) != 0) {
@@ -257,8 +257,9 @@ int laws_main(int argc, char **argv)
     const bool all = strcmp(input.study, "all") == 0;
     bool found = false;
     int status = 0;
-    if (input.rough_speed_rad_s >= 0.0 && !input.options.entrant[ENTRANT_PREDICTIVE]) {
-        fprintf(stderr, "afo-study laws: --rough-speed does nothing without the predictive law\n");
+    if (input.terrain_speed_rad_s >= 0.0 && !input.options.law_case[LAW_CASE_PREDICTIVE]) {
+        fprintf(stderr,
+                "afo-study laws: --terrain-speed does nothing without the predictive law\n");
         return 2;
     }
     for (size_t i = 0; i < STUDIES && status == 0; i++) {

@@ -17,22 +17,23 @@ static const struct {
 } grids[] = {{2, 120}, {4, 120}, {8, 120}};
 enum { GRIDS = sizeof grids / sizeof grids[0] };
 
-struct viable_range laws_viable_range(const struct laws_options *options, int fineness, int pushes)
+struct viability_range laws_viability_range(const struct laws_options *options, int fineness,
+                                            int pushes)
 {
     const struct control_params *params = &options->bench.params;
-    return (struct viable_range){.legs_low_rad = 0.03,
-                                 .legs_high_rad = 2.4,
-                                 .rate_low = 0.0,
-                                 .rate_high = 0.6,
-                                 .r0_low_m = (double)params->r0_min_m,
-                                 .r0_high_m = (double)params->r0_max_m,
-                                 .legs = 100 * fineness,
-                                 .rates = 60 * fineness,
-                                 .pushes = pushes};
+    return (struct viability_range){.legs_low_rad = 0.03,
+                                    .legs_high_rad = 2.4,
+                                    .rate_low = 0.0,
+                                    .rate_high = 0.6,
+                                    .r0_low_m = (double)params->r0_min_m,
+                                    .r0_high_m = (double)params->r0_max_m,
+                                    .legs = 100 * fineness,
+                                    .rates = 60 * fineness,
+                                    .pushes = pushes};
 }
 
 /* Asks both sets about the box's states. */
-static void survival(const struct laws_options *options, const struct viable_grid *grid,
+static void survival(const struct laws_options *options, const struct viability_grid *grid,
                      const unsigned char *outer, const unsigned char *inner, int rounds, FILE *csv)
 {
     const int samples = options->samples > 0 ? options->samples : SAMPLES;
@@ -41,12 +42,12 @@ static void survival(const struct laws_options *options, const struct viable_gri
     rng_init(&rng, options->seed, 74);
     for (int i = 0; i < samples; i++) {
         double apex[3];
-        struct viable_state state;
+        struct viability_state state;
         laws_draw_apex(options, &rng, apex);
-        if (viable_after_apex(&grid->walker, apex, &state)) {
+        if (viability_after_apex(&grid->walker, apex, &state)) {
             strikes++;
-            may += viable_has(grid, VIABLE_OUTER, outer, &state) ? 1 : 0;
-            can += viable_has(grid, VIABLE_INNER, inner, &state) ? 1 : 0;
+            may += viability_has(grid, VIABILITY_OUTER, outer, &state) ? 1 : 0;
+            can += viability_has(grid, VIABILITY_INNER, inner, &state) ? 1 : 0;
         }
     }
     printf(
@@ -60,13 +61,13 @@ static void survival(const struct laws_options *options, const struct viable_gri
     }
 }
 
-static int survival_on(const struct laws_options *options, const struct viable_grid *grid,
+static int survival_on(const struct laws_options *options, const struct viability_grid *grid,
                        FILE *csv)
 {
     unsigned char *outer = malloc((size_t)grid->nodes), *inner = malloc((size_t)grid->nodes);
     const bool room = outer != NULL && inner != NULL;
-    const int rounds = room ? viable_kernel(grid, VIABLE_OUTER, outer) : 0;
-    const bool found = rounds > 0 && viable_kernel(grid, VIABLE_INNER, inner) > 0;
+    const int rounds = room ? viability_kernel(grid, VIABILITY_OUTER, outer) : 0;
+    const bool found = rounds > 0 && viability_kernel(grid, VIABILITY_INNER, inner) > 0;
     if (found) {
         survival(options, grid, outer, inner, rounds, csv);
     }
@@ -83,14 +84,14 @@ int laws_limits(const struct laws_options *options)
     FILE *csv = laws_csv(options, "survival", "legs,rates,pushes,samples,strike,inner,outer", &file,
                          &failed);
     for (int i = 0; i < GRIDS && !failed; i++) {
-        struct viable_grid grid;
-        const struct viable_range range =
-            laws_viable_range(options, grids[i].fineness, grids[i].pushes);
-        failed = viable_make(&grid, &walker, &range, options->threads) != 0;
+        struct viability_grid grid;
+        const struct viability_range range =
+            laws_viability_range(options, grids[i].fineness, grids[i].pushes);
+        failed = viability_make(&grid, &walker, &range, options->threads) != 0;
         if (!failed) {
             failed = survival_on(options, &grid, csv) != 0;
             (void)fflush(stdout);
-            viable_free(&grid);
+            viability_free(&grid);
         }
         if (failed) {
             fprintf(stderr, "afo-study laws: no memory for a grid of %d x %d states\n", range.legs,

@@ -13,15 +13,15 @@ static const double speeds[SPEEDS] = {0.4, 0.8};
 
 struct push_study {
     struct laws_options options; /* with the chain */
-    double unit_Ns, largest[ENTRANTS][SPEEDS][DIRECTIONS][PHASES];
-    bool failed[ENTRANTS];
+    double unit_Ns, largest[LAW_CASES][SPEEDS][DIRECTIONS][PHASES];
+    bool failed[LAW_CASES];
 };
 
 static bool survives(struct push_study *study, int e, int v, double push_Ns, int phase)
 {
     struct session_result result = {.step = NULL};
     const double speed = speeds[v] * laws_speed_unit(&study->options);
-    const struct session_config config = {.entrant = (enum laws_entrant)e,
+    const struct session_config config = {.law_case = (enum law_case)e,
                                           .from_rad_s = speed,
                                           .to_rad_s = speed,
                                           .steps = STEPS,
@@ -42,7 +42,7 @@ static void compute(void *context, int i)
     struct push_study *study = (struct push_study *)context;
     const int e = i / (SPEEDS * DIRECTIONS * PHASES), v = i / (DIRECTIONS * PHASES) % SPEEDS,
               d = i / PHASES % DIRECTIONS, phase = i % PHASES;
-    if (!study->options.entrant[e] || e == ENTRANT_RAMP) {
+    if (!study->options.law_case[e] || e == LAW_CASE_RAMP) {
         return;
     }
     const double sign = d == 0 ? study->unit_Ns : -study->unit_Ns;
@@ -72,13 +72,13 @@ static void print(const struct push_study *study, int e, FILE *csv)
 {
     for (int v = 0; v < SPEEDS; v++) {
         for (int d = 0; d < DIRECTIONS; d++) {
-            printf("  %-13s %.1f rad/s %-8s", laws_entrant_names[e], speeds[v],
+            printf("  %-13s %.1f rad/s %-8s", law_case_names[e], speeds[v],
                    d == 0 ? "forward" : "backward");
             for (int p = 0; p < PHASES; p++) {
                 const double largest = study->largest[e][v][d][p];
                 printf(" %8.4f", largest);
                 if (csv != NULL) {
-                    fprintf(csv, "%s,%.1f,%s,%.4f,%.6g,%.6g\n", laws_entrant_names[e], speeds[v],
+                    fprintf(csv, "%s,%.1f,%s,%.4f,%.6g,%.6g\n", law_case_names[e], speeds[v],
                             d == 0 ? "forward" : "backward", (p + 0.5) / PHASES, largest,
                             largest * study->unit_Ns);
                 }
@@ -86,7 +86,7 @@ static void print(const struct push_study *study, int e, FILE *csv)
             printf("\n");
         }
         printf("  %-13s %.1f rad/s the smallest of these: forward %.4f, backward %.4f\n",
-               laws_entrant_names[e], speeds[v], smallest(study->largest[e][v][0]),
+               law_case_names[e], speeds[v], smallest(study->largest[e][v][0]),
                smallest(study->largest[e][v][1]));
     }
 }
@@ -108,14 +108,14 @@ int laws_push(const struct laws_options *options)
         laws_csv(&study->options, "push",
                  "law,speed_rad_s,direction,phase,share_of_m_sqrt_gl,impulse_Ns", &file, &failed);
     const struct pool_jobs jobs = {
-        0, ENTRANTS * SPEEDS * DIRECTIONS * PHASES, options->threads, study, compute, laws_take};
+        0, LAW_CASES * SPEEDS * DIRECTIONS * PHASES, options->threads, study, compute, laws_take};
     failed = failed || pool_run(&jobs) != 1;
     printf(
         "  in units of total mass times sqrt(g l), %.4g N s here; phases 1/16, 3/16 .. 15/16 from "
         "apex to apex\n",
         study->unit_Ns);
-    for (int e = 0; e < ENTRANTS && !failed; e++) {
-        if (options->entrant[e] && e != ENTRANT_RAMP) {
+    for (int e = 0; e < LAW_CASES && !failed; e++) {
+        if (options->law_case[e] && e != LAW_CASE_RAMP) {
             print(study, e, csv);
         }
         failed = failed || study->failed[e];

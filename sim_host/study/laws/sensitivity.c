@@ -11,12 +11,12 @@ enum { SETTLE = 60, RESPONSE = 80, INDICATORS = 2 };
 static const double speeds[] = {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
 
 /* Indicators of RESPONSE steps after a foothold raised by `rise` at the first. Returns false on a fall. */
-static bool respond(const struct laws_bench *bench, double speed_rad_s, double rise,
+static bool respond(const struct law_setup *bench, double speed_rad_s, double rise,
                     double indicator[RESPONSE][INDICATORS])
 {
     struct laws_walk walk;
     double gait[3];
-    const double r0_m = laws_bench_gait(bench, speed_rad_s, gait);
+    const double r0_m = law_setup_gait(bench, speed_rad_s, gait);
     laws_walk_start(bench, &walk, gait, r0_m, speed_rad_s);
     for (int k = 0; k < SETTLE + RESPONSE; k++) {
         if (laws_walk_step(bench, &walk, speed_rad_s, NULL, 0.0, k == SETTLE ? rise : 0.0) != 0) {
@@ -31,7 +31,7 @@ static bool respond(const struct laws_bench *bench, double speed_rad_s, double r
     return true;
 }
 
-static bool norms(const struct laws_bench *bench, double speed_rad_s, double norm[INDICATORS])
+static bool norms(const struct law_setup *bench, double speed_rad_s, double norm[INDICATORS])
 {
     static double up[RESPONSE][INDICATORS], down[RESPONSE][INDICATORS];
     if (!respond(bench, speed_rad_s, RISE, up) || !respond(bench, speed_rad_s, -RISE, down)) {
@@ -57,13 +57,13 @@ int laws_sensitivity(const struct laws_options *options)
                  "law,speed_rad_s,step_time_s_per_leg,apex_speed_rad_s_per_leg", &file, &failed);
     printf(
         "  norm of step time (s) and apex speed (rad/s) per leg length of one step of the ground\n");
-    for (int e = 0; e < ENTRANTS && !failed; e++) {
-        if (!options->entrant[e] || e == ENTRANT_RAMP) {
+    for (int e = 0; e < LAW_CASES && !failed; e++) {
+        if (!options->law_case[e] || e == LAW_CASE_RAMP) {
             continue;
         }
-        struct laws_bench bench = laws_entrant_bench(options, (enum laws_entrant)e);
+        struct law_setup bench = law_case_setup(options, (enum law_case)e);
         bench.accuracy = LAWS_FINE;
-        printf("  %-13s", laws_entrant_names[e]);
+        printf("  %-13s", law_case_names[e]);
         for (unsigned i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
             double norm[INDICATORS];
             if (!norms(&bench, speeds[i] * laws_speed_unit(options), norm)) {
@@ -72,8 +72,7 @@ int laws_sensitivity(const struct laws_options *options)
             }
             printf("  %.1f: %5.2f %5.2f", speeds[i], norm[0], norm[1]);
             if (csv != NULL) {
-                fprintf(csv, "%s,%.1f,%.6g,%.6g\n", laws_entrant_names[e], speeds[i], norm[0],
-                        norm[1]);
+                fprintf(csv, "%s,%.1f,%.6g,%.6g\n", law_case_names[e], speeds[i], norm[0], norm[1]);
             }
         }
         printf("\n");

@@ -24,12 +24,12 @@ struct terrain {
     double step_share; /* steady step length over leg length */
 };
 
-static void terrain_init(struct terrain *terrain, const struct laws_bench *bench,
+static void terrain_init(struct terrain *terrain, const struct law_setup *bench,
                          const struct session_config *config)
 {
     struct laws_stride stride;
     double apex[3];
-    const double r0_m = laws_bench_gait(bench, config->to_rad_s, apex);
+    const double r0_m = law_setup_gait(bench, config->to_rad_s, apex);
     (void)laws_stride(&bench->truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
     terrain->step_share = stride.step_length_m / bench->truth.leg_length_m;
     rng_init(&terrain->rng, config->seed, 71);
@@ -46,7 +46,7 @@ static double draw_rise(struct terrain *terrain, const struct session_config *co
 struct map_walk {
     const struct session_config *config;
     struct session_result *result;
-    struct laws_bench bench;
+    struct law_setup bench;
     struct terrain terrain;
     struct rng rng;
     int strides; /* answered */
@@ -70,7 +70,7 @@ static int judge(void *context, size_t i, const struct laws_walk *walk)
 {
     const struct map_walk *mine = (const struct map_walk *)context + i;
     struct session_result *result = mine->result;
-    result->fallbacks += walk->law.fell_back ? 1 : 0;
+    result->fallbacks += walk->law.used_fallback ? 1 : 0;
     if (walk->stride.fault != 0) {
         result->fell = true;
         result->reason = laws_fault_name(walk->stride.fault);
@@ -89,13 +89,13 @@ static void start_on_map(const struct laws_options *options, struct map_walk *wa
 {
     const struct session_config *config = walk->config;
     double apex[3];
-    walk->bench = laws_entrant_bench(options, config->entrant);
+    walk->bench = law_case_setup(options, config->law_case);
     if (config->truth != NULL) {
         walk->bench.truth = subject_gait_walker(config->truth);
     }
     rng_init(&walk->rng, config->seed, 72);
     terrain_init(&walk->terrain, &walk->bench, config);
-    const double r0_m = laws_bench_gait(&walk->bench, config->from_rad_s, apex);
+    const double r0_m = law_setup_gait(&walk->bench, config->from_rad_s, apex);
     struct gait_point own; /* a body that differs starts in its own gait of this r0 */
     if (config->truth != NULL &&
         gait_curve(&walk->bench.truth, r0_m, 0.0, 1, &own, NULL) == GAIT_CURVE_OK) {
@@ -186,11 +186,11 @@ static int start_chain(const struct laws_options *options, const struct session_
                        struct loop *loop, struct terrain *terrain, double *heights_m)
 {
     char message[LOOP_MESSAGE_MAX];
-    struct laws_bench bench = laws_entrant_bench(options, config->entrant);
+    struct law_setup bench = law_case_setup(options, config->law_case);
     struct loop_config loop_config;
     double apex[3];
     const struct subject *body = config->truth != NULL ? config->truth : &options->subject;
-    bench.params.start_r0_m = (real)laws_bench_gait(&bench, config->from_rad_s, apex);
+    bench.params.start_r0_m = (real)law_setup_gait(&bench, config->from_rad_s, apex);
     if (loop_configure(&loop_config, body, &bench.params, config->to_rad_s, options->sensors,
                        config->seed, message) != 0) {
         fprintf(stderr, "afo-study laws: %s\n", message);
@@ -239,7 +239,7 @@ static int run_on_chain(const struct laws_options *options, const struct session
             const struct controller *controller = &loop->rig.task.controller;
             if (controller->last_step.number != step_number) {
                 step_number = controller->last_step.number;
-                result->fallbacks += controller->law.fell_back ? 1 : 0;
+                result->fallbacks += controller->law.used_fallback ? 1 : 0;
             }
             loop->nodes.plant.walk.params.slope_rad = slope_at(config, apexes) + incline;
         }

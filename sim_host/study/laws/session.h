@@ -7,7 +7,7 @@
 enum { SESSION_STEPS_MAX = 4000 };
 
 struct session_config {
-    enum laws_entrant entrant;
+    enum law_case law_case;
     const struct subject *truth; /* the body that walks; NULL: the one the law believes */
     double from_rad_s;           /* start: the steady gait of this speed */
     double to_rad_s;             /* wanted from the first step on */

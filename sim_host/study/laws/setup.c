@@ -1,15 +1,15 @@
 #include "sim_host/study/laws/setup.h"
 
-int laws_bench_init(struct laws_bench *bench, const struct subject *subject, enum law_mode law,
-                    char *message)
+int law_setup_init(struct law_setup *bench, const struct subject *subject, enum law_mode law,
+                   char *message)
 {
     if (subject_control_params(subject, &bench->params, message) != 0) {
         return -1;
     }
     bench->params.law = (real)law;
     bench->params.speed_ramp_rad_s = REAL(1.0);
-    bench->params.rough_speed_rad_s =
-        (real)(LAWS_ROUGH_SPEED *
+    bench->params.terrain_speed_rad_s =
+        (real)(LAWS_TERRAIN_SPEED *
                __builtin_sqrt(subject->gravity_m_s2 / 9.80665 / subject->leg_length_m));
     bench->params.r0_change_max_m = bench->params.r0_max_m;
     bench->truth = subject_gait_walker(subject);
@@ -17,7 +17,7 @@ int laws_bench_init(struct laws_bench *bench, const struct subject *subject, enu
     return 0;
 }
 
-double laws_bench_gait(const struct laws_bench *bench, double speed_rad_s, double apex[3])
+double law_setup_gait(const struct law_setup *bench, double speed_rad_s, double apex[3])
 {
     struct gait_branch_point gait;
     apex[0] = -(double)gait_branch_at(bench->params.branch, (real)speed_rad_s, &gait);
@@ -32,7 +32,7 @@ struct batch_walker laws_batch_walker(const struct gait_walker *walker)
                                  walker->ankle_stiffness_N_m, walker->gravity_m_s2};
 }
 
-void laws_walk_start(const struct laws_bench *bench, struct laws_walk *walk, const double apex[3],
+void laws_walk_start(const struct law_setup *bench, struct laws_walk *walk, const double apex[3],
                      double r0_m, double speed_rad_s)
 {
     step_law_init(&walk->law, &bench->params);
@@ -45,8 +45,8 @@ void laws_walk_start(const struct laws_bench *bench, struct laws_walk *walk, con
     walk->steps = 0;
 }
 
-double laws_walk_answer(const struct laws_bench *bench, struct laws_walk *walk,
-                        double desired_rad_s, const double seen[3])
+double laws_walk_answer(const struct law_setup *bench, struct laws_walk *walk, double desired_rad_s,
+                        const double seen[3])
 {
     const struct apex_estimate estimate = {(real)seen[0], (real)seen[1], (real)seen[2], REAL(1.0)};
     (void)step_law_update(&walk->law, &bench->params, &estimate, (real)desired_rad_s);
@@ -58,7 +58,7 @@ double laws_walk_answer(const struct laws_bench *bench, struct laws_walk *walk,
     return walk->r0_m;
 }
 
-int laws_walk_step(const struct laws_bench *bench, struct laws_walk *walk, double desired_rad_s,
+int laws_walk_step(const struct law_setup *bench, struct laws_walk *walk, double desired_rad_s,
                    const double seen[3], double slope_rad, double rise)
 {
     (void)laws_walk_answer(bench, walk, desired_rad_s, seen != NULL ? seen : walk->apex);

@@ -13,9 +13,9 @@
 
 /* What the predictive law may want on uneven ground in these studies, rad/s on a leg of 1 m: a gait that bears footholds
  * within 10 mm. A subject's own parameters allow for nothing of the kind unless its file says so. */
-#define LAWS_ROUGH_SPEED 0.8
+#define LAWS_TERRAIN_SPEED 0.8
 
-struct laws_bench {
+struct law_setup {
     struct control_params params; /* the law's */
     struct gait_walker truth;     /* the map's */
     enum laws_accuracy accuracy;
@@ -30,23 +30,23 @@ struct laws_walk {
 };
 
 /* The law's parameters for a subject; the truth is the subject's own body. Jumps of the command are not
- * ramped, and on uneven ground the predictive law may want LAWS_ROUGH_SPEED. Returns 0, or -1 with the reason in message (SUBJECT_MESSAGE_MAX). */
-int laws_bench_init(struct laws_bench *bench, const struct subject *subject, enum law_mode law,
-                    char *message);
+ * ramped, and on uneven ground the predictive law may want LAWS_TERRAIN_SPEED. Returns 0, or -1 with the reason in message (SUBJECT_MESSAGE_MAX). */
+int law_setup_init(struct law_setup *bench, const struct subject *subject, enum law_mode law,
+                   char *message);
 
 /* A steady gait as the law knows it: its apex state; returns its r0. */
-double laws_bench_gait(const struct laws_bench *bench, double speed_rad_s, double apex[3]);
+double law_setup_gait(const struct law_setup *bench, double speed_rad_s, double apex[3]);
 
 /* A walk from an apex state, the law having commanded r0_m and speed_rad_s so far. */
-void laws_walk_start(const struct laws_bench *bench, struct laws_walk *walk, const double apex[3],
+void laws_walk_start(const struct law_setup *bench, struct laws_walk *walk, const double apex[3],
                      double r0_m, double speed_rad_s);
 
 /* The law's next push-off, m, when it sees seen[3]. */
-double laws_walk_answer(const struct laws_bench *bench, struct laws_walk *walk,
-                        double desired_rad_s, const double seen[3]);
+double laws_walk_answer(const struct law_setup *bench, struct laws_walk *walk, double desired_rad_s,
+                        const double seen[3]);
 
 /* One stride: the law sees seen[3] (NULL: the true apex) and answers, the map walks. Returns the fault. */
-int laws_walk_step(const struct laws_bench *bench, struct laws_walk *walk, double desired_rad_s,
+int laws_walk_step(const struct law_setup *bench, struct laws_walk *walk, double desired_rad_s,
                    const double seen[3], double slope_rad, double rise);
 
 /* The same walker for the batch engine. */

@@ -30,7 +30,7 @@ static bool reach(const struct timing *timing, double speed, double release_s,
                   struct laws_timed_gait *gait)
 {
     const struct gait_walker walker = subject_gait_walker(&timing->options->subject);
-    gait->r0_m = laws_bench_gait(&timing->options->bench, speed, gait->apex);
+    gait->r0_m = law_setup_gait(&timing->options->bench, speed, gait->apex);
     const int steps = 1 + (int)((release_s < 0.0 ? -release_s : release_s) / 0.002);
     for (int k = 0; k <= steps; k++) {
         if (laws_timed_gait(&walker, speed, release_s * k / steps, gait) != 0) {

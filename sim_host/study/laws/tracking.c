@@ -24,7 +24,7 @@ struct hold {
     const struct laws_options *options;
     int cases;
     struct hold_case item[CASES_MAX];
-    struct hold_result result[ENTRANTS][CASES_MAX][SPEEDS];
+    struct hold_result result[LAW_CASES][CASES_MAX][SPEEDS];
 };
 
 static void judge(const struct hold *hold, const struct hold_case *item, double speed,
@@ -54,7 +54,7 @@ static struct session_config session_of(const struct hold *hold, int e,
                                         const struct hold_case *item, int v)
 {
     const double speed = speeds[v] * laws_speed_unit(hold->options);
-    return (struct session_config){.entrant = (enum laws_entrant)e,
+    return (struct session_config){.law_case = (enum law_case)e,
                                    .truth = &item->truth,
                                    .from_rad_s = speed,
                                    .to_rad_s = speed,
@@ -88,7 +88,7 @@ static int walk_all(struct hold *hold, int e)
 
 static void print(const struct hold *hold, int e, const char *what, bool energy, FILE *csv)
 {
-    printf("  %s, %s (mean speed over command; spread; - = fell)\n", laws_entrant_names[e], what);
+    printf("  %s, %s (mean speed over command; spread; - = fell)\n", law_case_names[e], what);
     for (int c = 0; c < hold->cases; c++) {
         printf("    %-14s", hold->item[c].label);
         for (int v = 0; v < SPEEDS; v++) {
@@ -104,7 +104,7 @@ static void print(const struct hold *hold, int e, const char *what, bool energy,
                        r->cost_of_transport);
             }
             if (csv != NULL) {
-                fprintf(csv, "%s,%s,%.1f,%d,%d,%.6g,%.6g,%d,%.6g,%.6g\n", laws_entrant_names[e],
+                fprintf(csv, "%s,%s,%.1f,%d,%d,%.6g,%.6g,%d,%.6g,%.6g\n", law_case_names[e],
                         hold->item[c].label, speeds[v], r->fell, r->steps, r->speed_share,
                         r->spread, r->fallbacks, r->energy_J_per_m, r->cost_of_transport);
             }
@@ -121,8 +121,8 @@ static int run(struct hold *hold, const char *study, const char *what, bool ener
                          "law,case,speed_rad_s,fell,steps,speed_share,spread,fallbacks,"
                          "energy_J_per_m,cost_of_transport",
                          &file, &failed);
-    for (int e = 0; e < ENTRANTS && !failed; e++) {
-        if (hold->options->entrant[e] && e != ENTRANT_RAMP) {
+    for (int e = 0; e < LAW_CASES && !failed; e++) {
+        if (hold->options->law_case[e] && e != LAW_CASE_RAMP) {
             failed = walk_all(hold, e) != 0;
             if (!failed) {
                 print(hold, e, what, energy, csv);

@@ -15,7 +15,7 @@ struct walks {
     size_t count;
     int strides;
     laws_look *look;
-    laws_judge *judge;
+    laws_assess *judge;
     void *context;
 };
 
@@ -79,12 +79,12 @@ static enum batch_error run(struct walks *walks, struct batch_walker *walkers, i
     for (size_t i = 0; i < walks->count; i++) {
         walkers[i] = laws_batch_walker(&walks->courses[i].bench->truth);
     }
-    (void)pieces_run(threads, (walks->count + PIECE - 1) / PIECE, first_answers, walks);
+    (void)parallel_for(threads, (walks->count + PIECE - 1) / PIECE, first_answers, walks);
     return batch_run_threads(&settings, &job, threads);
 }
 
 int laws_walks_run(struct laws_course *courses, size_t count, int strides, laws_look *look,
-                   laws_judge *judge, void *context, int threads)
+                   laws_assess *judge, void *context, int threads)
 {
     struct walks walks = {.courses = courses,
                           .items = calloc(count, sizeof *walks.items),

@@ -1,4 +1,4 @@
-/* Places on the grids of rough_ground.h: what its tables and their iteration share. */
+/* Places on the grids of terrain_ground.h: what its tables and their iteration share. */
 #ifndef SIM_HOST_STUDY_MAP_TERRAIN_GRID_H
 #define SIM_HOST_STUDY_MAP_TERRAIN_GRID_H
 
@@ -6,35 +6,35 @@
 
 #include "sim_host/study/map/terrain_ground.h"
 
-double rough_axis_value(const struct rough_axis *axis, double place);
+double terrain_axis_value(const struct terrain_axis *axis, double place);
 /* Onto the nearest edge where the value lies beyond. */
-float rough_axis_place(const struct rough_axis *axis, double value);
+float terrain_axis_place(const struct terrain_axis *axis, double value);
 
 /* The cell a place lies in along an axis (the last one's far edge belongs to it), and how far in it. */
-static inline int rough_cell(const struct rough_axis *axis, float place, float *share)
+static inline int terrain_cell(const struct terrain_axis *axis, float place, float *share)
 {
     const int whole = (int)place, cell = whole < axis->count - 1 ? whole : axis->count - 2;
     *share = place - (float)cell;
     return cell;
 }
 
-static inline int rough_apex_nodes(const struct rough_range *r)
+static inline int terrain_apex_nodes(const struct terrain_range *r)
 {
     return r->speed.count * r->angle.count * r->swing.count;
 }
 
-static inline size_t rough_push_at(const struct rough_range *r, int rise, int leg, int ankle)
+static inline size_t terrain_push_at(const struct terrain_range *r, int rise, int leg, int ankle)
 {
     const size_t row = (size_t)rise * (size_t)r->legs.count + (size_t)leg;
     return (row * (size_t)r->ankle.count + (size_t)ankle) * (size_t)r->push.count;
 }
 
 /* Leg lengths. */
-double rough_rise(const struct rough_range *range, int rise);
+double terrain_rise(const struct terrain_range *range, int rise);
 
 /* Where an apex (stance rate, swing angle, swing rate) strikes a rise; the walker's parameters are those of a table
  * that was made. */
-struct rough_strike rough_strike_after(const struct rough_table *table, const double apex[3],
-                                       double rise);
+struct terrain_strike terrain_strike_after(const struct terrain_table *table, const double apex[3],
+                                           double rise);
 
 #endif

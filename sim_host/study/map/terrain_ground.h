@@ -27,56 +27,56 @@
 
 #include "sim_host/gait/gait_curve.h"
 
-enum { ROUGH_PUSHES_MAX = 256, ROUGH_PUSHES_BLOCK = 8, ROUGH_RISES_MAX = 64 };
+enum { TERRAIN_PUSHES_MAX = 256, TERRAIN_PUSHES_BLOCK = 8, TERRAIN_RISES_MAX = 64 };
 
 /* An axis of a grid: nodes from low to high, closer together near low by the power of their number. */
-struct rough_axis {
+struct terrain_axis {
     double low, high, power; /* value = low + (high - low) (i / (count - 1))^power */
     int count;               /* at least 2 */
 };
 
-struct rough_range {
-    struct rough_axis speed, angle, swing; /* forward rad/s, rad, rad/s: of the apex */
-    struct rough_axis legs,
-        ankle;              /* after the strike: rad, and ankle rate over (that times sqrt(g l)) */
-    struct rough_axis push; /* r0, m; a whole number of blocks of nodes */
-    int rises;              /* equally likely, at the middles of as many parts of the range */
-    double rise_most;       /* the range is +- this, leg lengths */
+struct terrain_range {
+    struct terrain_axis speed, angle, swing; /* forward rad/s, rad, rad/s: of the apex */
+    struct terrain_axis legs,
+        ankle; /* after the strike: rad, and ankle rate over (that times sqrt(g l)) */
+    struct terrain_axis push; /* r0, m; a whole number of blocks of nodes */
+    int rises;                /* equally likely, at the middles of as many parts of the range */
+    double rise_most;         /* the range is +- this, leg lengths */
 };
 
 /* Positions on the grids, in cells from its first node; what lies beyond is put on its edge. */
-struct rough_strike {
+struct terrain_strike {
     float legs, ankle; /* legs NEGATIVE: no heel strike */
 };
-struct rough_apex {
+struct terrain_apex {
     float speed, angle, swing; /* speed NEGATIVE: the stride ends in a fault */
 };
 
-struct rough_table {
+struct terrain_table {
     struct gait_walker walker;
-    struct rough_range range;
-    struct rough_strike *
+    struct terrain_range range;
+    struct terrain_strike *
         strike; /* [(apex node) * rises + rise]; node = (speed * angles + angle) * swings + swing */
-    struct rough_apex *apex; /* [((rise * legs + leg) * ankles + ankle) * pushes + push] */
+    struct terrain_apex *apex; /* [((rise * legs + leg) * ankles + ankle) * pushes + push] */
 };
 
-enum rough_side { ROUGH_MIDDLE, ROUGH_OUTER };
+enum terrain_side { TERRAIN_MIDDLE, TERRAIN_OUTER };
 
-enum rough_question {
-    ROUGH_STEPS, /* most steps to be expected, at a price on speed */
-    ROUGH_CHANCE /* greatest chance to be still up after so many rounds */
+enum terrain_question {
+    TERRAIN_STEPS, /* most steps to be expected, at a price on speed */
+    TERRAIN_CHANCE /* greatest chance to be still up after so many rounds */
 };
 
-struct rough_goal {
-    enum rough_question question;
-    double price;       /* 0: any speed will do; of ROUGH_STEPS alone */
+struct terrain_goal {
+    enum terrain_question question;
+    double price;       /* 0: any speed will do; of TERRAIN_STEPS alone */
     double limit_rad_s; /* above 0: of the mean forward apex speed */
 };
 
-/* The value of being at a node, and of having pushed off there: what rough_solve() makes. */
-struct rough_value {
-    enum rough_side side;
-    struct rough_goal goal;
+/* The value of being at a node, and of having pushed off there: what terrain_solve() makes. */
+struct terrain_value {
+    enum terrain_side side;
+    struct terrain_goal goal;
     float *apex; /* by apex node */
     float *push; /* as the table's apex */
     int rounds;
@@ -86,22 +86,22 @@ struct rough_value {
 };
 
 /* Computes the tables on `threads` cores: about 8 us an entry that can be reached at all. Returns 0, or -1 without
- * memory or with a range out of bounds. Release with rough_free(). */
-int rough_make(struct rough_table *table, const struct gait_walker *walker,
-               const struct rough_range *range, int threads);
-void rough_free(struct rough_table *table);
+ * memory or with a range out of bounds. Release with terrain_free(). */
+int terrain_make(struct terrain_table *table, const struct gait_walker *walker,
+                 const struct terrain_range *range, int threads);
+void terrain_free(struct terrain_table *table);
 
 /* Iterates until the value at `start` (stance rate, swing angle, swing rate) is settled, at most rounds_max rounds.
  * Steps begin at 0 and leap ahead where changes shrink by a steady ratio; values of a chance fall from round to
- * round, each a bound of all that follow. Returns 0, or -1 without memory. Release with rough_value_free(). */
-int rough_solve(const struct rough_table *table, enum rough_side side,
-                const struct rough_goal *goal, const double start[3], int rounds_max, int threads,
-                struct rough_value *value);
-void rough_value_free(struct rough_value *value);
+ * round, each a bound of all that follow. Returns 0, or -1 without memory. Release with terrain_value_free(). */
+int terrain_solve(const struct terrain_table *table, enum terrain_side side,
+                  const struct terrain_goal *goal, const double start[3], int rounds_max,
+                  int threads, struct terrain_value *value);
+void terrain_value_free(struct terrain_value *value);
 
 /* The law made from a value: the push-off within low_m..high_m that promises the most from an apex, whose
  * strikes are computed, not read off the grid. *worth: how much. */
-double rough_law(const struct rough_table *table, const struct rough_value *value,
-                 const double apex[3], double low_m, double high_m, double *worth);
+double terrain_law(const struct terrain_table *table, const struct terrain_value *value,
+                   const double apex[3], double low_m, double high_m, double *worth);
 
 #endif

@@ -15,7 +15,7 @@ enum { BETWEEN = 4, BOX_IMAGES = 8 };
 #define ACCURACY 1e-6 /* of the engine; the images are floats */
 
 struct making {
-    struct viable_grid *grid;
+    struct viability_grid *grid;
     struct walker walker;
     struct stride_settings settings;
     unsigned char *made; /* by row */
@@ -26,26 +26,27 @@ static double spaced(double low, double high, int index, int count)
     return low * exp(log(high / low) * index / (count - 1));
 }
 
-static struct viable_state node_state(const struct viable_range *r, int node)
+static struct viability_state node_state(const struct viability_range *r, int node)
 {
     const int a = node / r->rates, w = node % r->rates;
-    return (struct viable_state){spaced(r->legs_low_rad, r->legs_high_rad, a, r->legs),
-                                 r->rate_low + (r->rate_high - r->rate_low) * w / (r->rates - 1)};
+    return (struct viability_state){spaced(r->legs_low_rad, r->legs_high_rad, a, r->legs),
+                                    r->rate_low +
+                                        (r->rate_high - r->rate_low) * w / (r->rates - 1)};
 }
 
-static struct viable_state after_strike(const struct walker *walker, double unit,
-                                        const real *strike)
+static struct viability_state after_strike(const struct walker *walker, double unit,
+                                           const real *strike)
 {
     const double difference = strike[STANCE_ANGLE] - strike[SWING_ANGLE];
     const double ankle = collision_clamp_m_s(
         collision_ankle_rate_m_s(walker, difference, strike[STANCE_RATE], strike[SWING_RATE]),
         NULL);
     const double legs = real_abs(difference);
-    return (struct viable_state){legs, ankle / (legs * unit)};
+    return (struct viability_state){legs, ankle / (legs * unit)};
 }
 
-bool viable_after_apex(const struct gait_walker *gait_walker, const double apex[3],
-                       struct viable_state *state)
+bool viability_after_apex(const struct gait_walker *gait_walker, const double apex[3],
+                          struct viability_state *state)
 {
     struct walker walker;
     struct stride_settings settings;
@@ -61,7 +62,7 @@ bool viable_after_apex(const struct gait_walker *gait_walker, const double apex[
 
 /* A node as a strike. The push-off reads of it only the angles and what the impact makes of the rates: a swing rate
  * is chosen that gives the wanted ankle rate. */
-static struct batch_item strike_of(const struct making *making, const struct viable_state *state,
+static struct batch_item strike_of(const struct making *making, const struct viability_state *state,
                                    double r0_m)
 {
     const double unit = study_rate_unit_m_s(&making->grid->walker), legs = state->legs_rad;
@@ -70,35 +71,35 @@ static struct batch_item strike_of(const struct making *making, const struct via
         .apex = {0.0, 0.5 * legs, state->rate * legs * unit / per_swing_rate}, .push_m = r0_m};
 }
 
-static struct viable_image image_of(const struct making *making, const struct batch_item *item)
+static struct viability_image image_of(const struct making *making, const struct batch_item *item)
 {
     if (item->fault != 0) {
-        return (struct viable_image){VIABLE_NO_IMAGE, 0.0f};
+        return (struct viability_image){VIABILITY_NO_IMAGE, 0.0f};
     }
     const real strike[SINGLE_SUPPORT_STATES] = {-item->apex[1], item->apex[1], item->apex[0],
                                                 item->apex[2]};
-    const struct viable_state next =
+    const struct viability_state next =
         after_strike(&making->walker, study_rate_unit_m_s(&making->grid->walker), strike);
-    return (struct viable_image){(float)log(next.legs_rad), (float)next.rate};
+    return (struct viability_image){(float)log(next.legs_rad), (float)next.rate};
 }
 
 /* A row of nodes, each with every push-off, side by side on the batch engine. */
 static void compute(void *context, int row)
 {
     const struct making *making = (const struct making *)context;
-    const struct viable_range *r = &making->grid->range;
+    const struct viability_range *r = &making->grid->range;
     const size_t count = (size_t)r->rates * (size_t)r->pushes;
-    struct viable_image *image = &making->grid->image[(size_t)row * count];
+    struct viability_image *image = &making->grid->image[(size_t)row * count];
     struct batch_item *items = malloc(count * sizeof *items);
     if (items == NULL) {
         return;
     }
     for (size_t i = 0; i < count; i++) {
         const int w = (int)(i / (size_t)r->pushes), push = (int)(i % (size_t)r->pushes);
-        const struct viable_state state = node_state(r, row * r->rates + w);
+        const struct viability_state state = node_state(r, row * r->rates + w);
         items[i] = strike_of(making, &state, spaced(r->r0_low_m, r->r0_high_m, push, r->pushes));
     }
-    const struct batch_walker walker = engine_walker(&making->walker.params);
+    const struct batch_walker walker = batch_adapter_walker(&making->walker.params);
     const struct batch_settings settings = {.accuracy = ACCURACY, .from_strike = 1};
     const struct batch_job job = {
         .walkers = &walker, .walker_count = 1, .items = items, .count = count, .strides = 1};
@@ -114,11 +115,11 @@ static int take(void *context, int row)
     return ((const struct making *)context)->made[row];
 }
 
-int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
-                const struct viable_range *range, int threads)
+int viability_make(struct viability_grid *grid, const struct gait_walker *walker,
+                   const struct viability_range *range, int threads)
 {
     struct making making = {.grid = grid};
-    *grid = (struct viable_grid){
+    *grid = (struct viability_grid){
         .walker = *walker, .range = *range, .nodes = range->legs * range->rates};
     grid->image = malloc((size_t)grid->nodes * (size_t)range->pushes * sizeof *grid->image);
     making.made = calloc((size_t)range->legs, 1);
@@ -129,13 +130,13 @@ int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
         pool_run(&jobs) == 1;
     free(making.made);
     if (!done) {
-        viable_free(grid);
+        viability_free(grid);
         return -1;
     }
     return 0;
 }
 
-void viable_free(struct viable_grid *grid)
+void viability_free(struct viability_grid *grid)
 {
     free(grid->image);
     grid->image = NULL;
@@ -148,34 +149,34 @@ struct place {
     double legs, rate;
 };
 
-static struct place place_of(const struct viable_range *r, double log_legs, double rate)
+static struct place place_of(const struct viability_range *r, double log_legs, double rate)
 {
     const double per_cell = log(r->legs_high_rad / r->legs_low_rad) / (r->legs - 1);
     return (struct place){(log_legs - log(r->legs_low_rad)) / per_cell,
                           (rate - r->rate_low) / (r->rate_high - r->rate_low) * (r->rates - 1)};
 }
 
-static bool is_beyond(const struct viable_range *r, const struct place *place)
+static bool is_beyond(const struct viability_range *r, const struct place *place)
 {
     return !(place->legs >= 0.0 && place->legs <= r->legs - 1 && place->rate >= 0.0 &&
              place->rate <= r->rates - 1);
 }
 
 /* The cell a place lies in; the last one's far edge belongs to it. */
-static int cell_of(const struct viable_range *r, const struct place *place)
+static int cell_of(const struct viability_range *r, const struct place *place)
 {
     const int a = (int)place->legs, w = (int)place->rate;
     return (a < r->legs - 1 ? a : r->legs - 2) * r->rates + (w < r->rates - 1 ? w : r->rates - 2);
 }
 
-static bool has_image(const struct viable_image *image)
+static bool has_image(const struct viability_image *image)
 {
-    return image->log_legs < VIABLE_NO_IMAGE;
+    return image->log_legs < VIABILITY_NO_IMAGE;
 }
 
 /* ---- from inside: nodes ------------------------------------------------------------------- */
 
-static bool all_corners(const struct viable_grid *grid, const unsigned char *set, int cell)
+static bool all_corners(const struct viability_grid *grid, const unsigned char *set, int cell)
 {
     const int rates = grid->range.rates;
     return set[cell] != 0 && set[cell + 1] != 0 && set[cell + rates] != 0 &&
@@ -183,16 +184,16 @@ static bool all_corners(const struct viable_grid *grid, const unsigned char *set
 }
 
 /* Some push-off of this node, or between two of them by straight line, leads into the set. */
-static bool node_stays(const struct viable_grid *grid, const unsigned char *set, int node)
+static bool node_stays(const struct viability_grid *grid, const unsigned char *set, int node)
 {
     const int pushes = grid->range.pushes;
-    const struct viable_image *image = &grid->image[(size_t)node * (size_t)pushes];
+    const struct viability_image *image = &grid->image[(size_t)node * (size_t)pushes];
     for (int i = 0; i < pushes; i++) {
         if (!has_image(&image[i])) {
             continue;
         }
         const bool more = i + 1 < pushes && has_image(&image[i + 1]);
-        const struct viable_image *next = &image[more ? i + 1 : i];
+        const struct viability_image *next = &image[more ? i + 1 : i];
         for (int k = 0; k < (more ? BETWEEN : 1); k++) {
             const float share = (float)k / (float)BETWEEN;
             const float log_legs = image[i].log_legs + share * (next->log_legs - image[i].log_legs);
@@ -211,7 +212,7 @@ static bool node_stays(const struct viable_grid *grid, const unsigned char *set,
 
 /* Sums of a set of cells over all rectangles that begin at the first: how many lie in any rectangle is four
  * look-ups. */
-static void sum_cells(const struct viable_grid *grid, const unsigned char *set, int *sum)
+static void sum_cells(const struct viability_grid *grid, const unsigned char *set, int *sum)
 {
     const int legs = grid->range.legs, rates = grid->range.rates;
     for (int a = 0; a < legs; a++) {
@@ -231,7 +232,7 @@ struct box {
     int images;
 };
 
-static void take_in(const struct viable_grid *grid, const struct viable_image *image,
+static void take_in(const struct viability_grid *grid, const struct viability_image *image,
                     struct box *box)
 {
     if (!has_image(image)) {
@@ -246,9 +247,9 @@ static void take_in(const struct viable_grid *grid, const struct viable_image *i
     box->images++;
 }
 
-static bool box_meets(const struct viable_grid *grid, const int *sum, const struct box *box)
+static bool box_meets(const struct viability_grid *grid, const int *sum, const struct box *box)
 {
-    const struct viable_range *r = &grid->range;
+    const struct viability_range *r = &grid->range;
     /* Where a corner's stride ends in a fault the others stand for it, with a cell to spare. */
     const double spare = box->images < BOX_IMAGES ? 1.0 : 0.0;
     const double a0 = box->low.legs - spare, a1 = box->high.legs + spare;
@@ -266,7 +267,7 @@ static bool box_meets(const struct viable_grid *grid, const int *sum, const stru
 }
 
 /* Some push-off can lead from some state of this cell into the set. */
-static bool cell_leads(const struct viable_grid *grid, const int *sum, int cell)
+static bool cell_leads(const struct viability_grid *grid, const int *sum, int cell)
 {
     const int corner[4] = {cell, cell + 1, cell + grid->range.rates, cell + grid->range.rates + 1};
     const int pushes = grid->range.pushes;
@@ -284,30 +285,31 @@ static bool cell_leads(const struct viable_grid *grid, const int *sum, int cell)
     return false;
 }
 
-static bool is_cell(const struct viable_range *r, int node)
+static bool is_cell(const struct viability_range *r, int node)
 {
     return node / r->rates < r->legs - 1 && node % r->rates < r->rates - 1;
 }
 
-int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigned char *set)
+int viability_kernel(const struct viability_grid *grid, enum viability_side side,
+                     unsigned char *set)
 {
     int *sum = malloc((size_t)grid->nodes * sizeof *sum);
     int rounds = 0, taken = 1;
     for (int node = 0; node < grid->nodes; node++) {
-        set[node] = side == VIABLE_INNER || is_cell(&grid->range, node);
+        set[node] = side == VIABILITY_INNER || is_cell(&grid->range, node);
     }
     if (sum == NULL) {
         return 0;
     }
     while (taken > 0) {
         taken = 0;
-        if (side == VIABLE_OUTER) {
+        if (side == VIABILITY_OUTER) {
             sum_cells(grid, set, sum);
         }
         for (int node = 0; node < grid->nodes; node++) {
             const bool stays =
-                set[node] != 0 &&
-                (side == VIABLE_OUTER ? cell_leads(grid, sum, node) : node_stays(grid, set, node));
+                set[node] != 0 && (side == VIABILITY_OUTER ? cell_leads(grid, sum, node)
+                                                           : node_stays(grid, set, node));
             taken += set[node] != 0 && !stays ? 1 : 0;
             set[node] = stays;
         }
@@ -317,13 +319,13 @@ int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigne
     return rounds;
 }
 
-bool viable_has(const struct viable_grid *grid, enum viable_side side, const unsigned char *set,
-                const struct viable_state *state)
+bool viability_has(const struct viability_grid *grid, enum viability_side side,
+                   const unsigned char *set, const struct viability_state *state)
 {
     const struct place place = place_of(&grid->range, log(state->legs_rad), state->rate);
     if (is_beyond(&grid->range, &place)) {
-        return side == VIABLE_OUTER;
+        return side == VIABILITY_OUTER;
     }
     const int cell = cell_of(&grid->range, &place);
-    return side == VIABLE_OUTER ? set[cell] != 0 : all_corners(grid, set, cell);
+    return side == VIABILITY_OUTER ? set[cell] != 0 : all_corners(grid, set, cell);
 }

@@ -19,11 +19,11 @@
 #include "sim_host/gait/gait_curve.h"
 
 /* Between legs (rad, spaced by ratio), ankle rate over (angle times sqrt(g l)) (spaced evenly). */
-struct viable_state {
+struct viability_state {
     double legs_rad, rate;
 };
 
-struct viable_range {
+struct viability_range {
     double legs_low_rad, legs_high_rad; /* above 0 */
     double rate_low, rate_high;         /* from 0 on */
     double r0_low_m, r0_high_m;         /* above 0; spaced by ratio */
@@ -31,38 +31,40 @@ struct viable_range {
 };
 
 /* What one push-off at a node leads to. */
-struct viable_image {
-    float log_legs; /* VIABLE_NO_IMAGE: the stride ends in a fault */
+struct viability_image {
+    float log_legs; /* VIABILITY_NO_IMAGE: the stride ends in a fault */
     float rate;
 };
-#define VIABLE_NO_IMAGE 1e9f
+#define VIABILITY_NO_IMAGE 1e9f
 
-struct viable_grid {
+struct viability_grid {
     struct gait_walker walker;
-    struct viable_range range;
-    struct viable_image *image; /* [node * pushes + push], node = legs index * rates + rate index */
+    struct viability_range range;
+    struct viability_image
+        *image; /* [node * pushes + push], node = legs index * rates + rate index */
     int nodes;
 };
 
 /* Computes the grid's images on `threads` cores: about a microsecond each. Returns 0, or -1 without memory. Release with
- * viable_free(). */
-int viable_make(struct viable_grid *grid, const struct gait_walker *walker,
-                const struct viable_range *range, int threads);
-void viable_free(struct viable_grid *grid);
+ * viability_free(). */
+int viability_make(struct viability_grid *grid, const struct gait_walker *walker,
+                   const struct viability_range *range, int threads);
+void viability_free(struct viability_grid *grid);
 
 /* The state after the heel strike that follows an apex; false when there is none. */
-bool viable_after_apex(const struct gait_walker *walker, const double apex[3],
-                       struct viable_state *state);
+bool viability_after_apex(const struct gait_walker *walker, const double apex[3],
+                          struct viability_state *state);
 
-enum viable_side { VIABLE_OUTER, VIABLE_INNER };
+enum viability_side { VIABILITY_OUTER, VIABILITY_INNER };
 
 /* The largest set that has push-offs leading back into it, of cells (outer; named by their lower corner's node) or
  * of nodes (inner). set[nodes] receives 1 or 0. Returns the number of rounds it took to come to rest,
  * 0 without memory. */
-int viable_kernel(const struct viable_grid *grid, enum viable_side side, unsigned char *set);
+int viability_kernel(const struct viability_grid *grid, enum viability_side side,
+                     unsigned char *set);
 
 /* Whether a state lies in a set of that side. What lies beyond the grid is in the outer ones. */
-bool viable_has(const struct viable_grid *grid, enum viable_side side, const unsigned char *set,
-                const struct viable_state *state);
+bool viability_has(const struct viability_grid *grid, enum viability_side side,
+                   const unsigned char *set, const struct viability_state *state);
 
 #endif

@@ -37,7 +37,7 @@ static int judge(void *context, size_t index, struct batch_item *item,
         end->outcome = BASIN_CONVERGES;
         return 1;
     }
-    engine_push(start->problem, item);
+    batch_adapter_push(start->problem, item);
     return 0;
 }
 
@@ -51,13 +51,13 @@ int basin_walks(const struct basin_start *starts, size_t count, int strides, str
     for (size_t i = 0; i < count; i++) {
         ends[i] = (struct basin_end){.outcome = BASIN_WALKS_ON};
         memcpy(items[i].apex, starts[i].x, sizeof items[i].apex);
-        engine_push(starts[i].problem, &items[i]);
+        batch_adapter_push(starts[i].problem, &items[i]);
         if (is_there(&starts[i], starts[i].x)) {
             ends[i].outcome = BASIN_CONVERGES;
             items[i].fault = ENGINE_LEAVE_ALONE;
         }
     }
-    const struct batch_walker walker = engine_walker(&starts[0].problem->params);
+    const struct batch_walker walker = batch_adapter_walker(&starts[0].problem->params);
     const struct batch_settings settings = {.accuracy = ENGINE_ACCURACY};
     const struct batch_job job = {.walkers = &walker,
                                   .walker_count = 1,

@@ -49,7 +49,7 @@ static int keep_sample(void *context, size_t index, struct batch_item *item,
         double *x = kept < group->settings->keep ? samples[kept].x : group->runs[index].last;
         memcpy(x, item->apex, sizeof item->apex);
     }
-    engine_push(&group->problems[index], item);
+    batch_adapter_push(&group->problems[index], item);
     return 0;
 }
 
@@ -91,7 +91,7 @@ static int carry(void *context, size_t index, struct batch_item *item,
     if (item->fault != 0) {
         return 1;
     }
-    engine_by_apex(&group->problems[index], slopes, by_x);
+    batch_adapter_by_apex(&group->problems[index], slopes, by_x);
     for (int k = 0; k < 3; k++) {
         moved[k] = by_x[k][0] * w[0] + by_x[k][1] * w[1] + by_x[k][2] * w[2];
         before += w[k] * w[k];
@@ -106,7 +106,7 @@ static int carry(void *context, size_t index, struct batch_item *item,
     for (int k = 0; k < 3; k++) {
         w[k] = moved[k] / real_sqrt(after);
     }
-    engine_push(&group->problems[index], item);
+    batch_adapter_push(&group->problems[index], item);
     return 0;
 }
 
@@ -144,7 +144,7 @@ static enum batch_error walk(struct group *group, double side)
         memcpy(item->apex, run->gait, sizeof item->apex);
         periodic_push_off_gait(&group->problems[i], side, item->apex);
         item->fault = 0;
-        engine_push(&group->problems[i], item);
+        batch_adapter_push(&group->problems[i], item);
         if (settings->transient == 0) {
             memcpy(run->samples[0].x, item->apex, sizeof run->samples[0].x);
         }
@@ -176,7 +176,7 @@ static enum batch_error measure_growth(struct group *group)
             memcpy(group->direction[i], start, sizeof start);
             group->growth[i] = 0.0;
             item->fault = 0;
-            engine_push(&group->problems[i], item);
+            batch_adapter_push(&group->problems[i], item);
         }
     }
     const enum batch_error error = batch_run(&accurate, &job);
@@ -212,7 +212,7 @@ int long_runs(const struct long_run_settings *settings, struct long_run *runs, s
     struct group group = {.settings = settings,
                           .runs = runs,
                           .count = count,
-                          .walker = engine_walker(&settings->params),
+                          .walker = batch_adapter_walker(&settings->params),
                           .problems = calloc(count, sizeof *group.problems),
                           .items = calloc(count, sizeof *group.items),
                           .slopes = calloc(count, sizeof *group.slopes),

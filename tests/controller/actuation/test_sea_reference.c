@@ -37,11 +37,11 @@ START_TEST(one_step_of_walking)
     struct sea_reference sea;
     sea_reference_init(&sea, 0.0f);
     ck_assert(!run(&sea, &params, 10).latch_armed);
-    sea_reference_load(&sea, 0.1f);
+    sea_reference_begin_loading(&sea, 0.1f);
     struct sea_request request = run(&sea, &params, 600);
     assert_close(request.precompression_m, 0.1, 1e-6, 0.0);
     ck_assert_msg(!request.latch_armed, "loaded but the law has not spoken");
-    sea_reference_trim(&sea, 0.12f);
+    sea_reference_set_target(&sea, 0.12f);
     ck_assert_msg(!run(&sea, &params, 5).latch_armed, "armed before the spring is at r0");
     request = run(&sea, &params, 300);
     ck_assert(request.latch_armed);
@@ -60,7 +60,7 @@ START_TEST(time_to_load_is_that_of_the_trapezoid)
     const struct control_params params = limits();
     struct sea_reference sea;
     sea_reference_init(&sea, 0.0f);
-    sea_reference_load(&sea, 0.1f);
+    sea_reference_begin_loading(&sea, 0.1f);
     int ticks = 0;
     while (sea.position_m != 0.1f && ticks < 1000) {
         (void)run(&sea, &params, 1);
@@ -76,8 +76,8 @@ START_TEST(not_armed_when_the_motor_lags)
     const struct control_params params = limits();
     struct sea_reference sea;
     sea_reference_init(&sea, 0.0f);
-    sea_reference_load(&sea, 0.05f);
-    sea_reference_trim(&sea, 0.05f);
+    sea_reference_begin_loading(&sea, 0.05f);
+    sea_reference_set_target(&sea, 0.05f);
     for (int i = 0; i < 1000; i++) {
         ck_assert(!sea_reference_update(&sea, &params, 0.04f).latch_armed);
         ck_assert(!sea_reference_update(&sea, &params, NAN).latch_armed);
@@ -91,12 +91,12 @@ START_TEST(trim_out_of_turn_is_ignored)
     const struct control_params params = limits();
     struct sea_reference sea;
     sea_reference_init(&sea, 0.0f);
-    sea_reference_trim(&sea, 0.2f);
+    sea_reference_set_target(&sea, 0.2f);
     ck_assert(run(&sea, &params, 500).precompression_m == 0.0f);
-    sea_reference_load(&sea, 0.1f);
+    sea_reference_begin_loading(&sea, 0.1f);
     (void)run(&sea, &params, 100);
     sea_reference_unload(&sea);
-    sea_reference_trim(&sea, 0.2f);
+    sea_reference_set_target(&sea, 0.2f);
     ck_assert(run(&sea, &params, 600).precompression_m == 0.0f);
 }
 END_TEST
@@ -112,10 +112,10 @@ START_TEST(limits_hold_for_any_sequence_of_targets)
         const float target = (float)(random >> 8) / 16777216.0f * 0.3f;
         switch (random % 3u) {
         case 0:
-            sea_reference_load(&sea, target);
+            sea_reference_begin_loading(&sea, target);
             break;
         case 1:
-            sea_reference_trim(&sea, target);
+            sea_reference_set_target(&sea, target);
             break;
         default:
             sea_reference_unload(&sea);

@@ -33,31 +33,31 @@ static struct apex_estimate estimate(double speed, double scatter)
 
 static const struct apex_noise noise = {(real)(NOISE_RAD * NOISE_RAD), REAL(0.0)};
 
-static struct apex_estimate decide(struct apex_judge *judge, enum side side,
+static struct apex_estimate decide(struct apex_fusion *fusion, enum side side,
                                    const struct apex_estimate *fit, double model_speed)
 {
     const struct apex_estimate model = estimate(model_speed, 0.05 * SLOPE_SCATTER);
-    return apex_judge_decide(judge, side, fit, &model, &noise, WINDOW);
+    return apex_fusion_decide(fusion, side, fit, &model, &noise, WINDOW);
 }
 
-static void start(struct apex_judge *judge)
+static void start(struct apex_fusion *fusion)
 {
     srand(5);
-    apex_judge_init(judge);
+    apex_fusion_init(fusion);
 }
 
 START_TEST(where_they_agree_the_quieter_is_believed)
 {
-    struct apex_judge judge;
+    struct apex_fusion fusion;
     double squares = 0.0, fit_squares = 0.0;
-    start(&judge);
+    start(&fusion);
     for (int step = 0; step < 400; step++) {
         const struct apex_estimate fit = estimate(SPEED, SLOPE_SCATTER);
-        const struct apex_estimate said = decide(&judge, (enum side)(step % 2), &fit, SPEED);
+        const struct apex_estimate said = decide(&fusion, (enum side)(step % 2), &fit, SPEED);
         squares += pow((double)said.stance_rate_rad_s + SPEED, 2);
         fit_squares += pow((double)fit.stance_rate_rad_s + SPEED, 2);
     }
-    ck_assert(judge.trust > REAL(0.9));
+    ck_assert(fusion.model_weight > REAL(0.9));
     ck_assert(squares < fit_squares / 25.0);
 }
 END_TEST
@@ -66,19 +66,19 @@ END_TEST
 START_TEST(a_steady_difference_is_learned_for_each_leg)
 {
     const double off[SIDE_COUNT] = {0.008, -0.004};
-    struct apex_judge judge;
+    struct apex_fusion fusion;
     double worst = 0.0, mean = 0.0;
-    start(&judge);
+    start(&fusion);
     for (int step = 0; step < 300; step++) {
         const enum side side = (enum side)(step % 2);
         const struct apex_estimate fit = estimate(SPEED, SLOPE_SCATTER);
-        const struct apex_estimate said = decide(&judge, side, &fit, SPEED + off[side]);
+        const struct apex_estimate said = decide(&fusion, side, &fit, SPEED + off[side]);
         if (step >= 200) {
             worst = fmax(worst, fabs((double)said.stance_rate_rad_s + SPEED));
             mean += ((double)said.stance_rate_rad_s + SPEED) / 100.0;
         }
     }
-    ck_assert(judge.trust > REAL(0.9));
+    ck_assert(fusion.model_weight > REAL(0.9));
     ck_assert(worst < 1.5 * SLOPE_SCATTER); /* the learned mean's own scatter is in it */
     ck_assert(fabs(mean) < 0.5 * SLOPE_SCATTER);
 }
@@ -89,18 +89,18 @@ END_TEST
 START_TEST(parting_makes_no_jump)
 {
     const double tolerance = 3.5 * SLOPE_SCATTER + 0.001 * SPEED;
-    struct apex_judge judge;
+    struct apex_fusion fusion;
     double before = SPEED, biggest = 0.0;
-    start(&judge);
+    start(&fusion);
     for (int step = 0; step < 200; step++) {
         const double body = SPEED + (step > 50 ? 2e-3 * fmin(step - 50, 100) : 0.0);
         const struct apex_estimate fit = estimate(body, 0.0);
-        const double said = -(double)decide(&judge, SIDE_LEFT, &fit, SPEED).stance_rate_rad_s;
+        const double said = -(double)decide(&fusion, SIDE_LEFT, &fit, SPEED).stance_rate_rad_s;
         ck_assert(fabs(said - body) < 1.5 * tolerance);
         biggest = fmax(biggest, fabs(said - before));
         before = said;
     }
-    ck_assert(judge.trust == REAL(0.0)); /* off by a quarter: another body */
+    ck_assert(fusion.model_weight == REAL(0.0)); /* off by a quarter: another body */
     assert_close(before, SPEED + 0.2, 1e-6, 0.0);
     ck_assert(biggest < tolerance);
 }
@@ -108,12 +108,12 @@ END_TEST
 
 START_TEST(a_single_wrong_model_is_passed_over)
 {
-    struct apex_judge judge;
-    start(&judge);
+    struct apex_fusion fusion;
+    start(&fusion);
     for (int step = 0; step < 60; step++) {
         const struct apex_estimate fit = estimate(SPEED, SLOPE_SCATTER);
         const struct apex_estimate said =
-            decide(&judge, SIDE_LEFT, &fit, step == 50 ? 1.5 * SPEED : SPEED);
+            decide(&fusion, SIDE_LEFT, &fit, step == 50 ? 1.5 * SPEED : SPEED);
         if (step == 50) {
             ck_assert(said.confidence == REAL(0.0));
             ck_assert(said.stance_rate_rad_s == fit.stance_rate_rad_s);
@@ -122,21 +122,21 @@ START_TEST(a_single_wrong_model_is_passed_over)
 }
 END_TEST
 
-/* Without a model the samples stand; trust comes back by a quarter a step. */
+/* Without a model the samples stand; model_weight comes back by a quarter a step. */
 START_TEST(trust_comes_back_over_some_steps)
 {
-    struct apex_judge judge;
-    start(&judge);
+    struct apex_fusion fusion;
+    start(&fusion);
     for (int step = 0; step < 40; step++) {
         const struct apex_estimate fit = estimate(SPEED, 0.2 * SLOPE_SCATTER);
         if (step == 30) {
             const struct apex_estimate alone =
-                apex_judge_decide(&judge, SIDE_LEFT, &fit, NULL, &noise, WINDOW);
+                apex_fusion_decide(&fusion, SIDE_LEFT, &fit, NULL, &noise, WINDOW);
             ck_assert(alone.confidence == REAL(0.0));
             ck_assert(alone.stance_rate_rad_s == fit.stance_rate_rad_s);
             continue;
         }
-        const struct apex_estimate said = decide(&judge, SIDE_LEFT, &fit, SPEED);
+        const struct apex_estimate said = decide(&fusion, SIDE_LEFT, &fit, SPEED);
         if (step > 30) {
             assert_close((double)said.confidence, fmin(1.0, 0.25 * (step - 30)), 1e-6, 0.0);
         }
@@ -146,8 +146,8 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("apex_judge");
-    TCase *tcase = tcase_create("judge");
+    Suite *suite = suite_create("apex_fusion");
+    TCase *tcase = tcase_create("fusion");
     tcase_add_test(tcase, where_they_agree_the_quieter_is_believed);
     tcase_add_test(tcase, a_steady_difference_is_learned_for_each_leg);
     tcase_add_test(tcase, parting_makes_no_jump);

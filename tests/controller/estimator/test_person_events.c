@@ -188,7 +188,7 @@ START_TEST(toe_off_by_leg_and_ankle)
         feed(&observer, &params, tick, angle[SIDE_LEFT], angle[SIDE_RIGHT], &heard);
     }
     ankle_m[SIDE_LEFT] = ankle_m[SIDE_RIGHT] = 0.0;
-    /* The rate -1 + 2.5 (1 - cos 2 pi s), in yardsticks, is 0.3. */
+    /* The rate -1 + 2.5 (1 - cos 2 pi s), in walking speeds, is 0.3. */
     const double turn =
         1.0 - SWING_SHARE_OF_STRIDE + SWING_SHARE_OF_STRIDE * acos(0.48) / (2.0 * M_PI);
     const double over = PUSH_BEGINS + PUSH_LASTS * 5.0 / 12.0;

@@ -1,22 +1,22 @@
 /* One leg of a person, tick by tick, on made-up rates: what is a step and what is one given up, and
- * events whose time follows from straight lines and the constants that leg_events.h's prose names. */
+ * events whose time follows from straight lines and the constants that person_events.h's prose names. */
 #include "controller/estimator/person_events.h"
 
 #include "tests/support/assert_close.h"
 
-/* The yardstick of the walking speed, and the delay of the smoothed rates. */
-#define YARDSTICK 1.0
+/* The walking_speed of the walking speed, and the delay of the smoothed rates. */
+#define WALKING_SPEED 1.0
 #define DELAY_S (1e-3 * LEG_RATE_HALF_WINDOW)
 
-static struct leg_events leg;
+static struct person_events leg;
 static struct leg_view view;
 static uint32_t tick;
 static double ankle, ankle_step; /* its extension, share of the leg, and the change a tick */
 
 static void setup(void)
 {
-    leg = (struct leg_events){0};
-    view = (struct leg_view){.yardstick_rad_s = YARDSTICK, .fresh = true};
+    leg = (struct person_events){0};
+    view = (struct leg_view){.walking_speed_rad_s = WALKING_SPEED, .fresh = true};
     tick = 5000;
     ankle = ankle_step = 0.0;
 }
@@ -27,7 +27,7 @@ static struct leg_event step(double rate_rad_s, double ahead_rad)
     view.ahead_rad = (real)ahead_rad;
     view.extension = (real)ankle;
     ankle += ankle_step;
-    return leg_events_update(&leg, &view, tick++);
+    return person_events_update(&leg, &view, tick++);
 }
 
 /* The rate goes from one value to another by 0.02 a tick; returns the first event on the way. */
@@ -65,7 +65,7 @@ static double event_time(struct leg_event event, double rate)
     return (double)(tick - 1) - 1000.0 * (double)event.age_s;
 }
 
-/* Falling by 20 rad/s^2 the rate goes through 0 and, 30 ms later, through -0.6 yardsticks: the strike
+/* Falling by 20 rad/s^2 the rate goes through 0 and, 30 ms later, through -0.6 walking speeds: the strike
  * lies half that time and 6 ms after the second, of rates that are 16 ms old. */
 START_TEST(a_strike_is_placed_by_two_levels_of_the_rate)
 {
@@ -84,7 +84,7 @@ START_TEST(a_level_that_comes_to_the_rate_is_crossed_now)
     hold(1.5, 0.4, 50);
     ck_assert_int_eq(ramp(1.5, -0.5, 0.4).kind, LEG_EVENT_NONE);
     hold(-0.5, 0.4, 5);
-    view.yardstick_rad_s = REAL(0.8); /* the level: -0.48 */
+    view.walking_speed_rad_s = REAL(0.8); /* the level: -0.48 */
     const uint32_t second = tick;
     const double strike = event_time(step(-0.5, 0.4), -0.5);
     assert_close(strike - second, 0.5 * 31.0 + 6.0 - LEG_RATE_HALF_WINDOW, 0.1, 0.0);
@@ -100,7 +100,7 @@ START_TEST(a_step_given_up_is_no_strike)
     ck_assert_int_eq(ramp(1.5, -1.0, 0.08).kind, LEG_EVENT_NONE); /* 0.09 rad is ahead */
     ck_assert_int_eq(leg.contact, LEG_STANCE);
     ck_assert_int_ne(ramp(-1.0, 0.4, -0.4).kind, LEG_EVENT_STRIKE);
-    hold(0.4, 0.0, 60); /* half a yardstick is a swing */
+    hold(0.4, 0.0, 60); /* half a walking_speed is a swing */
     ck_assert_int_eq(ramp(0.4, -1.0, 0.4).kind, LEG_EVENT_NONE);
     ck_assert_int_eq(leg.contact, LEG_STANCE);
 }
@@ -124,7 +124,7 @@ END_TEST
 /* ---- toe-off: the leg's turn, and the end of its ankle's push --------------------------------- */
 
 /* The ankle extends at 1 /s and stops at once `stops_ms` after the leg's rate went through 0.3
- * yardsticks. The filter's rate is down to a half 10 ms after that. */
+ * walking speeds. The filter's rate is down to a half 10 ms after that. */
 static struct leg_event toe_off(int stops_ms, int *held_ms)
 {
     struct leg_event event = {LEG_EVENT_NONE, REAL(0.0)};

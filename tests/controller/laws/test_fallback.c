@@ -13,7 +13,7 @@ enum { STEPS = 40, BEFORE = 6 };
 struct told {
     double measured_rad_s, commanded_rad_s, r0_m;
     unsigned number;
-    bool fell_back;
+    bool used_fallback;
 };
 
 static struct loop loop;
@@ -42,7 +42,7 @@ static void take(const struct can_msg *message)
                                       .commanded_rad_s = 1e-4 * (double)bytes_get_u16(data + 2),
                                       .r0_m = 1e-5 * (double)bytes_get_u16(data + 4),
                                       .number = data[6],
-                                      .fell_back = (data[7] & 0x40u) != 0};
+                                      .used_fallback = (data[7] & 0x40u) != 0};
         ck_assert_uint_eq(data[7] & 0x3Fu, 0); /* no fault */
         ck_assert_uint_eq(data[7] >> 7, loop.rig.task.controller.last_step.side == SIDE_RIGHT);
     }
@@ -89,18 +89,18 @@ START_TEST(the_bus_tells_of_the_hand_over_and_of_its_end)
     walk(&tool, STEPS);
     unsigned handed_over = 0;
     for (unsigned k = 2; k <= STEPS; k++) {
-        if (told[k].fell_back) {
+        if (told[k].used_fallback) {
             handed_over++;
             assert_close(told[k].r0_m, equation_16(&told[k], told[k - 1].r0_m), 1.5e-5, 0);
         }
     }
     for (unsigned k = 1; k <= BEFORE + 3; k++) {
-        ck_assert(!told[k].fell_back);
+        ck_assert(!told[k].used_fallback);
     }
-    ck_assert(told[BEFORE + 4].fell_back);
+    ck_assert(told[BEFORE + 4].used_fallback);
     ck_assert_uint_le(handed_over, 10);
     for (unsigned k = BEFORE + 14; k <= STEPS; k++) {
-        ck_assert(!told[k].fell_back);
+        ck_assert(!told[k].used_fallback);
     }
     assert_close(told[STEPS].measured_rad_s, 0.41, 0, 0.01); /* and it walks on as it did */
     loop_free(&loop);
@@ -128,7 +128,7 @@ START_TEST(a_foot_that_lands_early_ends_the_search)
     ck_assert(controller->law.is_final);
     ck_assert_uint_eq(controller->last_step.number, BEFORE + 1);
     walk(&tool, BEFORE + 1);
-    ck_assert(told[BEFORE + 1].fell_back);
+    ck_assert(told[BEFORE + 1].used_fallback);
     assert_close(told[BEFORE + 1].r0_m, equation_16(&told[BEFORE + 1], told[BEFORE].r0_m), 1.5e-5,
                  0);
     loop_free(&loop);
@@ -147,7 +147,7 @@ START_TEST(equation_16_itself_tells_of_none)
         sim_bus_port(&loop.bus, sim_bus_attach(&loop.bus, "tool", NULL, NULL));
     walk(&tool, 10);
     for (unsigned k = 1; k <= 10; k++) {
-        ck_assert(!told[k].fell_back);
+        ck_assert(!told[k].used_fallback);
     }
     loop_free(&loop);
 }

@@ -26,7 +26,7 @@ static real step(double speed_rad_s, double desired_rad_s)
 /* r0 = r0* - kp (m - v), m the mean of the steps before: of all, then over about the last 16. */
 START_TEST(a_wearer_keeps_their_own_speed)
 {
-    params.law = (real)LAW_WEARER;
+    params.law = (real)LAW_PERSON;
     params.start_r0_m = 0.04f;
     params.kp_m_s_rad = 0.02f;
     params.r0_change_max_m = 0.5f;
@@ -39,7 +39,7 @@ START_TEST(a_wearer_keeps_their_own_speed)
         const real r0 = step(v, 0.1); /* whatever speed is asked for */
         assert_close(r0, wanted, 2e-7, 1e-5);
         assert_close(law.command_rad_s, mean, 0, 1e-5);
-        ck_assert(law.is_final && !law.fell_back);
+        ck_assert(law.is_final && !law.used_fallback);
         mean += (v - mean) / (k < 16 ? k : 16);
         given += k > 300 ? (double)r0 : 0.0;
     }
@@ -49,7 +49,7 @@ END_TEST
 
 START_TEST(a_wearers_push_off_keeps_to_the_limits)
 {
-    params.law = (real)LAW_WEARER;
+    params.law = (real)LAW_PERSON;
     params.start_r0_m = 0.04f;
     params.kp_m_s_rad = 1.0f;
     params.r0_min_m = 0.035f;
@@ -68,7 +68,7 @@ END_TEST
 /* A first apex that was no number is not the mean of anything. */
 START_TEST(a_wearers_mean_begins_with_a_number)
 {
-    params.law = (real)LAW_WEARER;
+    params.law = (real)LAW_PERSON;
     step_law_init(&law, &params);
     ck_assert(step((double)NAN, 1.0) == params.start_r0_m);
     assert_close(step(1.4, 1.0), params.start_r0_m, 1e-7, 0);
@@ -79,7 +79,7 @@ END_TEST
 START_TEST(what_is_no_number_leaves_the_last_answer)
 {
     static const enum law_mode modes[] = {LAW_PROPORTIONAL, LAW_OPEN_LOOP,  LAW_DLQR,
-                                          LAW_DEADBEAT,     LAW_PREDICTIVE, LAW_WEARER};
+                                          LAW_DEADBEAT,     LAW_PREDICTIVE, LAW_PERSON};
     params.law = (real)modes[_i];
     params.open_loop_r0_m = params.start_r0_m;
     step_law_init(&law, &params);
@@ -112,7 +112,7 @@ START_TEST(without_a_model_the_predictive_law_is_eq_16)
     params.r0_change_max_m = 0.5f;
     step_law_init(&law, &params);
     const real got = step(0.44, 0.45);
-    ck_assert(law.is_final && law.fell_back);
+    ck_assert(law.is_final && law.used_fallback);
     ck_assert(!step_law_work(&law, &params));
     const real want = speed_table_inverse(&params.table, law.command_rad_s) -
                       params.kp_m_s_rad * (law.command_rad_s - 0.44f);
@@ -194,11 +194,11 @@ END_TEST
 START_TEST(distrust_wears_off_where_nothing_was_foretold)
 {
     const struct predictive_request request = faster();
-    search.surprises = PREDICTIVE_DISTRUST + 1;
+    search.misprediction_count = PREDICTIVE_DISTRUST + 1;
     for (int k = PREDICTIVE_DISTRUST; k >= -3; k--) {
         ck_assert_int_eq(predictive_law_trusts_itself(&search), k + 1 < PREDICTIVE_DISTRUST);
         predictive_law_begin(&search, params.branch, &request);
-        ck_assert_uint_eq(search.surprises, k > 0 ? (unsigned)k : 0u);
+        ck_assert_uint_eq(search.misprediction_count, k > 0 ? (unsigned)k : 0u);
         predictive_law_finish(&search);
     }
 }

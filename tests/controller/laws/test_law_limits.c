@@ -84,7 +84,7 @@ static double answer(const struct control_params *p, const struct apex_estimate 
             *waited = calls;
         }
     }
-    *searched = !law.fell_back;
+    *searched = !law.used_fallback;
     return (double)law.r0_m;
 }
 

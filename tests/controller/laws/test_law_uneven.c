@@ -10,20 +10,20 @@
 
 enum { WALKS = 20, STEPS_MOST = 500 };
 
-static struct laws_bench bench(enum law_mode law)
+static struct law_setup bench(enum law_mode law)
 {
-    struct laws_bench made;
+    struct law_setup made;
     struct subject subject;
     char message[SUBJECT_MESSAGE_MAX];
     subject_default(&subject);
-    ck_assert_msg(laws_bench_init(&made, &subject, law, message) == 0, "%s", message);
+    ck_assert_msg(law_setup_init(&made, &subject, law, message) == 0, "%s", message);
     return made;
 }
 
-static void start(const struct laws_bench *on, struct laws_walk *walk, double speed_rad_s)
+static void start(const struct law_setup *on, struct laws_walk *walk, double speed_rad_s)
 {
     double apex[3];
-    const double r0_m = laws_bench_gait(on, speed_rad_s, apex);
+    const double r0_m = law_setup_gait(on, speed_rad_s, apex);
     laws_walk_start(on, walk, apex, r0_m, speed_rad_s);
 }
 
@@ -36,7 +36,7 @@ static double aim(const struct laws_walk *walk)
 START_TEST(on_even_ground_it_wants_what_is_asked)
 {
     static const double asked[] = {0.2, 0.4, 0.6, 0.8, 1.0};
-    const struct laws_bench on = bench(LAW_PREDICTIVE);
+    const struct law_setup on = bench(LAW_PREDICTIVE);
     for (int from = 0; from < 5; from++) {
         for (int to = 0; to < 5; to++) {
             struct laws_walk walk;
@@ -53,7 +53,7 @@ END_TEST
 /* What a rise h takes from the apex is its potential energy: v^2 falls by about 2 g h / l. */
 START_TEST(after_a_rise_it_wants_to_bear_another_and_comes_back)
 {
-    const struct laws_bench on = bench(LAW_PREDICTIVE);
+    const struct law_setup on = bench(LAW_PREDICTIVE);
     const double g = on.truth.gravity_m_s2, l = on.truth.leg_length_m;
     for (int way = -1; way <= 1; way += 2) {
         struct laws_walk walk;
@@ -77,9 +77,9 @@ START_TEST(it_wants_no_more_than_it_may)
 {
     static const double may[] = {0.0, 0.5, 0.7};
     for (int i = 0; i < 3; i++) {
-        struct laws_bench on = bench(LAW_PREDICTIVE);
+        struct law_setup on = bench(LAW_PREDICTIVE);
         struct laws_walk walk;
-        on.params.rough_speed_rad_s = (real)may[i];
+        on.params.terrain_speed_rad_s = (real)may[i];
         start(&on, &walk, 0.6);
         ck_assert_int_eq(laws_walk_step(&on, &walk, 0.6, NULL, 0.0, 0.008), 0);
         ck_assert_int_eq(laws_walk_step(&on, &walk, 0.6, NULL, 0.0, 0.0), 0);
@@ -102,7 +102,7 @@ START_TEST(a_push_makes_nobody_hurry)
     ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
     params.law = (real)LAW_PREDICTIVE;
     params.r0_change_max_m = params.r0_max_m;
-    params.rough_speed_rad_s += REAL(0.8) * (real)_i;
+    params.terrain_speed_rad_s += REAL(0.8) * (real)_i;
     ck_assert_int_eq(loop_configure(&config, &subject, &params, 0.4, SENSORS_17BIT, 1, message), 0);
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
     const struct step_law *law = &loop.rig.task.controller.law;
@@ -127,7 +127,7 @@ END_TEST
 
 START_TEST(a_rise_of_a_millimetre_is_let_pass)
 {
-    const struct laws_bench on = bench(LAW_PREDICTIVE);
+    const struct law_setup on = bench(LAW_PREDICTIVE);
     struct laws_walk walk;
     start(&on, &walk, 0.6);
     for (int k = 0; k < 100; k++) {
@@ -139,7 +139,7 @@ START_TEST(a_rise_of_a_millimetre_is_let_pass)
 END_TEST
 
 /* Steps per fall. */
-static double steps_to_failure(const struct laws_bench *on, double speed_rad_s, double rise_most)
+static double steps_to_failure(const struct law_setup *on, double speed_rad_s, double rise_most)
 {
     struct rng rng;
     int steps = 0, falls = 0;
@@ -160,7 +160,7 @@ static double steps_to_failure(const struct laws_bench *on, double speed_rad_s, 
 
 START_TEST(at_0_6_and_0_8_it_walks_a_hundred_times_as_far_as_eq_16)
 {
-    const struct laws_bench paper = bench(LAW_PROPORTIONAL), on = bench(LAW_PREDICTIVE);
+    const struct law_setup paper = bench(LAW_PROPORTIONAL), on = bench(LAW_PREDICTIVE);
     for (double speed = 0.6; speed < 0.9; speed += 0.2) {
         const double far = steps_to_failure(&on, speed, 0.010);
         const double near = steps_to_failure(&paper, speed, 0.010);

@@ -165,7 +165,7 @@ START_TEST(wrong_predictions_hand_over_to_equation_16)
         while (!law.is_final) {
             (void)step_law_work(&law, &p);
         }
-        handed_over += law.fell_back;
+        handed_over += law.used_fallback;
     }
     ck_assert(!predictive_law_trusts_itself(&law.predictive));
     ck_assert_int_ge(handed_over, 10);
@@ -186,7 +186,7 @@ START_TEST(wrong_predictions_hand_over_to_equation_16)
                                       result.next.swing_rate_rad_s, 1.0f};
     }
     ck_assert(predictive_law_trusts_itself(&law.predictive));
-    ck_assert(!law.fell_back);
+    ck_assert(!law.used_fallback);
 }
 END_TEST
 

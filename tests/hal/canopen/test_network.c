@@ -159,22 +159,22 @@ START_TEST(stopped_nodes_are_held_and_started_again)
     ck_assert_uint_eq(fake.sent[0].id, 0x000);
     ck_assert_uint_eq(fake.sent[0].data[0], 2);
     ck_assert_uint_eq(fake.sent[0].data[1], 0);
-    for (int tick = 1; tick < NETWORK_HOLD_TICKS; tick++) {
+    for (int tick = 1; tick < NETWORK_STOP_TICKS; tick++) {
         hear_all(&network, tick % 2 == 0 ? 4 : 127);
-        ck_assert(network.node[3].held);
+        ck_assert(network.node[3].stop_pending);
         network_update(&network, &bus, 0xF);
         ck_assert_uint_eq(fake.sent_count, 1);
     }
     hear_all(&network, 4); /* stopped */
     network_update(&network, &bus, 0xF);
-    ck_assert(!network.node[3].held);
+    ck_assert(!network.node[3].stop_pending);
     ck_assert_uint_eq(fake.sent_count, 5);
     ck_assert_uint_eq(fake.sent[4].data[0], 1);
     ck_assert_uint_eq(fake.sent[4].data[1], 4);
     /* One that boots knows of no stop. */
     ck_assert_int_eq(network_stop_all(&network, &bus), CAN_OK);
     hear(&network, 0x702, 0);
-    ck_assert(!network.node[1].held && network.node[0].held);
+    ck_assert(!network.node[1].stop_pending && network.node[0].stop_pending);
 }
 END_TEST
 

@@ -124,29 +124,29 @@ START_TEST(frames_beyond_one_a_cycle_are_counted)
     leg_sensors_init(&sensors, straight);
     const struct can_msg own = leg_frame(0x283, 1000, 5), other = leg_frame(0x283, 1001, 5),
                          ankle = leg_frame(0x283, 1000, 6);
-    const uint8_t *surplus = &sensors.reading[SIDE_LEFT].surplus;
+    const uint8_t *duplicate_id_count = &sensors.reading[SIDE_LEFT].duplicate_id_count;
     for (int cycle = 0; cycle < 100; cycle++) { /* repeated by CAN itself: nothing */
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &own));
         leg_sensors_age(&sensors);
     }
-    ck_assert_uint_eq(*surplus, 0);
+    ck_assert_uint_eq(*duplicate_id_count, 0);
     for (int late = 0; late < 100; late++) { /* a cycle late, and again: one at most */
         leg_sensors_age(&sensors);
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
         leg_sensors_age(&sensors);
-        ck_assert_uint_eq(*surplus, 1);
+        ck_assert_uint_eq(*duplicate_id_count, 1);
     }
     ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &ankle));
-    ck_assert_uint_eq(*surplus, 2);
-    ck_assert_uint_eq(sensors.reading[SIDE_RIGHT].surplus, 0);
+    ck_assert_uint_eq(*duplicate_id_count, 2);
+    ck_assert_uint_eq(sensors.reading[SIDE_RIGHT].duplicate_id_count, 0);
     for (int i = 0; i < 1000; i++) {
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
     }
-    ck_assert_uint_eq(*surplus, UINT8_MAX);
+    ck_assert_uint_eq(*duplicate_id_count, UINT8_MAX);
     for (int i = 0; i < 1000; i++) {
         leg_sensors_age(&sensors);
     }
-    ck_assert_uint_eq(*surplus, 0);
+    ck_assert_uint_eq(*duplicate_id_count, 0);
 }
 END_TEST
 

@@ -14,7 +14,7 @@ struct bench {
     struct can_bus bus;
     struct cia402_drives cia402;
     struct sea_drives drives;
-    struct sea_drive_wish wish[SIDE_COUNT];
+    struct sea_drive_command wish[SIDE_COUNT];
 };
 
 static void start(struct bench *b)
@@ -147,8 +147,8 @@ START_TEST(no_kick_target_is_the_position_until_enabled)
 {
     struct bench b;
     start(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.05f, true, true, false};
-    b.wish[SIDE_RIGHT] = (struct sea_drive_wish){0.05f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.05f, true, true, false};
+    b.wish[SIDE_RIGHT] = (struct sea_drive_command){0.05f, true, true, false};
     answer(&b, 0x181, 0x0223, 1234);
     answer(&b, 0x182, 0x0227, -700);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -163,7 +163,7 @@ START_TEST(no_target_before_both_positions_are_known)
 {
     struct bench b;
     start(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.05f, true, false, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.05f, true, false, false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     answer(&b, 0x181, 0x0227, 700000);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -190,8 +190,8 @@ START_TEST(positions_scale_and_saturate)
     answer(&b, 0x181, 0x0227, INT32_MIN);
     sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, -2147.484148, 1e-3, 0.0);
-    b.wish[SIDE_LEFT] = (struct sea_drive_wish){1e30f, true, false, false};
-    b.wish[SIDE_RIGHT] = (struct sea_drive_wish){-1e30f, true, false, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){1e30f, true, false, false};
+    b.wish[SIDE_RIGHT] = (struct sea_drive_command){-1e30f, true, false, false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert_int_gt(target_of(&b, 0), 1000000000);
     ck_assert_int_gt(target_of(&b, 1), 1000000000); /* minus times minus */
@@ -226,7 +226,7 @@ START_TEST(a_refused_frame_is_sent_again)
     start(&b);
     answer(&b, 0x181, 0x0227, 500);
     answer(&b, 0x182, 0x0227, -500);
-    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.0f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.0f, true, true, false};
     b.fake.verdict = CAN_FULL;
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_FULL);
     b.fake.verdict = CAN_OK;

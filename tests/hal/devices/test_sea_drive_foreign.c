@@ -15,7 +15,7 @@ struct odrive_bench {
     struct can_bus bus;
     struct cansimple_drives axes;
     struct sea_drives drives;
-    struct sea_drive_wish wish[SIDE_COUNT];
+    struct sea_drive_command wish[SIDE_COUNT];
 };
 
 static void start_odrive(struct odrive_bench *b)
@@ -85,7 +85,7 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
 {
     struct odrive_bench b;
     start_odrive(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.1f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.1f, true, true, false};
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -126,7 +126,7 @@ struct ak_bench {
     struct can_bus bus;
     struct mit_drives axes;
     struct sea_drives drives;
-    struct sea_drive_wish wish[SIDE_COUNT];
+    struct sea_drive_command wish[SIDE_COUNT];
 };
 
 static void start_ak(struct ak_bench *b)
@@ -179,7 +179,7 @@ START_TEST(mit_enters_after_an_answer_and_commands_bytes_in_order)
     struct ak_bench b;
     struct sea_drive_reading reading;
     start_ak(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.25f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.25f, true, true, false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[3] & 0x0F, 0); /* kp 0 until entered */
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[4], 0);
@@ -202,7 +202,7 @@ START_TEST(mit_never_spells_a_special_frame_by_accident)
 {
     struct ak_bench b;
     start_ak(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_wish){0.0f, true, false, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.0f, true, false, false};
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     b.wish[SIDE_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */

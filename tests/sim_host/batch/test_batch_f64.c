@@ -298,7 +298,7 @@ START_TEST(the_law_holds_a_speed_at_which_the_open_gait_would_not_stay)
 {
     /* Eigenvalues beyond -1 at r0 = 0.2 without the law; kp = 0.042 stabilises (paper, section 5). */
     struct batch_item item = {
-        .apex = {-0.8, -0.16, 1.2}, .push_m = 0.12, .gain_m_s = 0.042, .aim_rad_s = 0.66};
+        .apex = {-0.8, -0.16, 1.2}, .push_m = 0.12, .gain_m_s = 0.042, .target_speed_rad_s = 0.66};
     const struct batch_settings settings = {0};
     double by_hand = item.push_m + item.gain_m_s * (0.8 - 0.66);
     struct batch_item plain = {.apex = {-0.8, -0.16, 1.2}, .push_m = by_hand};

@@ -77,8 +77,8 @@ START_TEST(a_node_that_was_told_to_start_answers_one_that_was_stopped_does_not)
     ck_assert_uint_eq(lock_step_expected(&bench.task), ALL & ~SENSOR_LEFT);
     /* All stopped: until their next heartbeat they say that they are operational. */
     for (unsigned number = 1; number <= NETWORK_NODES; number++) {
-        node(&bench, number)->held = true;
-        node(&bench, number)->start_wait = NETWORK_HOLD_TICKS;
+        node(&bench, number)->stop_pending = true;
+        node(&bench, number)->start_wait = NETWORK_STOP_TICKS;
     }
     ck_assert_uint_eq(lock_step_expected(&bench.task), 0);
 }

@@ -96,7 +96,7 @@ START_TEST(it_lets_go_at_the_configured_tick)
     struct plant_config config;
     struct pilot pilot;
     plant_config_default(&config);
-    config.support.release_tick = 1500;
+    config.start_hold.release_tick = 1500;
     ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_OK);
     pilot_init(&pilot, 0.05);
     for (int tick = 0; tick <= 1500; tick++) {
@@ -173,7 +173,7 @@ START_TEST(same_bits_everywhere)
     config.sensors[1].ankle_is_lever = true;
     config.walk.slope_rad = -0.0005;
     config.roughness_m = 2e-5;
-    config.support.hold_after_fall = true;
+    config.start_hold.hold_after_fall = true;
     ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_OK);
     pilot_init(&pilot, 0.05);
     for (int tick = 0; tick < 30000; tick++) {
@@ -317,12 +317,12 @@ START_TEST(whatever_is_commanded_the_state_stays_a_number)
     plant_config_for(&body, 50.0 + 20000.0 * rng_uniform(&rng),
                      rng_uniform(&rng) < 0.3 ? SEA_IDEAL : SEA_REAL, SENSORS_14BIT, &config);
     config.seed = (uint64_t)_i;
-    config.support.release_tick = 100;
-    config.support.least_load_m = 0.0;
-    config.support.settle_ticks = 0;
-    config.support.position_tolerance_m = 0.9;
-    config.support.hold_after_fall = true;
-    config.support.fall_ticks = 50;
+    config.start_hold.release_tick = 100;
+    config.start_hold.least_load_m = 0.0;
+    config.start_hold.settle_ticks = 0;
+    config.start_hold.position_tolerance_m = 0.9;
+    config.start_hold.hold_after_fall = true;
+    config.start_hold.fall_ticks = 50;
     config.roughness_m = rng_uniform(&rng) < 0.5 ? 0.0 : 0.02;
     config.walk.slope_rad = 0.2 * (rng_uniform(&rng) - 0.5);
     config.walk.unarmed_hold_s = rng_uniform(&rng) < 0.5 ? 0.0 : 0.5;
@@ -377,8 +377,8 @@ START_TEST(bad_configurations_are_refused_by_name)
     config.start.theta_s_rad = (double)NAN;
     ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_BAD_START);
     plant_config_default(&config);
-    config.support.release_grid_ticks = 0;
-    ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_BAD_SUPPORT);
+    config.start_hold.release_grid_ticks = 0;
+    ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_BAD_START_HOLD);
     plant_config_default(&config);
     config.sea[SIDE_RIGHT].counts_per_m = 0.0;
     ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_BAD_SEA);

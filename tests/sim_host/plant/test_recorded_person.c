@@ -25,12 +25,12 @@ static void forget_file(void)
     (void)unlink(path);
 }
 
-static enum wearer_error load(const char *text, struct wearer *wearer, char *message)
+static enum recording_error load(const char *text, struct recording *recording, char *message)
 {
-    struct wearer_format format;
-    wearer_format_default(&format);
+    struct recording_format format;
+    recording_format_default(&format);
     write_file(text, strlen(text));
-    const enum wearer_error error = wearer_load(wearer, path, &format, message);
+    const enum recording_error error = recording_load(recording, path, &format, message);
     forget_file();
     return error;
 }
@@ -41,16 +41,16 @@ static enum wearer_error load(const char *text, struct wearer *wearer, char *mes
 
 START_TEST(values_are_read_and_turned_into_leg_and_ankle)
 {
-    struct wearer wearer;
-    char message[WEARER_ERROR_MAX];
+    struct recording recording;
+    char message[RECORDING_ERROR_MAX];
     ck_assert_int_eq(load(HEADER "10.0,20,-30,1,5.5,1e1,0,-20,3\r\n"
                                  "10.005, 21 ,-29,1,6,11,1,-19.5,3.5\n\n",
-                          &wearer, message),
-                     WEARER_OK);
-    ck_assert_uint_eq(wearer.count, 2);
-    ck_assert(wearer.has_contact);
-    assert_close(wearer.start_s, 10.0, 0.0, 0.0);
-    const struct wearer_sample *s = wearer.samples;
+                          &recording, message),
+                     RECORDING_OK);
+    ck_assert_uint_eq(recording.count, 2);
+    ck_assert(recording.has_contact);
+    assert_close(recording.start_s, 10.0, 0.0, 0.0);
+    const struct recording_sample *s = recording.samples;
     const double deg = 3.14159265358979323846 / 180.0;
     assert_close(s[0].time_s, 0.0, 0.0, 0.0);
     assert_close(s[1].time_s, 0.005, 1e-12, 0.0);
@@ -61,23 +61,23 @@ START_TEST(values_are_read_and_turned_into_leg_and_ankle)
     assert_close(s[0].ankle_m[SIDE_LEFT], 0.12 * sin(20 * deg), 1e-14, 0.0); /* plantarflexed */
     assert_close(s[0].ankle_m[SIDE_RIGHT], 0.0, 0.0, 0.0);                   /* dorsiflexed */
     ck_assert(s[0].contact[SIDE_LEFT] && !s[0].contact[SIDE_RIGHT] && s[1].contact[SIDE_RIGHT]);
-    wearer_free(&wearer);
-    ck_assert_ptr_null(wearer.samples);
-    wearer_free(&wearer); /* twice is harmless */
+    recording_free(&recording);
+    ck_assert_ptr_null(recording.samples);
+    recording_free(&recording); /* twice is harmless */
 }
 END_TEST
 
 START_TEST(other_names_rates_and_order)
 {
-    struct wearer wearer;
-    struct wearer_format format;
-    char message[WEARER_ERROR_MAX];
+    struct recording recording;
+    struct recording_format format;
+    char message[RECORDING_ERROR_MAX];
     static const char TEXT[] = "\xEF\xBB\xBF"
                                "extra,\"RS\",RT,LS,LT\n"
                                "x,1,2,3,4\n"
                                "y,5,6,7,8\n"
                                "z,9,10,11,12";
-    wearer_format_default(&format);
+    recording_format_default(&format);
     strcpy(format.time_column, "");
     strcpy(format.thigh_column[SIDE_LEFT], "LT");
     strcpy(format.thigh_column[SIDE_RIGHT], "RT");
@@ -89,39 +89,39 @@ START_TEST(other_names_rates_and_order)
     }
     format.sample_rate_hz = 100.0;
     write_file(TEXT, sizeof TEXT - 1);
-    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_OK);
+    ck_assert_int_eq(recording_load(&recording, path, &format, message), RECORDING_OK);
     forget_file();
     const double deg = 3.14159265358979323846 / 180.0;
-    ck_assert_uint_eq(wearer.count, 3);
-    ck_assert(!wearer.has_contact);
-    assert_close(wearer.samples[2].time_s, 0.02, 1e-15, 0.0);
-    assert_close(wearer.samples[1].leg_angle_rad[SIDE_RIGHT], 5.5 * deg, 1e-14, 0.0);
-    assert_close(wearer.samples[1].leg_angle_rad[SIDE_LEFT], 7.5 * deg, 1e-14, 0.0);
-    assert_close(wearer.samples[1].ankle_m[SIDE_LEFT], 0.0, 0.0, 0.0);
-    assert_close(wearer_span_rad(&wearer), 8.0 * deg, 1e-14, 0.0);
-    wearer_free(&wearer);
+    ck_assert_uint_eq(recording.count, 3);
+    ck_assert(!recording.has_contact);
+    assert_close(recording.samples[2].time_s, 0.02, 1e-15, 0.0);
+    assert_close(recording.samples[1].leg_angle_rad[SIDE_RIGHT], 5.5 * deg, 1e-14, 0.0);
+    assert_close(recording.samples[1].leg_angle_rad[SIDE_LEFT], 7.5 * deg, 1e-14, 0.0);
+    assert_close(recording.samples[1].ankle_m[SIDE_LEFT], 0.0, 0.0, 0.0);
+    assert_close(recording_span_rad(&recording), 8.0 * deg, 1e-14, 0.0);
+    recording_free(&recording);
 }
 END_TEST
 
 START_TEST(angles_in_radians)
 {
-    struct wearer wearer;
-    struct wearer_format format;
-    char message[WEARER_ERROR_MAX];
+    struct recording recording;
+    struct recording_format format;
+    char message[RECORDING_ERROR_MAX];
     static const char TEXT[] = HEADER "0,0.3,-0.1,1,0,0,1,-0.5,0\n0.005,0.4,-0.2,1,0,0,1,-0.5,0\n";
-    wearer_format_default(&format);
+    recording_format_default(&format);
     format.angle_unit_rad = 1.0;
     write_file(TEXT, sizeof TEXT - 1);
-    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_OK);
-    assert_close(wearer.samples[0].leg_angle_rad[SIDE_LEFT], 0.1, 1e-15, 0.0);
-    assert_close(wearer.samples[0].ankle_m[SIDE_LEFT], 0.12 * sin(0.5), 1e-15, 0.0);
-    wearer_free(&wearer);
+    ck_assert_int_eq(recording_load(&recording, path, &format, message), RECORDING_OK);
+    assert_close(recording.samples[0].leg_angle_rad[SIDE_LEFT], 0.1, 1e-15, 0.0);
+    assert_close(recording.samples[0].ankle_m[SIDE_LEFT], 0.12 * sin(0.5), 1e-15, 0.0);
+    recording_free(&recording);
     static const char TOO_FAR[] = HEADER "0,3.2,0,1,0,0,1,0,0\n0.005,0,0,1,0,0,1,0,0\n";
     write_file(TOO_FAR, sizeof TOO_FAR - 1);
-    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_BAD_VALUE);
+    ck_assert_int_eq(recording_load(&recording, path, &format, message), RECORDING_BAD_VALUE);
     ck_assert_ptr_nonnull(strstr(message, "line 2, column 2: '3.2' is not an angle"));
     format.angle_unit_rad = 0.0;
-    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_BAD_FORMAT);
+    ck_assert_int_eq(recording_load(&recording, path, &format, message), RECORDING_BAD_FORMAT);
     forget_file();
 }
 END_TEST
@@ -130,63 +130,63 @@ END_TEST
 
 static const struct {
     const char *text;
-    enum wearer_error error;
+    enum recording_error error;
     const char *says;
 } MALFORMED[] = {
-    {"", WEARER_BAD_HEADER, "empty"},
-    {"\n\n", WEARER_BAD_HEADER, "empty"},
-    {"a,b,c\n1,2,3\n", WEARER_BAD_HEADER, "no column named 'time_s'"},
-    {"time_s,time_s\n", WEARER_BAD_HEADER, "line 1, column 2: column 'time_s' is there twice"},
-    {HEADER, WEARER_TOO_SHORT, "fewer than two rows"},
-    {HEADER ROW, WEARER_TOO_SHORT, "fewer than two rows"},
-    {HEADER "0,1,x,1,1,1,1,1,1\n", WEARER_BAD_VALUE, "line 2, column 3: 'x' is not a number"},
-    {HEADER "0,1,,1,1,1,1,1,1\n", WEARER_BAD_VALUE, "line 2, column 3: '' is not a number"},
-    {HEADER "0,1,1,1,nan,1,1,1,1\n", WEARER_BAD_VALUE, "line 2, column 5: 'nan'"},
-    {HEADER "inf,1,1,1,1,1,1,1,1\n", WEARER_BAD_VALUE, "line 2, column 1: 'inf'"},
-    {HEADER "0,1,1e999,1,1,1,1,1,1\n", WEARER_BAD_VALUE, "line 2, column 3"},
-    {HEADER "0,1,1 1,1,1,1,1,1,1\n", WEARER_BAD_VALUE, "'1 1' is not a number"},
-    {HEADER "0,1,1,0.5,1,1,1,1,1\n", WEARER_BAD_VALUE, "column 4: '0.5' is not a contact"},
-    {HEADER "0,1,1,2,1,1,1,1,1\n", WEARER_BAD_VALUE, "is not a contact"},
-    {HEADER "0,181,1,1,1,1,1,1,1\n", WEARER_BAD_VALUE, "column 2: '181' is not an angle"},
-    {HEADER "0,100,-100,1,1,1,1,1,1\n", WEARER_BAD_VALUE, "opposite directions"},
-    {HEADER "0,1,1,1,1,1,1,1\n", WEARER_BAD_ROW, "line 2: 8 columns where the header has 9"},
-    {HEADER "0,1,1,1,1,1,1,1,1,7\n", WEARER_BAD_ROW, "10 columns"},
-    {HEADER ROW ROW, WEARER_BAD_TIME, "line 3, column 1: time does not ascend"},
-    {HEADER "0,1,1,1,1,1,1,1,1\n\n0.2,1,1,1,1,1,1,1,1\n", WEARER_BAD_TIME, "line 4, column 1"},
+    {"", RECORDING_BAD_HEADER, "empty"},
+    {"\n\n", RECORDING_BAD_HEADER, "empty"},
+    {"a,b,c\n1,2,3\n", RECORDING_BAD_HEADER, "no column named 'time_s'"},
+    {"time_s,time_s\n", RECORDING_BAD_HEADER, "line 1, column 2: column 'time_s' is there twice"},
+    {HEADER, RECORDING_TOO_SHORT, "fewer than two rows"},
+    {HEADER ROW, RECORDING_TOO_SHORT, "fewer than two rows"},
+    {HEADER "0,1,x,1,1,1,1,1,1\n", RECORDING_BAD_VALUE, "line 2, column 3: 'x' is not a number"},
+    {HEADER "0,1,,1,1,1,1,1,1\n", RECORDING_BAD_VALUE, "line 2, column 3: '' is not a number"},
+    {HEADER "0,1,1,1,nan,1,1,1,1\n", RECORDING_BAD_VALUE, "line 2, column 5: 'nan'"},
+    {HEADER "inf,1,1,1,1,1,1,1,1\n", RECORDING_BAD_VALUE, "line 2, column 1: 'inf'"},
+    {HEADER "0,1,1e999,1,1,1,1,1,1\n", RECORDING_BAD_VALUE, "line 2, column 3"},
+    {HEADER "0,1,1 1,1,1,1,1,1,1\n", RECORDING_BAD_VALUE, "'1 1' is not a number"},
+    {HEADER "0,1,1,0.5,1,1,1,1,1\n", RECORDING_BAD_VALUE, "column 4: '0.5' is not a contact"},
+    {HEADER "0,1,1,2,1,1,1,1,1\n", RECORDING_BAD_VALUE, "is not a contact"},
+    {HEADER "0,181,1,1,1,1,1,1,1\n", RECORDING_BAD_VALUE, "column 2: '181' is not an angle"},
+    {HEADER "0,100,-100,1,1,1,1,1,1\n", RECORDING_BAD_VALUE, "opposite directions"},
+    {HEADER "0,1,1,1,1,1,1,1\n", RECORDING_BAD_ROW, "line 2: 8 columns where the header has 9"},
+    {HEADER "0,1,1,1,1,1,1,1,1,7\n", RECORDING_BAD_ROW, "10 columns"},
+    {HEADER ROW ROW, RECORDING_BAD_TIME, "line 3, column 1: time does not ascend"},
+    {HEADER "0,1,1,1,1,1,1,1,1\n\n0.2,1,1,1,1,1,1,1,1\n", RECORDING_BAD_TIME, "line 4, column 1"},
     {HEADER
      "0,1,1,1,1,1,1,1,1\n0.000000000000000000000000000000000000000000000000001,1,1,1,1,1,1,1,"
      "1\n",
-     WEARER_BAD_VALUE, "is not a number"},
+     RECORDING_BAD_VALUE, "is not a number"},
 };
 
 START_TEST(malformed_files_are_refused_with_their_place)
 {
-    struct wearer wearer;
-    char message[WEARER_ERROR_MAX];
-    ck_assert_int_eq(load(MALFORMED[_i].text, &wearer, message), MALFORMED[_i].error);
+    struct recording recording;
+    char message[RECORDING_ERROR_MAX];
+    ck_assert_int_eq(load(MALFORMED[_i].text, &recording, message), MALFORMED[_i].error);
     ck_assert_msg(strstr(message, MALFORMED[_i].says) != NULL, "said: %s", message);
-    ck_assert_ptr_null(wearer.samples);
-    ck_assert_uint_eq(wearer.count, 0);
+    ck_assert_ptr_null(recording.samples);
+    ck_assert_uint_eq(recording.count, 0);
 }
 END_TEST
 
 START_TEST(files_that_cannot_be_read)
 {
-    struct wearer wearer;
-    struct wearer_format format;
-    char message[WEARER_ERROR_MAX];
+    struct recording recording;
+    struct recording_format format;
+    char message[RECORDING_ERROR_MAX];
     static const char ZERO[] = HEADER "0,1,1,1,1,1,1,1,1\n" ROW "\0 binary";
-    wearer_format_default(&format);
-    ck_assert_int_eq(wearer_load(&wearer, "/nonexistent/file.csv", &format, message),
-                     WEARER_CANNOT_READ);
+    recording_format_default(&format);
+    ck_assert_int_eq(recording_load(&recording, "/nonexistent/file.csv", &format, message),
+                     RECORDING_CANNOT_READ);
     ck_assert_ptr_nonnull(strstr(message, "/nonexistent/file.csv"));
-    ck_assert_int_eq(wearer_load(&wearer, "/tmp", &format, message), WEARER_CANNOT_READ);
+    ck_assert_int_eq(recording_load(&recording, "/tmp", &format, message), RECORDING_CANNOT_READ);
     write_file(ZERO, sizeof ZERO - 1);
-    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_BAD_VALUE);
+    ck_assert_int_eq(recording_load(&recording, path, &format, message), RECORDING_BAD_VALUE);
     forget_file();
     ck_assert_ptr_nonnull(strstr(message, "zero byte"));
     format.ankle_lever_m = 0.0;
-    ck_assert_int_eq(wearer_load(&wearer, "/tmp", &format, message), WEARER_BAD_FORMAT);
+    ck_assert_int_eq(recording_load(&recording, "/tmp", &format, message), RECORDING_BAD_FORMAT);
     ck_assert_ptr_nonnull(strstr(message, "ankle_lever_m"));
 }
 END_TEST
@@ -194,11 +194,11 @@ END_TEST
 START_TEST(torn_and_random_files_never_crash)
 {
     static const char GOOD[] = HEADER "0,1,1,1,1,1,1,1,1\n" ROW;
-    struct wearer wearer;
-    struct wearer_format format;
-    char message[WEARER_ERROR_MAX], text[400];
+    struct recording recording;
+    struct recording_format format;
+    char message[RECORDING_ERROR_MAX], text[400];
     uint64_t state = 12345;
-    wearer_format_default(&format);
+    recording_format_default(&format);
     for (int i = 0; i < 3000; i++) {
         size_t length = sizeof GOOD - 1;
         memcpy(text, GOOD, length);
@@ -208,12 +208,12 @@ START_TEST(torn_and_random_files_never_crash)
         }
         length -= (state >> 20) % 40;
         write_file(text, length);
-        if (wearer_load(&wearer, path, &format, message) == WEARER_OK) {
-            ck_assert_uint_ge(wearer.count, 2);
+        if (recording_load(&recording, path, &format, message) == RECORDING_OK) {
+            ck_assert_uint_ge(recording.count, 2);
         } else {
             ck_assert(message[0] != '\0');
         }
-        wearer_free(&wearer);
+        recording_free(&recording);
         forget_file();
     }
 }
@@ -262,18 +262,18 @@ static void write_person(double seconds)
 
 START_TEST(between_samples_the_motion_is_smooth)
 {
-    struct wearer wearer;
-    struct wearer_format format;
-    struct wearer_state state;
-    char message[WEARER_ERROR_MAX];
+    struct recording recording;
+    struct recording_format format;
+    struct recorded_person_state state;
+    char message[RECORDING_ERROR_MAX];
     size_t cursor = 0;
-    wearer_format_default(&format);
+    recording_format_default(&format);
     write_person(3.0);
-    ck_assert_int_eq(wearer_load(&wearer, path, &format, message), WEARER_OK);
+    ck_assert_int_eq(recording_load(&recording, path, &format, message), RECORDING_OK);
     forget_file();
     for (int tick = 10; tick < 2980; tick++) {
         const double t = tick * 1e-3;
-        wearer_at(&wearer, t, &cursor, &state);
+        recorded_person_at(&recording, t, &cursor, &state);
         for (int side = 0; side < SIDE_COUNT; side++) {
             assert_close(state.leg_angle_rad[side], person_angle(t, side), 2e-6, 0.0);
             const double rate =
@@ -284,15 +284,15 @@ START_TEST(between_samples_the_motion_is_smooth)
         ck_assert(!state.finished);
     }
     /* Backwards too, and beyond both ends. */
-    wearer_at(&wearer, 1.0, &cursor, &state);
+    recorded_person_at(&recording, 1.0, &cursor, &state);
     assert_close(state.leg_angle_rad[0], person_angle(1.0, 0), 1e-7, 0.0);
-    wearer_at(&wearer, -5.0, &cursor, &state);
+    recorded_person_at(&recording, -5.0, &cursor, &state);
     assert_close(state.leg_angle_rad[0], person_angle(0.0, 0), 1e-7, 0.0);
     assert_close(state.leg_rate_rad_s[0], 0.0, 0.0, 0.0);
-    wearer_at(&wearer, 99.0, &cursor, &state);
+    recorded_person_at(&recording, 99.0, &cursor, &state);
     ck_assert(state.finished);
     assert_close(state.leg_angle_rad[0], person_angle(3.0, 0), 1e-7, 0.0);
-    wearer_free(&wearer);
+    recording_free(&recording);
 }
 END_TEST
 
@@ -303,10 +303,10 @@ START_TEST(the_actuators_work_against_the_recorded_ankle)
     char message[PLANT_ERROR_MAX];
     const struct walker3_params adult = {65.0, 2.5, 0.93, 9.80665};
     plant_config_for(&adult, 7000.0, SEA_REAL, SENSORS_IDEAL, &config);
-    config.kind = PLANT_WEARER;
-    config.wearer_start_tick = 500;
+    config.kind = PLANT_RECORDED_PERSON;
+    config.recording_start_tick = 500;
     write_person(6.2);
-    strcpy(config.wearer_path, path);
+    strcpy(config.recording_path, path);
     ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_OK);
     forget_file();
     int count[9] = {0};
@@ -373,16 +373,16 @@ START_TEST(a_plant_without_its_recording_is_refused)
     static struct plant plant;
     char message[PLANT_ERROR_MAX];
     plant_config_default(&config);
-    config.kind = PLANT_WEARER;
-    strcpy(config.wearer_path, "/nonexistent.csv");
-    ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_BAD_WEARER);
+    config.kind = PLANT_RECORDED_PERSON;
+    strcpy(config.recording_path, "/nonexistent.csv");
+    ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_BAD_RECORDING);
     ck_assert_ptr_nonnull(strstr(message, "/nonexistent.csv"));
 }
 END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("wearer");
+    Suite *suite = suite_create("recorded person");
     TCase *reading = tcase_create("reading"), *playing = tcase_create("playing");
     tcase_add_test(reading, values_are_read_and_turned_into_leg_and_ankle);
     tcase_add_test(reading, other_names_rates_and_order);

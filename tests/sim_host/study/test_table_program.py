@@ -37,7 +37,7 @@ def test_the_source_compiles(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("arguments", [("--M", "nan"), ("--k", "x"), ("--from", 0.3, "--to", 0.2), ("surplus",)])
+@pytest.mark.parametrize("arguments", [("--M", "nan"), ("--k", "x"), ("--from", 0.3, "--to", 0.2), ("duplicate_id_count",)])
 def test_bad_arguments(arguments):
     done = table(*arguments)
     assert done.returncode == 2

@@ -85,7 +85,7 @@ def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
     [], ["nonsense"], ["jumps", "--law", "magic"], ["jumps", "--sensors", "3bit"],
     ["jumps", "--samples", "0"], ["jumps", "basin"],
     ["jumps", "--subject", "/no/such/file"], ["limits", "--chain"], ["ground-limit", "--chain"],
-    ["ground", "--law", "dlqr", "--rough-speed", "0.5"], ["ground", "--rough-speed", "-1"]])
+    ["ground", "--law", "dlqr", "--terrain-speed", "0.5"], ["ground", "--terrain-speed", "-1"]])
 def test_usage_errors(arguments):
     assert laws(*arguments, status=2).stderr
 
@@ -94,7 +94,7 @@ def test_without_leave_to_hurry_the_predictive_law_falls_on_rough_ground(tmp_pat
     """Footholds within 10 mm from 0.6 rad/s: hundreds of steps where it may go up to 0.8 rad/s, else tens."""
     steps = {}
     for speed in (0, 0.8):
-        laws("ground", "--law", "predictive", "--samples", 20, "--rough-speed", speed, "--out", tmp_path)
+        laws("ground", "--law", "predictive", "--samples", 20, "--terrain-speed", speed, "--out", tmp_path)
         row = next(row for row in rows(tmp_path / "laws-ground.csv") if
                    (row["kind"], row["speed_rad_s"], float(row["size_mm"])) == ("heights", "0.6", 10))
         steps[speed] = int(row["steps"]) / max(1, int(row["falls"]))
@@ -122,8 +122,8 @@ def test_no_law_reaches_more_than_can_be_walked_on_from(tmp_path):
     share = {}
     for row in rows(tmp_path / "laws-basin.csv"):
         assert row["beyond"] == "0", row
-        assert int(row["viable_inner"]) < int(row["viable_outer"])
-        share[row["law"], row["speed_rad_s"]] = int(row["reached"]) / int(row["viable_outer"])
+        assert int(row["viability_inner"]) < int(row["viability_outer"])
+        share[row["law"], row["speed_rad_s"]] = int(row["reached"]) / int(row["viability_outer"])
     assert 150 * share["proportional", "0.4"] > 1
     # 93, 92 and 89 % of the outer bound with 20,000 states; this many tell it to 1 %
     assert all(share["predictive", speed] > 0.85 for speed in ("0.4", "0.6", "0.8")), share

@@ -26,7 +26,7 @@ struct witness {
 };
 
 struct trial {
-    struct laws_bench bench[LAWS];
+    struct law_setup bench[LAWS];
     struct laws_course course[COUNT];
     struct witness witness[COUNT];
     size_t first; /* course that is the run's number 0 */
@@ -52,7 +52,7 @@ static int judge(void *context, size_t number, const struct laws_walk *walk)
     struct trial *trial = (struct trial *)context;
     const size_t i = trial->first + number;
     struct witness *w = &trial->witness[i];
-    struct laws_bench *bench = &trial->bench[i / EACH];
+    struct law_setup *bench = &trial->bench[i / EACH];
     memcpy(w->alone.apex, w->before, sizeof w->alone.apex);
     const int fault = laws_walk_step(bench, &w->alone, w->ahead.desired_rad_s, w->ahead.seen,
                                      w->ahead.slope_rad, w->ahead.rise);
@@ -77,14 +77,14 @@ static struct trial *make(void)
     ck_assert_ptr_nonnull(trial);
     subject_default(&subject);
     for (int l = 0; l < LAWS; l++) {
-        ck_assert_int_eq(laws_bench_init(&trial->bench[l], &subject, laws[l], message), 0);
+        ck_assert_int_eq(law_setup_init(&trial->bench[l], &subject, laws[l], message), 0);
         trial->bench[l].accuracy = LAWS_FINE;
     }
     for (int i = 0; i < COUNT; i++) {
-        const struct laws_bench *bench = &trial->bench[i / EACH];
+        const struct law_setup *bench = &trial->bench[i / EACH];
         struct witness *w = &trial->witness[i];
         double apex[3];
-        const double r0_m = laws_bench_gait(bench, 0.6, apex);
+        const double r0_m = law_setup_gait(bench, 0.6, apex);
         trial->course[i].bench = bench;
         laws_walk_start(bench, &trial->course[i].walk, apex, r0_m, 0.6);
         *w = (struct witness){

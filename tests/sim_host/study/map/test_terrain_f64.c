@@ -12,30 +12,30 @@
 /* ---- chains ------------------------------------------------------------------------------ */
 
 enum { SPEEDS = 3, PUSHES = 8, RISES = 10 };
-static const struct rough_range CHAIN = {.speed = {0.0, 2.0, 1.0, SPEEDS},
-                                         .angle = {0.0, 1.0, 1.0, 2},
-                                         .swing = {0.0, 1.0, 1.0, 2},
-                                         .legs = {0.5, 1.5, 1.0, SPEEDS},
-                                         .ankle = {0.0, 1.0, 1.0, 2},
-                                         .push = {0.1, 0.8, 1.0, PUSHES},
-                                         .rises = RISES,
-                                         .rise_most = 0.01};
+static const struct terrain_range CHAIN = {.speed = {0.0, 2.0, 1.0, SPEEDS},
+                                           .angle = {0.0, 1.0, 1.0, 2},
+                                           .swing = {0.0, 1.0, 1.0, 2},
+                                           .legs = {0.5, 1.5, 1.0, SPEEDS},
+                                           .ankle = {0.0, 1.0, 1.0, 2},
+                                           .push = {0.1, 0.8, 1.0, PUSHES},
+                                           .rises = RISES,
+                                           .rise_most = 0.01};
 
 /* A table made by hand: the apex' speed is the state, the strike keeps it as the angle between the legs, and
  * push-offs set the next one. falls[state] of the rises fell the walker, whatever it does. */
-static struct rough_table chain_of(const int falls[SPEEDS], int (*next)(int state, int push))
+static struct terrain_table chain_of(const int falls[SPEEDS], int (*next)(int state, int push))
 {
-    struct rough_table table = {.walker = gait_walker_of_paper(), .range = CHAIN};
+    struct terrain_table table = {.walker = gait_walker_of_paper(), .range = CHAIN};
     table.strike = malloc(SPEEDS * 4 * RISES * sizeof *table.strike);
     table.apex = malloc(RISES * SPEEDS * 2 * PUSHES * sizeof *table.apex);
     for (int i = 0; i < SPEEDS * 4 * RISES; i++) {
         const int state = i / RISES / 4;
-        table.strike[i] = i % RISES < falls[state] ? (struct rough_strike){-1.0f, 0.0f}
-                                                   : (struct rough_strike){(float)state, 0.0f};
+        table.strike[i] = i % RISES < falls[state] ? (struct terrain_strike){-1.0f, 0.0f}
+                                                   : (struct terrain_strike){(float)state, 0.0f};
     }
     for (int i = 0; i < RISES * SPEEDS * 2 * PUSHES; i++) {
         const int to = next(i / PUSHES / 2 % SPEEDS, i % PUSHES);
-        table.apex[i] = (struct rough_apex){(float)to, 0.0f, 0.0f};
+        table.apex[i] = (struct terrain_apex){(float)to, 0.0f, 0.0f};
     }
     return table;
 }
@@ -52,14 +52,14 @@ static int climb(int state, int push)
     return push < PUSHES - 1 ? 0 : state < SPEEDS - 1 ? state + 1 : state;
 }
 
-static double node_value(const struct rough_table *table, const struct rough_goal *goal,
-                         enum rough_side side, int rounds, int state)
+static double node_value(const struct terrain_table *table, const struct terrain_goal *goal,
+                         enum terrain_side side, int rounds, int state)
 {
     static const double start[3] = {-1.0, 0.0, 0.0};
-    struct rough_value value;
-    ck_assert_int_eq(rough_solve(table, side, goal, start, rounds, 1, &value), 0);
+    struct terrain_value value;
+    ck_assert_int_eq(terrain_solve(table, side, goal, start, rounds, 1, &value), 0);
     const double found = (double)value.apex[state * 4];
-    rough_value_free(&value);
+    terrain_value_free(&value);
     return found;
 }
 
@@ -67,15 +67,16 @@ static double node_value(const struct rough_table *table, const struct rough_goa
 START_TEST(a_chain_without_a_choice)
 {
     const int falls[SPEEDS] = {5, 1, 2};
-    struct rough_table table = chain_of(falls, stay);
-    const struct rough_goal steps = {ROUGH_STEPS, 0.0, 1.0}, chance = {ROUGH_CHANCE, 0.0, 1.0};
+    struct terrain_table table = chain_of(falls, stay);
+    const struct terrain_goal steps = {TERRAIN_STEPS, 0.0, 1.0},
+                              chance = {TERRAIN_CHANCE, 0.0, 1.0};
     for (int state = 0; state < SPEEDS; state++) {
         const double q = falls[state] / (double)RISES;
-        assert_close(node_value(&table, &steps, ROUGH_MIDDLE, 400, state), 1.0 / q, 0.0, 2e-3);
-        assert_close(node_value(&table, &chance, ROUGH_MIDDLE, 7, state), pow(1.0 - q, 7.0), 0.0,
+        assert_close(node_value(&table, &steps, TERRAIN_MIDDLE, 400, state), 1.0 / q, 0.0, 2e-3);
+        assert_close(node_value(&table, &chance, TERRAIN_MIDDLE, 7, state), pow(1.0 - q, 7.0), 0.0,
                      1e-5);
     }
-    rough_free(&table);
+    terrain_free(&table);
 }
 END_TEST
 
@@ -83,17 +84,17 @@ END_TEST
 START_TEST(a_chain_with_a_choice)
 {
     const int falls[SPEEDS] = {5, 2, 1};
-    struct rough_table table = chain_of(falls, climb);
-    const struct rough_goal steps = {ROUGH_STEPS, 0.0, 1.0};
-    assert_close(node_value(&table, &steps, ROUGH_MIDDLE, 400, 2), 10.0, 0.0, 2e-3);
-    assert_close(node_value(&table, &steps, ROUGH_MIDDLE, 400, 1), 1.0 + 0.8 * 10.0, 0.0, 2e-3);
-    assert_close(node_value(&table, &steps, ROUGH_MIDDLE, 400, 0), 1.0 + 0.5 * 9.0, 0.0, 2e-3);
+    struct terrain_table table = chain_of(falls, climb);
+    const struct terrain_goal steps = {TERRAIN_STEPS, 0.0, 1.0};
+    assert_close(node_value(&table, &steps, TERRAIN_MIDDLE, 400, 2), 10.0, 0.0, 2e-3);
+    assert_close(node_value(&table, &steps, TERRAIN_MIDDLE, 400, 1), 1.0 + 0.8 * 10.0, 0.0, 2e-3);
+    assert_close(node_value(&table, &steps, TERRAIN_MIDDLE, 400, 0), 1.0 + 0.5 * 9.0, 0.0, 2e-3);
     /* From above: a cell is worth its best corner, so the outer values are not below. */
     for (int state = 0; state < SPEEDS; state++) {
-        ck_assert_double_ge(node_value(&table, &steps, ROUGH_OUTER, 400, state),
-                            node_value(&table, &steps, ROUGH_MIDDLE, 400, state) * 0.998);
+        ck_assert_double_ge(node_value(&table, &steps, TERRAIN_OUTER, 400, state),
+                            node_value(&table, &steps, TERRAIN_MIDDLE, 400, state) * 0.998);
     }
-    rough_free(&table);
+    terrain_free(&table);
 }
 END_TEST
 
@@ -102,25 +103,25 @@ END_TEST
 START_TEST(a_price_keeps_the_speed_down)
 {
     const int falls[SPEEDS] = {5, 2, 1};
-    struct rough_table table = chain_of(falls, climb);
-    const struct rough_goal goal = {ROUGH_STEPS, 3.0, 1.0};
-    const double bottom = node_value(&table, &goal, ROUGH_MIDDLE, 400, 0);
+    struct terrain_table table = chain_of(falls, climb);
+    const struct terrain_goal goal = {TERRAIN_STEPS, 3.0, 1.0};
+    const double bottom = node_value(&table, &goal, TERRAIN_MIDDLE, 400, 0);
     assert_close(bottom, 1.0 + 0.5 * (bottom + 3.0), 0.0, 5e-3);
-    rough_free(&table);
+    terrain_free(&table);
 }
 END_TEST
 
 /* ---- the map ------------------------------------------------------------------------------- */
 
-static const struct rough_range WALK = {.speed = {0.0, 1.6, 2.0, 40},
-                                        .angle = {-0.6, 0.3, 1.0, 25},
-                                        .swing = {-1.0, 3.6, 1.0, 33},
-                                        .legs = {0.1, 1.5, 1.0, 45},
-                                        .ankle = {0.0, 0.36, 1.0, 37},
-                                        .push = {0.005, 0.3, 2.0, 48},
-                                        .rises = 5,
-                                        .rise_most = 0.010};
-static struct rough_table walks;
+static const struct terrain_range WALK = {.speed = {0.0, 1.6, 2.0, 40},
+                                          .angle = {-0.6, 0.3, 1.0, 25},
+                                          .swing = {-1.0, 3.6, 1.0, 33},
+                                          .legs = {0.1, 1.5, 1.0, 45},
+                                          .ankle = {0.0, 0.36, 1.0, 37},
+                                          .push = {0.005, 0.3, 2.0, 48},
+                                          .rises = 5,
+                                          .rise_most = 0.010};
+static struct terrain_table walks;
 
 /* The greatest chance to be up after `depth` steps, every push-off and rise of the grid tried on the map. */
 static double tree(const double apex[3], int depth)
@@ -142,29 +143,29 @@ static double tree(const double apex[3], int depth)
     return best;
 }
 
-static double grid_chance(enum rough_side side, const double apex[3], int steps)
+static double grid_chance(enum terrain_side side, const double apex[3], int steps)
 {
-    const struct rough_goal goal = {ROUGH_CHANCE, 0.0, 1.0};
-    struct rough_value value;
+    const struct terrain_goal goal = {TERRAIN_CHANCE, 0.0, 1.0};
+    struct terrain_value value;
     double chance;
-    ck_assert_int_eq(rough_solve(&walks, side, &goal, apex, steps, 1, &value), 0);
-    (void)rough_law(&walks, &value, apex, 0.0, 1.0, &chance);
-    rough_value_free(&value);
+    ck_assert_int_eq(terrain_solve(&walks, side, &goal, apex, steps, 1, &value), 0);
+    (void)terrain_law(&walks, &value, apex, 0.0, 1.0, &chance);
+    terrain_value_free(&value);
     return chance;
 }
 
 START_TEST(grid_and_tree_agree)
 {
     const struct gait_walker paper = gait_walker_of_paper();
-    ck_assert_int_eq(rough_make(&walks, &paper, &WALK, 2), 0);
+    ck_assert_int_eq(terrain_make(&walks, &paper, &WALK, 2), 0);
     /* About the gaits of 0.3 and 0.4 rad/s, slower, faster. */
     for (int i = 0; i < 6; i++) {
         const double apex[3] = {-0.20 - 0.05 * i, -0.0595, 1.75};
         const double found = tree(apex, 2);
-        assert_close(grid_chance(ROUGH_MIDDLE, apex, 2), found, 0.12, 0.0);
-        ck_assert_double_ge(grid_chance(ROUGH_OUTER, apex, 2), found - 1e-6);
+        assert_close(grid_chance(TERRAIN_MIDDLE, apex, 2), found, 0.12, 0.0);
+        ck_assert_double_ge(grid_chance(TERRAIN_OUTER, apex, 2), found - 1e-6);
     }
-    rough_free(&walks);
+    terrain_free(&walks);
 }
 END_TEST
 
@@ -173,21 +174,21 @@ START_TEST(the_chance_grows_with_the_energy_at_the_apex)
 {
     const struct gait_walker paper = gait_walker_of_paper();
     double before = 0.0;
-    ck_assert_int_eq(rough_make(&walks, &paper, &WALK, 2), 0);
+    ck_assert_int_eq(terrain_make(&walks, &paper, &WALK, 2), 0);
     for (int i = 0; i < 5; i++) {
         const double apex[3] = {-0.25 - 0.1 * i, -0.0595 - 0.012 * i, 1.75 + 0.12 * i};
-        const double chance = grid_chance(ROUGH_MIDDLE, apex, 6);
+        const double chance = grid_chance(TERRAIN_MIDDLE, apex, 6);
         ck_assert_double_ge(chance, before - 0.02);
         before = chance;
     }
     ck_assert_double_gt(before, 0.5);
-    rough_free(&walks);
+    terrain_free(&walks);
 }
 END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("rough_ground");
+    Suite *suite = suite_create("terrain_ground");
     TCase *tests = tcase_create("all");
     tcase_set_timeout(tests, 240);
     tcase_add_test(tests, a_chain_without_a_choice);

@@ -9,16 +9,16 @@
 #include "sim_host/plant/rng.h"
 #include "tests/support/assert_close.h"
 
-static const struct viable_range RANGE = {.legs_low_rad = 0.03,
-                                          .legs_high_rad = 2.4,
-                                          .rate_low = 0.0,
-                                          .rate_high = 0.6,
-                                          .r0_low_m = 0.005,
-                                          .r0_high_m = 0.3,
-                                          .legs = 120,
-                                          .rates = 72,
-                                          .pushes = 60};
-static struct viable_grid grid;
+static const struct viability_range RANGE = {.legs_low_rad = 0.03,
+                                             .legs_high_rad = 2.4,
+                                             .rate_low = 0.0,
+                                             .rate_high = 0.6,
+                                             .r0_low_m = 0.005,
+                                             .r0_high_m = 0.3,
+                                             .legs = 120,
+                                             .rates = 72,
+                                             .pushes = 60};
+static struct viability_grid grid;
 static unsigned char *inner, *outer;
 static struct walker walker;
 
@@ -27,16 +27,16 @@ static void make(void)
     const struct gait_walker paper = gait_walker_of_paper();
     const struct walker_params params = walker_paper_params();
     ck_assert_int_eq(walker_init(&walker, &params), WALKER_OK);
-    ck_assert_int_eq(viable_make(&grid, &paper, &RANGE, 2), 0);
+    ck_assert_int_eq(viability_make(&grid, &paper, &RANGE, 2), 0);
     inner = malloc((size_t)grid.nodes);
     outer = malloc((size_t)grid.nodes);
-    ck_assert_int_gt(viable_kernel(&grid, VIABLE_OUTER, outer), 0);
-    ck_assert_int_gt(viable_kernel(&grid, VIABLE_INNER, inner), 0);
+    ck_assert_int_gt(viability_kernel(&grid, VIABILITY_OUTER, outer), 0);
+    ck_assert_int_gt(viability_kernel(&grid, VIABILITY_INNER, inner), 0);
 }
 
 static void unmake(void)
 {
-    viable_free(&grid);
+    viability_free(&grid);
     free(inner);
     free(outer);
 }
@@ -68,10 +68,10 @@ START_TEST(bounds_hold_what_the_map_does)
     for (int i = 0; i < 300; i++) {
         const double apex[3] = {-1.45 + 1.4 * rng_uniform(&rng), -0.5 + 0.7 * rng_uniform(&rng),
                                 0.2 + 5.0 * rng_uniform(&rng)};
-        struct viable_state state;
-        const bool strikes = viable_after_apex(&grid.walker, apex, &state);
-        const bool can = strikes && viable_has(&grid, VIABLE_INNER, inner, &state);
-        const bool may = strikes && viable_has(&grid, VIABLE_OUTER, outer, &state);
+        struct viability_state state;
+        const bool strikes = viability_after_apex(&grid.walker, apex, &state);
+        const bool can = strikes && viability_has(&grid, VIABILITY_INNER, inner, &state);
+        const bool may = strikes && viability_has(&grid, VIABILITY_OUTER, outer, &state);
         ck_assert(may || !can);
         /* What the outer bound rules out for ever, no search finds for four strides. What the inner one promises for
          * ever is found for two, but for states in cells on the very edge: it speaks of nodes. (With a
