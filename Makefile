@@ -37,7 +37,9 @@ SRC_SIM := $(filter-out sim_host/programs/%,$(wildcard sim_host/*/*.c sim_host/*
 SRC_SIM_F32_STUDIES := $(wildcard sim_host/study/laws/*.c sim_host/study/observer/*.c)
 SRC_SIM_F64 := $(filter-out $(SRC_SIM_F32_STUDIES),$(filter sim_host/plant/% sim_host/gait/% sim_host/study/% sim_host/batch/%,$(SRC_SIM)))
 SRC_SIM_F32 := $(filter-out $(SRC_SIM_F64),$(SRC_SIM))
-SRC_PROGRAMS := $(wildcard sim_host/programs/*.c)
+# One program with a sub-command a file, and the benchmarks, which stay programs of their own.
+SRC_AFO := $(wildcard sim_host/programs/*.c)
+SRC_BENCH := $(wildcard sim_host/programs/bench/*.c)
 SRC_TESTS := $(wildcard tests/*/test_*.c tests/*/*/test_*.c tests/*/*/*/test_*.c tests/*/*/*/*/test_*.c)
 SRC_SUPPORT := $(filter-out tests/support/test_%,$(wildcard tests/support/*.c))
 
@@ -47,7 +49,7 @@ PROGRAM_OF = $(BUILD)/$(subst _,-,$(basename $(notdir $(1))))
 
 LIBS := $(addprefix $(BUILD)/lib/,libsim.a libfirmware.a libhal.a libcontroller_f32.a libcontroller_f64.a \
         libmodel_f32.a libmodel_f64.a)
-PROGRAMS := $(foreach p,$(SRC_PROGRAMS),$(call PROGRAM_OF,$(p)))
+PROGRAMS := $(if $(SRC_AFO),$(BUILD)/afo) $(foreach p,$(SRC_BENCH),$(call PROGRAM_OF,$(p)))
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(SRC_TESTS))
 
 .PHONY: all programs tests FORCE
@@ -110,12 +112,17 @@ $(BUILD)/lib/%.a: $(BUILD)/stamp/sources
 	$(call SAY,AR     $@)
 	$(Q)rm -f $@ $@.new && ar rcsD $@.new $(filter %.o,$^) && mv $@.new $@
 
-define PROGRAM_RULE
-$(call PROGRAM_OF,$(1)): $(call OBJ_F32,$(1)) $(LIBS)
-	$$(call SAY,LD     $$@)
-	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(filter %.o,$$^) $$(LIBS) $$(LDLIBS_SIM) -o $$@
+define LINK_PROGRAM
+$(call SAY,LD     $@)
+$(Q)$(CC) $(LDFLAGS_ALL) $(filter %.o,$^) $(LIBS) $(LDLIBS_SIM) -o $@
 endef
-$(foreach p,$(SRC_PROGRAMS),$(eval $(call PROGRAM_RULE,$(p))))
+$(BUILD)/afo: $(call OBJ_F32,$(SRC_AFO)) $(LIBS)
+	$(LINK_PROGRAM)
+define BENCH_RULE
+$(call PROGRAM_OF,$(1)): $(call OBJ_F32,$(1)) $(LIBS)
+	$$(LINK_PROGRAM)
+endef
+$(foreach p,$(SRC_BENCH),$(eval $(call BENCH_RULE,$(p))))
 
 # Tests named *_f64 see the double-precision model, all others the float one.
 define LINK_TEST
@@ -128,7 +135,7 @@ $(BUILD)/tests/%_f64: $(BUILD)/f64/tests/%_f64.o $(call OBJ_F64,$(SRC_SUPPORT)) 
 $(BUILD)/tests/%: $(BUILD)/f32/tests/%.o $(call OBJ_F32,$(SRC_SUPPORT)) $(LIBS)
 	$(LINK_TEST)
 
-SRC_ALL := $(SRC_MODEL) $(SRC_CONTROLLER) $(SRC_HAL) $(SRC_FIRMWARE) $(SRC_SIM) $(SRC_PROGRAMS) $(SRC_TESTS) \
+SRC_ALL := $(SRC_MODEL) $(SRC_CONTROLLER) $(SRC_HAL) $(SRC_FIRMWARE) $(SRC_SIM) $(SRC_AFO) $(SRC_BENCH) $(SRC_TESTS) \
         $(SRC_SUPPORT)
 -include $(wildcard $(patsubst %.o,%.d,$(call OBJ_F32,$(SRC_ALL)) $(call OBJ_F64,$(SRC_ALL))))
 

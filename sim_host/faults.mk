@@ -5,13 +5,13 @@ FAULT_SEED ?= 1
 faults: ## fault campaign (FAULT_RUNS=10000 FAULT_SEED=1): the table per class of fault, resumable
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)mkdir -p $(BUILD)/faults/$(BUILD_ID)
-	$(Q)$(BUILD)/afo-faults --runs $(FAULT_RUNS) --seed $(FAULT_SEED) --jobs $(JOBS) --out $(BUILD)/faults/$(BUILD_ID)
+	$(Q)$(BUILD)/afo faults --runs $(FAULT_RUNS) --seed $(FAULT_SEED) --jobs $(JOBS) --out $(BUILD)/faults/$(BUILD_ID)
 
 faults-short: ## some hundred runs of it
 	$(Q)$(MAKE) --no-print-directory programs
-	$(Q)$(BUILD)/afo-faults --runs 400 --seed $(FAULT_SEED) --jobs $(JOBS)
+	$(Q)$(BUILD)/afo faults --runs 400 --seed $(FAULT_SEED) --jobs $(JOBS)
 
 SOAK_TICKS ?= 100000000
 soak: ## walks 100 million control ticks (28 hours simulated) with disturbances; watches counters and memory
 	$(Q)$(MAKE) --no-print-directory programs
-	$(Q)$(BUILD)/afo-soak --ticks $(SOAK_TICKS)
+	$(Q)$(BUILD)/afo soak --ticks $(SOAK_TICKS)

@@ -257,7 +257,7 @@ const char *chunks_status_name(enum chunks_status status)
     case CHUNKS_NO_MEMORY:
         return "out of memory";
     case CHUNKS_NO_MPI:
-        return "started by mpirun, but built without MPI: install libopenmpi-dev and build again";
+        return "started by mpirun, but this program is without MPI: take build/afo-mpi, which is built where libopenmpi-dev is installed";
     }
     return "unknown status";
 }

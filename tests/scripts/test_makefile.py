@@ -13,7 +13,7 @@ TREE = {
     "model/one.h": "#ifdef REAL_IS_DOUBLE\n#define one one_f64\n#else\n#define one one_f32\n#endif\nint one(void);\n",
     "model/one.c": '#include "model/one.h"\nint one(void)\n{\n    return 1;\n}\n',
     "model/two.c": '#include "model/one.h"\ntypedef int nothing;\n',
-    "sim_host/programs/afo_say.c":
+    "sim_host/programs/say.c":
         '#include <stdio.h>\n#include "firmware/version.h"\n#include "model/one.h"\n'
         'int main(void)\n{\n    printf("%s %08x %d\\n", version_text(), (unsigned)version_build_id(), one());\n'
         "    return 0;\n}\n",
@@ -46,7 +46,7 @@ def compiled(output):
 
 
 def say(tree, build="build"):
-    return subprocess.check_output([tree / build / "afo-say"], text=True).split()
+    return subprocess.check_output([tree / build / "afo"], text=True).split()
 
 
 def test_the_debugger_stops_watchdog_and_clock_with_the_core():
@@ -67,7 +67,7 @@ def test_a_header_rebuilds_its_users_in_both_precisions(tree):
     (tree / "model" / "one.h").write_text(TREE["model/one.h"] + "\n")
     # version.c too: the build id is a checksum over the sources.
     assert compiled(make(tree)) == ["firmware/version.c", "model/one.c", "model/one.c", "model/two.c",
-                                    "model/two.c", "sim_host/programs/afo_say.c"]
+                                    "model/two.c", "sim_host/programs/say.c"]
 
 
 def test_changed_flags_rebuild_everything(tree):

@@ -1,15 +1,16 @@
-/* afo-table: prints the controller's table of the gait curve (r0 -> apex speed) as C source.
+/* afo study table: prints the controller's table of the gait curve (r0 -> apex speed) as C source.
  *
- * Sim programs compute this table for each subject themselves; printed it serves a board
+ * The other commands compute this table for each subject themselves; printed it serves a board
  * without a host. The first line of the output is the command that made it.
  */
-#include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/program.h"
 #include "sim_host/gait/gait_curve.h"
+#include "sim_host/programs/commands.h"
 
 enum { POINTS_MAX = 64 };
 
@@ -70,7 +71,7 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         options->name = argument;
         return 0;
     case ARGP_KEY_ARG:
-        argp_error(state, "unexpected argument \"%s\"", argument);
+        option_refuse_argument(state, argument);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -102,14 +103,14 @@ static void print_table(const struct options *options, double step_m, int knee, 
     const enum gait_curve_error error =
         gait_curve(&options->walker, first_m, step_m, POINTS_MAX, points, &count);
     if (error == GAIT_CURVE_BAD_WALKER || error == GAIT_CURVE_BAD_GRID || count < 4) {
-        fprintf(stderr, "afo-table: %s\n", gait_curve_error_name(error));
-        exit(2);
+        program_complain("%s", gait_curve_error_name(error));
+        exit(EXIT_USAGE);
     }
     if (count < POINTS_MAX) {
-        fprintf(stderr, "afo-table: the curve ends behind r0 = %g m; table cut there\n",
-                points[count - 1].r0_m);
+        program_complain("the curve ends behind r0 = %g m; table cut there",
+                         points[count - 1].r0_m);
     }
-    printf("/* Generated, do not edit: build/afo-table");
+    printf("/* Generated, do not edit: build/afo study table");
     for (char **argument = argv + 1; *argument != NULL; argument++) {
         printf(" %s", *argument);
     }
@@ -135,7 +136,7 @@ static void print_table(const struct options *options, double step_m, int knee, 
     printf("        },\n};\n");
 }
 
-int main(int argc, char **argv)
+int afo_study_table(int argc, char **argv)
 {
     struct options options = {gait_walker_of_paper(), 0.005, 0.3, "speed_table_paper"};
     const struct argp parser = {option_table,
@@ -147,8 +148,7 @@ int main(int argc, char **argv)
                                 NULL,
                                 NULL,
                                 NULL};
-    option_identity("afo-table");
-    argp_parse(&parser, argc, argv, ARGP_IN_ORDER, NULL, &options);
+    option_parse(&parser, argc, argv, &options);
     const double l = options.walker.leg_length_m;
     const double first_m = options.from_share * l, last_m = options.to_share * l;
     const double knee = knee_m(&options.walker, first_m, last_m);
@@ -159,9 +159,5 @@ int main(int argc, char **argv)
         step_m = (knee - first_m) / knee_entry;
     }
     print_table(&options, step_m, knee_entry, argv);
-    if (fflush(stdout) != 0 || ferror(stdout)) {
-        fprintf(stderr, "afo-table: cannot write to standard output\n");
-        return 2;
-    }
-    return EXIT_SUCCESS;
+    return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
 }

@@ -1,20 +1,20 @@
-/* afo-eds: writes the data sheets (EDS) of all nodes and the DBC of the bus from the
+/* afo eds: writes the data sheets (EDS) of all nodes and the DBC of the bus from the
  * tables the code itself uses. */
-#include <argp.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "firmware/controller_node.h"
 #include "hal/bus/frame_table.h"
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
 #include "sim_host/cli/output_file.h"
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/program.h"
 #include "sim_host/nodes/dbc_writer.h"
 #include "sim_host/nodes/drive_node.h"
 #include "sim_host/nodes/eds_writer.h"
 #include "sim_host/nodes/leg_sensor_node.h"
-
-enum { EXIT_DONE = 0, EXIT_USAGE = 2 };
+#include "sim_host/programs/commands.h"
+#include "sim_host/subjects/subject.h"
 
 /* A bus on which nobody listens: the devices are only built, not run. */
 static enum can_result send_nowhere(void *context, const struct can_msg *message)
@@ -69,19 +69,16 @@ static int write_one(const char *directory, const char *name, const struct co_de
     struct output_file file;
     memset(&file, 0, sizeof file);
     if (snprintf(path, sizeof path, "%s/%s", directory, name) >= (int)sizeof path) {
-        fprintf(stderr, "afo-eds: the path of the directory is too long\n");
-        return -1;
+        return program_complain("the path of the directory is too long");
     }
     if (output_file_open(&file, path, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-eds: %s\n", message);
-        return -1;
+        return program_complain("%s", message);
     }
     const struct eds_text text = {name, description};
     const bool written =
         device == NULL ? dbc_write(file.stream) : eds_write(file.stream, device, &text);
     if (output_file_commit(&file, message, sizeof message) != 0 || !written) {
-        fprintf(stderr, "afo-eds: %s\n", message);
-        return -1;
+        return program_complain("%s", message);
     }
     return 0;
 }
@@ -94,7 +91,7 @@ static error_t take_option(int key, char *text, struct argp_state *state)
         return 0;
     }
     if (key == ARGP_KEY_ARG) {
-        argp_error(state, "unexpected argument \"%s\"", text);
+        option_refuse_argument(state, text);
     }
     if (key == ARGP_KEY_END && *directory == NULL) {
         argp_error(state, "a directory must be given");
@@ -102,7 +99,7 @@ static error_t take_option(int key, char *text, struct argp_state *state)
     return key == ARGP_KEY_ARG || key == ARGP_KEY_END ? 0 : ARGP_ERR_UNKNOWN;
 }
 
-int main(int argc, char **argv)
+int afo_eds(int argc, char **argv)
 {
     static const struct argp parser = {
         0,
@@ -110,18 +107,16 @@ int main(int argc, char **argv)
         "DIRECTORY",
         "Writes drive-left.eds, drive-right.eds, sensor-left.eds, sensor-right.eds, "
         "controller.eds and afo.dbc into DIRECTORY, from the object dictionaries and the frame "
-        "table.",
+        "table.\v"
+        "Exit status: 0 written, 2 wrong usage or not written.",
         0,
         0,
         0};
     static struct devices devices;
     const char *directory = NULL;
-    option_identity("afo-eds");
-    if (argp_parse(&parser, argc, argv, 0, NULL, &directory) != 0) {
-        return EXIT_USAGE;
-    }
+    option_parse(&parser, argc, argv, &directory);
     if (build(&devices) != 0) {
-        fprintf(stderr, "afo-eds: the devices cannot be built\n");
+        program_complain("the devices cannot be built");
         return EXIT_USAGE;
     }
     if (write_one(directory, "drive-left.eds", &devices.drive[0].device, "SEA drive, left") != 0 ||
@@ -135,5 +130,5 @@ int main(int argc, char **argv)
         write_one(directory, "afo.dbc", NULL, "") != 0) {
         return EXIT_USAGE;
     }
-    return EXIT_DONE;
+    return EXIT_GOOD;
 }

@@ -1,24 +1,13 @@
-/* afo-host: the control task on Linux, on a real CAN interface. */
-#include <argp.h>
+#include "sim_host/programs/host_session.h"
+
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <unistd.h>
 
-#include "firmware/bus_recorder.h"
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
-#include "hal/port_socketcan/socketcan_bus.h"
-#include "sim_host/cli/bus_program.h"
-#include "sim_host/cli/host_report.h"
-#include "sim_host/cli/operator_line.h"
-#include "sim_host/cli/output_file.h"
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/program.h"
 #include "sim_host/loop/lock_step.h"
-#include "sim_host/loop/pacer.h"
-#include "sim_host/subjects/host_task.h"
-
-enum { EXIT_DONE = 0, EXIT_FAULT = 1, EXIT_USAGE = 2 };
 
 #define TICK_NS ((uint64_t)TICK_PERIOD_US * 1000u)
 #define LISTEN_NS UINT64_C(1000000000)
@@ -38,162 +27,6 @@ enum { RESET_TICKS = 50 };
 /* A log that names its build early is known by its beginning. */
 enum { IDENTITY_TICK = 10 };
 
-struct options {
-    struct walk_options walk;
-    struct bus_options bus;
-    bool real_time;
-    bool auto_reset; /* on a bench: clear a latched fault by itself, and walk again */
-    uint64_t patience_ns;
-};
-
-struct host {
-    struct options options;
-    struct subject subject;
-    struct control_params params;
-    double speed_rad_s;
-    struct socketcan_bus socket, operator_socket;
-    struct operator_line operator_line;
-    struct host_task rig;
-    struct bus_recorder recorder;
-    struct black_box black_box; /* read it with afo-blackbox */
-    bool identity_told;         /* asked for over the bus, for the log's sake */
-    bool nodes_seen;            /* all were operational once */
-    struct pacer pacer;
-    struct host_figures figures;
-    unsigned unanswered;         /* in a row */
-    uint32_t step_tick;          /* in which the last one was told */
-    uint32_t told_down, told_up; /* times that the interface went down and came back */
-    uint64_t next_recovery_ns;
-    uint32_t told_refusal; /* number of the last one that was told */
-    enum supervisor_state told_state;
-};
-
-/* ---- options --------------------------------------------------------------- */
-
-enum { KEY_AUTO_RESET = 0x100, KEY_PATIENCE };
-
-static const struct argp_option option_list[] = {
-    {0, 0, 0, 0, "Time:", 3},
-    {"real-time", 'r', 0, 0,
-     "SYNC every millisecond by the clock (default: lock-step, as fast as the nodes answer)", 0},
-    {"answer-timeout", KEY_PATIENCE, "MS", 0,
-     "lock-step: an answer that takes longer is lost, and the walk goes on without it "
-     "(default 1000)",
-     0},
-    {"auto-reset", KEY_AUTO_RESET, 0, 0,
-     "clear a latched fault once all nodes are back and still, and walk again (on a bench only: "
-     "never with a wearer)",
-     0},
-    {0}};
-
-static error_t take(int key, char *text, struct argp_state *state)
-{
-    struct options *options = (struct options *)state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->walk;
-        state->child_inputs[1] = &options->bus;
-        break;
-    case 'r':
-        options->real_time = true;
-        break;
-    case KEY_PATIENCE:
-        options->patience_ns = option_whole(state, "--answer-timeout", text, 1, 600000) * 1000000u;
-        break;
-    case KEY_AUTO_RESET:
-        options->auto_reset = true;
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
-
-static void parse(struct options *options, int argc, char **argv)
-{
-    static const struct argp_child children[] = {
-        {&walk_options_parser, 0, "", 1}, {&bus_options_parser, 0, "", 2}, {0}};
-    static const struct argp parser = {
-        option_list,
-        take,
-        0,
-        "Runs the control task on a CAN interface. An interrupt (Ctrl-C), SIGTERM, a hangup or a "
-        "reader of the output that went away unloads the springs, switches the drives off and "
-        "ends. So do, with --steps, a latched fault and a node that is refused because it is not as "
-        "the subject says; without --steps an operator may clear the fault over the bus, and a "
-        "refused node may be exchanged or switched off and on, which sets it up anew: --auto-reset "
-        "waits for that, with --steps as well. A node that is not there is always waited for.\v"
-        "Exit status: 0 walked, 1 stopped by a fault or a node is refused, 2 wrong usage, input or "
-        "interface, or the output could not be written.",
-        children,
-        0,
-        0};
-    walk_options_init(&options->walk);
-    options->patience_ns = UINT64_C(1000000000);
-    option_identity("afo-host");
-    if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
-        exit(EXIT_USAGE);
-    }
-}
-
-/* ---- opening --------------------------------------------------------------- */
-
-#define SENDER(name, id, bytes, period_us, deadline_us, node, kind) {id, node},
-static const struct {
-    uint16_t id;
-    uint8_t sender;
-} table[] = {FRAME_TABLE(SENDER)};
-#undef SENDER
-
-static int open_bus(struct host *host)
-{
-    const struct socketcan_filter answers = {FRAME_SDO_ANSWER_CONTROLLER, CAN_ID_STANDARD_MAX};
-    struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
-    unsigned count = 0;
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        const bool heard = table[i].sender != NODE_CONTROLLER || frame_is_masters(table[i].id);
-        if (heard && table[i].id != FRAME_SYNC && count < SOCKETCAN_FILTERS_MAX) {
-            filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
-        }
-    }
-    if (host->subject.protocol != DRIVE_PROTOCOL_CIA402) {
-        count = 0; /* their identifiers are no frames of the table: hear everything */
-    }
-    int error =
-        socketcan_bus_open(&host->socket, host->options.bus.interface, filters, count, true);
-    if (error == 0) {
-        error = socketcan_bus_open(&host->operator_socket, host->options.bus.interface, &answers, 1,
-                                   false);
-        if (error == 0) {
-            operator_line_init(&host->operator_line,
-                               socketcan_bus_interface(&host->operator_socket));
-            return 0;
-        }
-        socketcan_bus_close(&host->socket);
-    }
-    bus_program_no_interface("afo-host", host->options.bus.interface, error);
-    return -1;
-}
-
-static void close_bus(struct host *host)
-{
-    socketcan_bus_close(&host->operator_socket);
-    socketcan_bus_close(&host->socket);
-}
-
-/* The bus, with the black box before it; only the orthosis's own drives have snapshots. */
-static struct can_bus recorded_bus(struct host *host)
-{
-    const struct can_bus bus = socketcan_bus_interface(&host->socket);
-    const struct snapshot_source source = {&host->rig.task, &host->rig.cia402};
-    if (host->subject.protocol != DRIVE_PROTOCOL_CIA402) {
-        return bus;
-    }
-    black_box_start(&host->black_box, version_build_id(), controller_node_crc_of(&host->params));
-    bus_recorder_init(&host->recorder, &bus, &host->black_box, &source);
-    return bus_recorder_interface(&host->recorder);
-}
-
 /* A snapshot holds nothing of the nodes' set-up, and none could be gone on from in its middle:
  * what counts is recorded from where all are operational. */
 static void record_from_here(struct host *host)
@@ -207,18 +40,16 @@ static void record_from_here(struct host *host)
     }
 }
 
-/* ---- running --------------------------------------------------------------- */
-
 static void tell_interface(struct host *host)
 {
     const struct socketcan_counters *counters = &host->socket.counters;
     const char *name = host->options.bus.interface;
     if (counters->went_down != host->told_down) {
-        fprintf(stderr, "afo-host: %s is down, nothing is sent or heard\n", name);
+        program_complain("%s is down, nothing is sent or heard", name);
         host->told_down = counters->went_down;
     }
     if (counters->came_back != host->told_up) {
-        fprintf(stderr, "afo-host: %s is up again\n", name);
+        program_complain("%s is up again", name);
         host->told_up = counters->came_back;
     }
 }
@@ -249,8 +80,9 @@ static uint64_t deadline_of(const struct host *host, uint64_t start_ns, bool awa
         return host->pacer.next_ns - REAL_TIME_MARGIN_NS;
     }
     /* Where nobody will answer a tick lasts its time. */
-    return start_ns +
-           (awaited && host->unanswered < PATIENT_CYCLES ? host->options.patience_ns : TICK_NS);
+    return start_ns + (awaited && host->unanswered < PATIENT_CYCLES
+                           ? host->options.answer_timeout_ns
+                           : TICK_NS);
 }
 
 /* Off the bus, the controller chip comes back only when somebody asks for it (or by the
@@ -381,7 +213,7 @@ static bool wants_to_end(const struct host *host)
 static void listen(struct host *host)
 {
     const uint64_t limit_ns =
-        host->options.patience_ns < LISTEN_NS ? host->options.patience_ns : LISTEN_NS;
+        host->options.answer_timeout_ns < LISTEN_NS ? host->options.answer_timeout_ns : LISTEN_NS;
     const uint64_t end_ns = socketcan_now_ns() + limit_ns;
     do {
         (void)control_task_poll(&host->rig.task);
@@ -390,7 +222,7 @@ static void listen(struct host *host)
              !bus_program_is_to_end());
 }
 
-static void run(struct host *host)
+void host_session_run(struct host *host)
 {
     struct control_task *task = &host->rig.task;
     uint32_t stop_ticks = 0;
@@ -423,48 +255,4 @@ static void run(struct host *host)
             }
         }
     }
-}
-
-int main(int argc, char **argv)
-{
-    static struct host host;
-    char message[SUBJECT_MESSAGE_MAX] = "";
-
-    parse(&host.options, argc, argv);
-    bus_program_catch_signals();
-    if (walk_options_resolve(&host.options.walk, &host.subject, &host.params, &host.speed_rad_s,
-                             message) != 0) {
-        fprintf(stderr, "afo-host: %s\n", message);
-        return EXIT_USAGE;
-    }
-    if (open_bus(&host) != 0) {
-        return EXIT_USAGE;
-    }
-    if (host_task_init(&host.rig, &host.subject, &host.params, recorded_bus(&host),
-                       host.speed_rad_s, true) != CONTROL_PARAMS_OK) {
-        fprintf(stderr, "afo-host: the control task refuses these parameters\n");
-        close_bus(&host);
-        return EXIT_USAGE;
-    }
-    if (host.recorder.box != NULL) {
-        controller_node_attach(&host.rig.task.node, NULL, NULL, host.recorder.box, NULL);
-    }
-    run(&host);
-    host.figures.went_down = host.socket.counters.went_down;
-    if (host.options.bus.json) {
-        host_report_json(&host.rig.task, &host.figures, &host.pacer);
-    } else if (!host.options.bus.quiet) {
-        host_report_text(&host.rig.task, &host.figures,
-                         host.options.real_time ? &host.pacer : NULL);
-    }
-    const enum supervisor_fault fault = host.rig.task.output.fault;
-    if (fault != SUPERVISOR_FAULT_NONE) {
-        fprintf(stderr, "afo-host: stopped by a fault: %s\n", supervisor_fault_name(fault));
-    }
-    const bool faulty = fault != SUPERVISOR_FAULT_NONE || host_report_is_refused(&host.rig.task);
-    close_bus(&host);
-    if (output_standard_done("afo-host") != 0) {
-        return EXIT_USAGE;
-    }
-    return faulty ? EXIT_FAULT : EXIT_DONE;
 }

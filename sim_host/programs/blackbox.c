@@ -1,16 +1,17 @@
-/* afo-blackbox: the controller's black box, fetched over CAN, as a candump log. */
-#include <argp.h>
+/* afo blackbox: the controller's black box, fetched over CAN, as a candump log. */
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "hal/bus/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
+#include "sim_host/cli/bus_program.h"
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
 #include "sim_host/cli/output_file.h"
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/program.h"
 #include "sim_host/log/black_box_log.h"
+#include "sim_host/programs/commands.h"
 
-enum { EXIT_FETCHED = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, WAIT_NS = 20000000, WAITS_MAX = 100 };
+enum { WAIT_NS = 20000000, WAITS_MAX = 100 };
 
 struct options {
     const char *interface, *out_path;
@@ -49,7 +50,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->interface = text;
         break;
     case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which interface? afo-blackbox IFACE");
+        argp_error(state, "which interface? afo blackbox IFACE");
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -88,8 +89,8 @@ static int run(const struct options *options, struct socketcan_bus *socket, stru
     char version[BLACK_BOX_VERSION_MAX + 1], message[OUTPUT_PATH_MAX + 256] = "";
 
     if (black_box_fetch_crash(&bus, wait, socket, &crash, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-blackbox: %s\n", message);
-        return EXIT_FAILED;
+        program_complain("%s", message);
+        return EXIT_BAD;
     }
     if (crash.magic != 0 && !options->quiet) {
         fprintf(
@@ -100,33 +101,33 @@ static int run(const struct options *options, struct socketcan_bus *socket, stru
     }
     if (black_box_fetch(&bus, wait, socket, options->freeze, &box, version, message,
                         sizeof message) != 0) {
-        fprintf(stderr, "afo-blackbox: %s\n", message);
-        return EXIT_FAILED;
+        program_complain("%s", message);
+        return EXIT_BAD;
     }
     if (black_box_log_write(&box, version, options->interface, out->stream, &summary) != 0 &&
         summary.blocks == 0) {
-        fprintf(stderr, "afo-blackbox: the box holds nothing that can be read\n");
-        return EXIT_FAILED;
+        program_complain("the box holds nothing that can be read");
+        return EXIT_BAD;
     }
     if (output_file_commit(out, message, sizeof message) != 0 ||
         (options->release && black_box_release(&bus, wait, socket, message, sizeof message) != 0)) {
-        fprintf(stderr, "afo-blackbox: %s\n", message);
-        return EXIT_FAILED;
+        program_complain("%s", message);
+        return EXIT_BAD;
     }
     if (!options->quiet) {
         summarize(&summary, version);
     }
-    return EXIT_FETCHED;
+    return EXIT_GOOD;
 }
 
-int main(int argc, char **argv)
+int afo_blackbox(int argc, char **argv)
 {
     static const struct argp parser = {
         option_list,
         take,
         "IFACE",
         "Fetches the black box of the orthosis controller (node 16) over SDO and writes it as a "
-        "candump log, which afo-replay replays from the middle of the walk.\v"
+        "candump log, which afo replay plays from the middle of the walk.\v"
         "Exit status: 0 fetched, 1 not, 2 wrong usage or interface.",
         0,
         0,
@@ -138,18 +139,15 @@ int main(int argc, char **argv)
     struct options options = {.out_path = "/dev/stdout"};
     char message[OUTPUT_PATH_MAX + 256] = "";
 
-    option_identity("afo-blackbox");
-    if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0) {
-        return EXIT_USAGE;
-    }
+    option_parse(&parser, argc, argv, &options);
     const int opened = socketcan_bus_open(&socket, options.interface, filters, 1, false);
     if (opened != 0) {
-        fprintf(stderr, "afo-blackbox: %s: %s\n", options.interface, strerror(-opened));
+        bus_program_no_interface(options.interface, opened);
         return EXIT_USAGE;
     }
     int status = EXIT_USAGE;
     if (output_file_open(&out, options.out_path, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-blackbox: %s\n", message);
+        program_complain("%s", message);
     } else {
         status = run(&options, &socket, &out);
     }

@@ -1,22 +1,24 @@
-/* afo-soak: walks for days of simulated time, with speed commands, pushes, falls and
+/* afo soak: walks for days of simulated time, with speed commands, pushes, falls and
  * restarts, and watches that nothing drifts, grows or runs over unnoticed. */
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "sim_host/cli/walk_options.h"
+#include "firmware/version.h"
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/cli/progress.h"
 #include "sim_host/faults/injector.h"
 #include "sim_host/loop/loop.h"
 #include "sim_host/loop/soak_watch.h"
-
-enum { EXIT_WELL = 0, EXIT_ILL = 1, EXIT_USAGE = 2 };
+#include "sim_host/programs/commands.h"
+#include "sim_host/subjects/subject.h"
 
 enum {
     KEY_TICKS = 0x600,
     KEY_SEED,
-    KEY_SPOIL,
+    KEY_INJECT,
     TICKS_LEAST = 60000, /* 3 s a part, and beyond the ends of clocks and counters */
     REPORT_PARTS = 20,
     COMMAND_MS = 120000, /* a new speed command, on average */
@@ -25,17 +27,29 @@ enum {
     SETTLED_STEPS = 40,      /* after a change of command, before a step counts for the mean */
     COUNTED_STEPS = 500,     /* fewer settled steps than this say nothing about a mean */
     PAUSE_MAX_TICKS = 20000, /* between two steps: a fall, its fault, a reset, engaging anew */
-    SPOIL_EVERY_TICKS = 10000
+    INJECT_EVERY_TICKS = 10000,
+    TELL_TICKS = 10000
 };
 
+/* What a tick takes, about. */
+#define TICK_S 5.5e-6
+
 /* What can be made ill, to show that it is noticed. */
-enum spoil { SPOIL_NOTHING, SPOIL_LEAK, SPOIL_WRAP, SPOIL_STUCK, SPOIL_CLOCK, SPOIL_STOP, SPOILS };
-static const char *const spoil_names[SPOILS] = {"nothing", "leak",  "wrap",
-                                                "stuck",   "clock", "stop"};
+enum injection {
+    INJECT_NOTHING,
+    INJECT_LEAK,
+    INJECT_WRAP,
+    INJECT_STUCK,
+    INJECT_CLOCK,
+    INJECT_STOP,
+    INJECTIONS
+};
+static const char *const injection_names[INJECTIONS] = {"nothing", "leak",  "wrap",
+                                                        "stuck",   "clock", "stop"};
 
 struct options {
     uint64_t ticks, seed;
-    enum spoil spoil;
+    enum injection injection;
 };
 
 struct part {                                      /* one of REPORT_PARTS stretches of the soak */
@@ -64,17 +78,13 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_SEED:
         options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
         break;
-    case KEY_SPOIL:
-        options->spoil = SPOIL_NOTHING;
-        for (int i = 1; i < SPOILS; i++) {
-            options->spoil = strcmp(text, spoil_names[i]) == 0 ? (enum spoil)i : options->spoil;
-        }
-        if (options->spoil == SPOIL_NOTHING) {
-            argp_error(state, "--inject: \"%s\" is none of leak, wrap, stuck, clock, stop", text);
-        }
+    case KEY_INJECT:
+        options->injection =
+            (enum injection)(1 + option_choice(state, "--inject", text, &injection_names[1],
+                                               INJECTIONS - 1, sizeof injection_names[0]));
         break;
     case ARGP_KEY_ARG:
-        argp_error(state, "unexpected argument \"%s\"", text);
+        option_refuse_argument(state, text);
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -92,13 +102,11 @@ static int set_up(struct soak *soak, const struct options *options)
     if (subject_control_params(&subject, &params, message) != 0 ||
         loop_configure(&config, &subject, &params, 0.45, SENSORS_17BIT, options->seed, message) !=
             0) {
-        fprintf(stderr, "afo-soak: %s\n", message);
-        return -1;
+        return program_complain("%s", message);
     }
     config.plant.start_hold.hold_after_fall = true;
     if (loop_init(&soak->loop, &config, NULL, message) != 0) {
-        fprintf(stderr, "afo-soak: %s\n", message);
-        return -1;
+        return program_complain("%s", message);
     }
     soak_watch_init(&soak->watch, &soak->loop);
     soak->rng = options->seed;
@@ -147,27 +155,27 @@ static void operate(struct soak *soak, struct part *part)
 }
 
 /* The mutations that the watching must notice; each now and then in the second half. */
-static void spoil(struct soak *soak, const struct options *options)
+static void inject(struct soak *soak, const struct options *options)
 {
     struct control_task *task = &soak->loop.rig.task;
-    const bool now = soak->loop.tick % SPOIL_EVERY_TICKS == 0;
+    const bool now = soak->loop.tick % INJECT_EVERY_TICKS == 0;
     if (soak->loop.tick < options->ticks / 2) {
         return;
     }
-    switch (options->spoil) {
-    case SPOIL_LEAK:
+    switch (options->injection) {
+    case INJECT_LEAK:
         soak->lost = now ? malloc(1) : soak->lost;
         break;
-    case SPOIL_WRAP: /* as an addition that does not saturate */
+    case INJECT_WRAP: /* as an addition that does not saturate */
         task->node.objects.counters.late_answers += now ? 3 : 0;
         break;
-    case SPOIL_STUCK:
+    case INJECT_STUCK:
         task->node.objects.counters.syncs_sent -= now ? 1 : 0;
         break;
-    case SPOIL_CLOCK:
+    case INJECT_CLOCK:
         task->tick += now ? 1 : 0;
         break;
-    case SPOIL_STOP:
+    case INJECT_STOP:
         soak->loop.rig.stop_pressed = true;
         break;
     default:
@@ -216,9 +224,16 @@ static void report_part(const struct soak *soak, int index, const struct part *p
 
 static void run(struct soak *soak, const struct options *options)
 {
+    struct progress progress;
+    printf("%llu ticks, %.1f h of walking, in %d parts, seed %llu; afo %s\n",
+           (unsigned long long)options->ticks, (double)options->ticks / 3.6e6, REPORT_PARTS,
+           (unsigned long long)options->seed, version_text());
     puts("part       ticks     steps  falls  stops  longest   mean off    worst off  heap\n"
          "                                          pause");
     fflush(stdout);
+    program_announce((double)options->ticks * TICK_S, "%llu ticks",
+                     (unsigned long long)options->ticks);
+    progress_begin(&progress, "ticks", options->ticks, false);
     for (int index = 0; index < REPORT_PARTS; index++) {
         struct part *part = &soak->part[index];
         const uint64_t end = options->ticks * (uint64_t)(index + 1) / REPORT_PARTS;
@@ -226,13 +241,17 @@ static void run(struct soak *soak, const struct options *options)
             disturb(soak);
             operate(soak, part);
             loop_tick(&soak->loop);
-            spoil(soak, options);
+            inject(soak, options);
             watch_walk(soak, part);
             soak_watch_tick(&soak->watch, &soak->loop);
+            if (soak->loop.tick % TELL_TICKS == 0) {
+                progress_tell(&progress, soak->loop.tick);
+            }
         }
         soak_watch_memory(&soak->watch);
         report_part(soak, index, part);
     }
+    progress_end(&progress);
 }
 
 static bool expect(bool holds, const char *what)
@@ -271,12 +290,12 @@ static bool judge(const struct soak *soak)
     return well;
 }
 
-int main(int argc, char **argv)
+int afo_soak(int argc, char **argv)
 {
     static const struct argp_option option_list[] = {
         {"ticks", KEY_TICKS, "N", 0, "control ticks to walk (default 100000000: 28 hours)", 0},
         {"seed", KEY_SEED, "N", 0, "seed of commands and disturbances (default 1)", 0},
-        {"inject", KEY_SPOIL, "WHAT", 0,
+        {"inject", KEY_INJECT, "WHAT", 0,
          "make something ill, to see it noticed: leak, wrap, stuck, clock or stop", 0},
         {0}};
     static const struct argp parser = {
@@ -290,10 +309,10 @@ int main(int argc, char **argv)
         0};
     struct options options = {.ticks = 100000000, .seed = 1};
     static struct soak soak;
-    option_identity("afo-soak");
-    if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0 || set_up(&soak, &options) != 0) {
+    option_parse(&parser, argc, argv, &options);
+    if (set_up(&soak, &options) != 0) {
         return EXIT_USAGE;
     }
     run(&soak, &options);
-    return judge(&soak) ? EXIT_WELL : EXIT_ILL;
+    return judge(&soak) ? EXIT_GOOD : EXIT_BAD;
 }

@@ -1,28 +1,26 @@
-/* afo-replay: a recorded log through the control task, command frames compared. */
-#include <argp.h>
+/* afo replay: a recorded log through the control task, command frames compared. */
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/program.h"
 #include "sim_host/cli/walk_options.h"
 #include "sim_host/log/replay.h"
-
-enum { EXIT_EQUAL = 0, EXIT_DIFFERS = 1, EXIT_USAGE = 2 };
+#include "sim_host/programs/commands.h"
 
 struct options {
     struct walk_options walk;
     const char *log_path;
     bool quiet;
-    bool others;
+    bool foreign_nodes;
 };
 
-enum { KEY_OTHERS = 0x600 };
+enum { KEY_FOREIGN_NODES = 0x600 };
 
 static const struct argp_option option_list[] = {
     {"quiet", 'q', 0, 0, "say nothing when all is equal", 2},
-    {"foreign-nodes", KEY_OTHERS, 0, 0,
+    {"foreign-nodes", KEY_FOREIGN_NODES, 0, 0,
      "other nodes spoke with identifiers of the controller (a tool's SDO requests, NMT): what it does not hear itself "
      "is theirs",
      2},
@@ -38,8 +36,8 @@ static error_t take(int key, char *text, struct argp_state *state)
     case 'q':
         options->quiet = true;
         break;
-    case KEY_OTHERS:
-        options->others = true;
+    case KEY_FOREIGN_NODES:
+        options->foreign_nodes = true;
         break;
     case ARGP_KEY_ARG:
         if (options->log_path != NULL) {
@@ -48,7 +46,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->log_path = text;
         break;
     case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which log? afo-replay LOG");
+        argp_error(state, "which log? afo replay LOG");
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -64,7 +62,7 @@ static int report_unheard(const struct replay *replay, const char *path)
         "(then say --foreign-nodes)\n",
         path, replay->unheard_message, (unsigned long long)replay->unheard_frames,
         replay->unheard_frames == 1 ? "" : "s");
-    return EXIT_DIFFERS;
+    return EXIT_BAD;
 }
 
 static int report(const struct replay *replay, enum replay_verdict verdict, const char *path,
@@ -94,17 +92,17 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
                        replay->snapshots > 1 ? "s" : "");
             }
         }
-        return EXIT_EQUAL;
+        return EXIT_GOOD;
     case REPLAY_DIFFERS:
         printf("%s: %s\n", path, replay->message);
-        return EXIT_DIFFERS;
+        return EXIT_BAD;
     default:
-        fprintf(stderr, "afo-replay: %s: %s\n", path, replay->message);
+        program_complain("%s: %s", path, replay->message);
         return EXIT_USAGE;
     }
 }
 
-int main(int argc, char **argv)
+int afo_replay(int argc, char **argv)
 {
     static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1}, {0}};
     static const struct argp parser = {
@@ -125,28 +123,26 @@ int main(int argc, char **argv)
     char message[SUBJECT_MESSAGE_MAX] = "";
 
     walk_options_init(&options.walk);
-    option_identity("afo-replay");
-    if (argp_parse(&parser, argc, argv, 0, NULL, &options) != 0) {
-        return EXIT_USAGE;
-    }
+    option_parse(&parser, argc, argv, &options);
     if (walk_options_resolve(&options.walk, &subject, &params, &speed_rad_s, message) != 0) {
-        fprintf(stderr, "afo-replay: %s\n", message);
+        program_complain("%s", message);
         return EXIT_USAGE;
     }
     FILE *log = fopen(options.log_path, "r");
     if (log == NULL) {
-        fprintf(stderr, "afo-replay: %s: %s\n", options.log_path, strerror(errno));
+        program_complain("%s: %s", options.log_path, strerror(errno));
         return EXIT_USAGE;
     }
     if (replay_init(&replay, &subject, &params, speed_rad_s) != 0) {
-        fprintf(stderr, "afo-replay: the control task refuses these parameters\n");
+        program_complain("the control task refuses these parameters");
         fclose(log);
         return EXIT_USAGE;
     }
     const enum replay_verdict verdict = replay_run(&replay, log);
     fclose(log);
-    const int status = verdict == REPLAY_EQUAL && replay.unheard_frames > 0 && !options.others
-                           ? report_unheard(&replay, options.log_path)
-                           : report(&replay, verdict, options.log_path, options.quiet);
-    return output_standard_done("afo-replay") == 0 ? status : EXIT_USAGE;
+    const int status =
+        verdict == REPLAY_EQUAL && replay.unheard_frames > 0 && !options.foreign_nodes
+            ? report_unheard(&replay, options.log_path)
+            : report(&replay, verdict, options.log_path, options.quiet);
+    return program_output_done() == 0 ? status : EXIT_USAGE;
 }
