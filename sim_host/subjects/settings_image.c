@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#include "firmware/settings.h"
 #include "hal/storage/param_store.h"
 
 static void settings_of_task(struct settings *settings, const struct host_task *task,
@@ -57,7 +56,7 @@ static const uint8_t *map(void *context, uint32_t bank)
 
 static const struct nv_store_ops image_ops = {bank_words, read_word, map, erase, write_word};
 
-static int save(const struct settings *settings, uint8_t image[SETTINGS_IMAGE_BYTES])
+int settings_image(const struct settings *settings, uint8_t image[SETTINGS_IMAGE_BYTES])
 {
     const struct nv_store nv = {&image_ops, image};
     struct settings saved = *settings;
@@ -76,5 +75,5 @@ int settings_image_of_task(const struct host_task *task, double desired_speed_ra
 {
     struct settings settings;
     settings_of_task(&settings, task, desired_speed_rad_s, autostart);
-    return settings_check(&settings) == SETTINGS_OK ? save(&settings, image) : -1;
+    return settings_check(&settings) == SETTINGS_OK ? settings_image(&settings, image) : -1;
 }

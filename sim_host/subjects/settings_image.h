@@ -6,11 +6,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "firmware/settings.h"
 #include "sim_host/subjects/host_task.h"
 
 enum { SETTINGS_IMAGE_WORDS = 512, SETTINGS_IMAGE_BYTES = 2 * SETTINGS_IMAGE_WORDS * 8 };
 
-/* Both banks of a memory into which the settings of a device were saved once that is set up like this
+/* Both banks of a memory into which these settings were saved once. Returns 0, or -1 when they do not
+ * fit. */
+int settings_image(const struct settings *settings, uint8_t image[SETTINGS_IMAGE_BYTES]);
+
+/* The same for the settings of a device that is set up like this
  * control task. autostart: it assists without being asked. Returns 0, or -1 when the firmware would
  * refuse them or they do not fit. */
 int settings_image_of_task(const struct host_task *task, double desired_speed_rad_s, bool autostart,
