@@ -155,7 +155,7 @@ variant_coverage := CC=gcc OPT=-O0 SANITIZE="--coverage -fprofile-abs-path -fpro
 BITS_VARIANTS := gcc-O1 gcc-O3 clang-O1 clang-O3
 
 .PHONY: $(VARIANTS) $(VARIANTS:%=%-programs) $(VARIANTS:%=%-check) ubsan
-$(VARIANTS): ## (asan, tsan, coverage, clang, gcc-O3, ...) build the same tree that way in build/NAME
+$(VARIANTS): ## (asan, tsan, coverage, clang, gcc-O3, ...) build the same tree that way in build/NAME (a minute or two each)
 	$(Q)$(MAKE) --no-print-directory BUILD=build/$@ $(variant_$@) programs tests
 $(VARIANTS:%=%-programs):
 	$(Q)$(MAKE) --no-print-directory BUILD=build/$(@:%-programs=%) $(variant_$(@:%-programs=%)) programs
@@ -164,7 +164,7 @@ $(VARIANTS:%=%-check): %-check: % ## (asan-check, ...) build that way and run th
 ubsan: asan
 
 .PHONY: coverage-report
-coverage-report: coverage ## lines and branches that the C tests reach; fails on any that is neither reached nor excused
+coverage-report: coverage ## lines and branches that the C tests reach; fails on any neither reached nor excused (some minutes)
 	$(Q)find build/coverage -name '*.gcda' -delete
 	$(Q)CK_TIMEOUT_MULTIPLIER=5 scripts/run-tests --build build/coverage
 	$(Q)scripts/coverage-report build/coverage
@@ -174,7 +174,7 @@ coverage-report: coverage ## lines and branches that the C tests reach; fails on
 setup-%:
 	$(Q)scripts/setup $*
 
-run: ## the main job: a walk in closed loop on the in-process bus, its report and pictures
+run: ## the main job: a walk in closed loop on the in-process bus, its report and pictures (some seconds)
 	$(Q)scripts/setup run
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/demo-walk $(BUILD)
@@ -185,12 +185,12 @@ test: ## everything that must hold (some minutes on two cores)
 	$(Q)$(MAKE) --no-print-directory clang asan $(BITS_VARIANTS:%=%-programs)
 	$(Q)scripts/run-tests --build build --build build/clang --build build/asan --python --scripts
 
-test-long: ## what takes longer than `make test` may: tests marked long
+test-long: ## what takes longer than `make test` may: tests marked long (some tens of minutes)
 	$(Q)scripts/setup test
 	$(Q)$(MAKE) --no-print-directory programs tests $(TEST_NEEDS)
 	$(Q)scripts/run-tests --build build --python --long
 
-bench: ## how fast it is, as ratios measured side by side
+bench: ## how fast it is, as ratios measured side by side (some minutes)
 	$(Q)scripts/setup bench
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/bench $(BUILD)
@@ -200,7 +200,7 @@ FORMATTED := $(shell find model controller hal firmware sim_host tests -name '*.
 format: ## lay out all C sources as .clang-format says
 	$(Q)clang-format -i $(FORMATTED)
 
-lint: ## layout, layering, symbols, cppcheck with MISRA, clang-tidy, gcc -fanalyzer
+lint: ## layout, layering, symbols, cppcheck with MISRA, clang-tidy, gcc -fanalyzer (many minutes)
 	$(Q)scripts/setup lint
 	$(Q)scripts/lint
 

@@ -92,7 +92,7 @@ debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still w
 TEST_NEEDS += firmware
 
 .PHONY: pil
-pil: firmware programs ## 200 steps with the flashed object code on an emulated Cortex-M4F, frame by frame like the host's
+pil: firmware programs ## 200 steps with the flashed object code on an emulated Cortex-M4F, frame by frame like the host's (some minutes)
 	$(Q)$(BUILD)/afo pil --steps 200 --speed 0.8 --image $(MPS2).elf
 
 .PHONY: budgets

@@ -2,9 +2,7 @@
  * push-off and stiffness. scripts/bench-atlas draws what it writes. Under mpirun: build/afo-mpi. */
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "sim_host/batch/atlas.h"
 #include "sim_host/batch/batch.h"
@@ -85,7 +83,7 @@ static error_t take(int key, char *text, struct argp_state *state)
 static int run(struct chunks_job job, const struct options *options)
 {
     job.threads = options->threads;
-    job.is_progress_shown = isatty(STDERR_FILENO) || getenv("OMPI_COMM_WORLD_SIZE") != NULL;
+    job.is_progress_shown = 1;
     const enum chunks_status status = chunks_run(&job);
     if (status == CHUNKS_DONE || status == CHUNKS_HELPED) {
         return EXIT_GOOD;

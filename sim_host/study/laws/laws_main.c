@@ -8,6 +8,7 @@
 
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/progress.h"
 #include "sim_host/study/laws/laws.h"
 #include "sim_host/study/pool.h"
 #include "sim_host/subjects/nearest.h"
@@ -171,10 +172,15 @@ double laws_speed_unit(const struct laws_options *options)
     return __builtin_sqrt(options->subject.gravity_m_s2 / 9.80665 / options->subject.leg_length_m);
 }
 
+/* Of the running study. Nobody knows how many parts it will have: a walk may end early. */
+static struct progress progress;
+static uint64_t parts_done;
+
 int laws_take(void *context, int i)
 {
     (void)context;
     (void)i;
+    progress_tell(&progress, ++parts_done);
     return 1;
 }
 
@@ -271,7 +277,11 @@ int laws_main(int argc, char **argv)
         if ((all && studies[i].in_all) || strcmp(input.study, studies[i].name) == 0) {
             found = true;
             printf("%s: %s\n", studies[i].name, studies[i].summary);
+            fflush(stdout);
+            parts_done = 0;
+            progress_begin(&progress, "parts done", 0, false);
             status = studies[i].run(&input.options) == 0 ? 0 : 1;
+            progress_end(&progress);
             printf("\n");
         }
     }
