@@ -149,7 +149,7 @@ def test_json_is_json_without_a_single_number_to_tell():
 def test_a_recordings_table_has_the_recordings_own_clock(tmp_path):
     with open(recording(), newline="", encoding="utf-8") as file:
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
-    strikes = [b["time_s"] for a, b in zip(rows, rows[1:]) if not a["contact_left"] and b["contact_left"]]
+    strikes = [b["time_s"] for a, b in zip(rows, rows[1:]) if not a["contact_l"] and b["contact_l"]]
     done = run("--recording", recording(), "--quiet", "--json", "--ticks", "--csv", tmp_path / "ticks.csv")
     assert done.stdout
     with open(tmp_path / "ticks.csv", newline="", encoding="utf-8") as file:
