@@ -109,7 +109,7 @@ static void init_black_box(const struct orthosis_config *config, const struct se
         black_box_freeze(box, 1u << SUPERVISOR_FAULT_RESTARTED);
     }
     if (!black_box_is_valid(box) || box->header.state != (uint32_t)BLACK_BOX_FROZEN) {
-        black_box_start(box, version_build_id(), controller_node_crc_of(&settings->control));
+        black_box_start(box, version_build_id(), params_guard_crc(&settings->control));
     }
 }
 
