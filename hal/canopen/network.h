@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
+#include "model/tick.h"
 
 enum { NETWORK_NODES = 4 };
 
@@ -63,7 +64,7 @@ enum can_result network_command(const struct can_bus *bus, enum nmt_command comm
  * drive unloads by itself (0x6007). They are started again after NETWORK_STOP_TICKS, or when
  * they boot; until then they are `stop_pending`. Returns what the bus says. */
 enum can_result network_stop_all(struct network *network, const struct can_bus *bus);
-enum { NETWORK_STOP_TICKS = 1000 };
+enum { NETWORK_STOP_TICKS = TICKS_OF_MS(1000) };
 
 /* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
 unsigned network_index(uint8_t node);

@@ -19,6 +19,13 @@ enum {
     TARGET_TIMEOUT_MS = 50
 };
 
+/* The tick as object 0x60C2 says it: a value times a power of ten, in seconds. */
+enum {
+    TICK_IS_WHOLE_MS = TICK_PERIOD_US % 1000 == 0,
+    INTERPOLATION_VALUE = TICK_IS_WHOLE_MS ? TICK_PERIOD_US / 1000 : TICK_PERIOD_US / 100,
+    INTERPOLATION_EXPONENT = TICK_IS_WHOLE_MS ? 0xFD : 0xFC /* -3 or -4, INTEGER8 */
+};
+
 enum step_kind { STEP_EXPECT, STEP_WRITE, STEP_SCALING, STEP_END };
 
 struct setup_step {
@@ -118,9 +125,9 @@ static struct setup_step drive_step(const struct node_setup_config *config, uint
     case 1:
         return EXPECT(0x6061, 0, MODE_CYCLIC_SYNCHRONOUS_POSITION, 0xFF);
     case 2:
-        return WRITE(0x60C2, 1, 1, 1);
+        return WRITE(0x60C2, 1, 1, INTERPOLATION_VALUE);
     case 3:
-        return WRITE(0x60C2, 2, 1, 0xFD); /* 1 * 10^-3 s */
+        return WRITE(0x60C2, 2, 1, INTERPOLATION_EXPONENT);
     case 4:
         return WRITE(0x6007, 0, 2, ABORT_CONNECTION_IS_FAULT);
     case 5:

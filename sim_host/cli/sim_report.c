@@ -85,7 +85,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     fputs("], \"bus_load\": ", stream);
     json_number(stream, sim_bus_load(&loop->bus));
     fputs(", \"simulated_s\": ", stream);
-    json_number(stream, (double)loop->tick * 1e-3);
+    json_number(stream, (double)loop->tick * (TICK_PERIOD_US / 1e6));
     fputs("}\n", stream);
 }
 
@@ -261,7 +261,7 @@ static const char *plural(uint32_t count)
 void sim_report_text(FILE *stream, const struct sim_options *options, const struct loop *loop,
                      const struct walk_record *record, const struct sim_outcome *outcome)
 {
-    const double simulated_s = (double)loop->tick * 1e-3;
+    const double simulated_s = (double)loop->tick * (TICK_PERIOD_US / 1e6);
     const struct walk_summary last = walk_record_summary(record, 20);
     fputs("\n", stream);
     what_was_asked(stream, options, loop);
@@ -279,8 +279,9 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
                 100.0 * (last.greatest_rad_s - last.least_rad_s) / last.mean_rad_s);
     }
     fallback_line(stream, record);
-    fprintf(stream, "  bus        %.1f %% load at 1 Mbit/s, %llu frames, %llu error frames\n",
-            100.0 * sim_bus_load(&loop->bus), (unsigned long long)loop->bus.stats.frames,
+    fprintf(stream, "  bus        %.1f %% load at %g kbit/s, %llu frames, %llu error frames\n",
+            100.0 * sim_bus_load(&loop->bus), BUS_BITRATE / 1e3,
+            (unsigned long long)loop->bus.stats.frames,
             (unsigned long long)loop->bus.stats.error_frames);
     fprintf(stream, "  time       %.1f s of walking in %.2f s, %.0f times real time\n", simulated_s,
             outcome->wall_s, outcome->wall_s > 0.0 ? simulated_s / outcome->wall_s : 0.0);

@@ -26,11 +26,11 @@ enum {
     EXIT_BAD = 1,
     EXIT_USAGE = 2,
     /* What a restart costs before the first SYNC, with the watchdog's time-out. */
-    DEAD_TICKS = 150,
-    AFTER_FAULT_TICKS = 2500,
-    FIRST_STEP_TICKS = 20000,
-    STEP_TICKS = 10000,
-    RECORD_DELAY_TICKS = 150,
+    DEAD_TICKS = TICKS_OF_MS(150),
+    AFTER_FAULT_TICKS = TICKS_OF_MS(2500),
+    FIRST_STEP_TICKS = TICKS_OF_MS(20000),
+    STEP_TICKS = TICKS_OF_MS(10000),
+    RECORD_DELAY_TICKS = TICKS_OF_MS(150),
     SDO_PATIENCE_TICKS = 200,
     PORT_DRIVE_LEFT = LOOP_PORT_FIRST_NODE,
     PORT_SENSOR_LEFT = LOOP_PORT_FIRST_NODE + 1
@@ -209,7 +209,7 @@ static void walk(struct session *session)
         patience = seen == 0 ? FIRST_STEP_TICKS : STEP_TICKS;
         if (session->loop->tick - last_progress > patience) {
             snprintf(session->trouble, sizeof session->trouble, "no step within %d s",
-                     (int)(patience / 1000));
+                     (int)((uint64_t)patience * TICK_PERIOD_US / 1000000u));
             return;
         }
     }

@@ -18,9 +18,9 @@ enum { EXIT_WALKED = 0, EXIT_FELL = 1, EXIT_USAGE = 2 };
 
 /* After the last apex asked for, the controller's record of it is still to come. */
 enum {
-    RECORD_DELAY_TICKS = 150,
-    FIRST_STEP_TICKS = 20000,
-    STEP_TICKS = 10000,
+    RECORD_DELAY_TICKS = TICKS_OF_MS(150),
+    FIRST_STEP_TICKS = TICKS_OF_MS(20000),
+    STEP_TICKS = TICKS_OF_MS(10000),
     LAST_FRAMES_TICKS = 3
 };
 
@@ -155,7 +155,7 @@ static bool is_over(struct session *session, uint64_t last_progress_tick)
     if (loop->tick - last_progress_tick > patience) {
         snprintf(session->outcome.fault, sizeof session->outcome.fault,
                  record->count == 0 ? "no first step within %d s" : "no further step within %d s",
-                 (int)(patience / 1000));
+                 (int)((uint64_t)patience * TICK_PERIOD_US / 1000000u));
         return true;
     }
     return false;

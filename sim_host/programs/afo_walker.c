@@ -13,6 +13,7 @@
 
 #include "hal/bus/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
+#include "sim_host/bus/bus_budget.h"
 #include "sim_host/cli/bus_program.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/walk_options.h"
@@ -353,6 +354,11 @@ int main(int argc, char **argv)
     static struct session session;
     bus_program_catch_signals();
     parse_options(&session.options, argc, argv);
+    char message[BUS_BUDGET_MESSAGE_MAX];
+    if (bus_budget_check_build(message, sizeof message) != 0) {
+        fprintf(stderr, "afo-walker: %s\n", message);
+        return EXIT_USAGE;
+    }
     if (prepare(&session) != 0) {
         return EXIT_USAGE;
     }
