@@ -19,13 +19,17 @@
 
 #include "model/tick.h"
 
-enum node_id {
-    NODE_DRIVE_LEFT = 1,
-    NODE_DRIVE_RIGHT = 2,
-    NODE_SENSOR_LEFT = 3,
-    NODE_SENSOR_RIGHT = 4,
-    NODE_CONTROLLER = 16
-};
+/* The nodes that the controller sets up, starts and watches, in this order: X(NAME, number,
+ * CiA profile). At most 8; their frames are rows of the table below. */
+#define NODE_TABLE(X)      \
+    X(DRIVE_LEFT, 1, 402)  \
+    X(DRIVE_RIGHT, 2, 402) \
+    X(SENSOR_LEFT, 3, 406) \
+    X(SENSOR_RIGHT, 4, 406)
+
+#define NODE_ID_ENTRY(name, number, profile) NODE_##name = number,
+enum node_id { NODE_TABLE(NODE_ID_ENTRY) NODE_CONTROLLER = 16 };
+#undef NODE_ID_ENTRY
 
 enum {
     SLOW_PDO_TICKS = TICKS_OF_MS(100),

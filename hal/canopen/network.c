@@ -1,12 +1,15 @@
 #include "hal/canopen/network.h"
 
+#include <assert.h>
+
 #include "hal/bus/bytes.h"
-#include "hal/bus/frame_table.h"
 
 enum { START_REPEAT_TICKS = TICKS_OF_MS(50) };
 
-static const uint8_t node_ids[NETWORK_NODES] = {NODE_DRIVE_LEFT, NODE_DRIVE_RIGHT, NODE_SENSOR_LEFT,
-                                                NODE_SENSOR_RIGHT};
+#define NODE_ID(name, number, profile) number,
+static const uint8_t node_ids[NETWORK_NODES] = {NODE_TABLE(NODE_ID)};
+#undef NODE_ID
+static_assert(NETWORK_NODES <= 8, "a bit of a byte for each node (network_update, bring_up.h)");
 
 void network_init(struct network *network)
 {

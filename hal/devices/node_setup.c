@@ -192,11 +192,23 @@ static struct setup_step sensor_step(const struct node_setup_config *config, uin
     }
 }
 
+static bool is_drive(uint8_t node)
+{
+    switch (node) {
+#define NODE_CASE(name, number, profile) \
+    case (number):                       \
+        return (profile) == 402;
+        NODE_TABLE(NODE_CASE)
+#undef NODE_CASE
+    default:
+        return false;
+    }
+}
+
 static struct setup_step current_step(const struct node_setup *setup)
 {
-    const bool drive = setup->node == NODE_DRIVE_LEFT || setup->node == NODE_DRIVE_RIGHT;
-    return drive ? drive_step(setup->config, setup->node, setup->step)
-                 : sensor_step(setup->config, setup->node, setup->step);
+    return is_drive(setup->node) ? drive_step(setup->config, setup->node, setup->step)
+                                 : sensor_step(setup->config, setup->node, setup->step);
 }
 
 void node_setup_start(struct node_setup *setup, const struct node_setup_config *config,
@@ -355,8 +367,7 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
         step = current_step(setup);
     }
     if (step.kind == STEP_END) {
-        const bool drive = setup->node == NODE_DRIVE_LEFT || setup->node == NODE_DRIVE_RIGHT;
-        return drive ? check_drive(setup) : SETUP_DONE;
+        return is_drive(setup->node) ? check_drive(setup) : SETUP_DONE;
     }
     begin_transfer(setup, &step, now_ns);
     (void)co_sdo_client_poll(&setup->client, bus, now_ns);
