@@ -19,7 +19,7 @@
 #include "hal/watchdog.h"
 
 enum {
-    ORTHOSIS_RECOVERY_TICKS = 10 /* between attempts to leave bus-off */
+    ORTHOSIS_RECOVERY_TICKS = TICKS_OF_MS(10) /* between attempts to leave bus-off */
 };
 
 struct orthosis_config {

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "hal/bus/slcan_rate.h"
 #include "hal/port_mps2/mps2_registers.h"
 
 enum { UART_DIVISOR = 16 }; /* 25 MHz / 16 = 1.5625 Mbaud, the fastest */
@@ -28,7 +29,9 @@ void uart_slcan_bus_open(struct uart_slcan_bus *bus)
     slcan_decoder_init(&bus->decoder);
     UART0_BAUDDIV = UART_DIVISOR;
     UART0_CTRL = UART_CTRL_TX_RX;
-    put_text("\rC\rS8\rO\r", 8); /* whatever it was doing: end the line, close, 1 Mbit/s, open */
+    /* Whatever it was doing: end the line, close, set the bit rate, open. */
+    const char text[] = {'\r', 'C', '\r', 'S', SLCAN_RATE_DIGIT, '\r', 'O', '\r'};
+    put_text(text, sizeof text);
 }
 
 static enum can_result bus_send(void *context, const struct can_msg *message)

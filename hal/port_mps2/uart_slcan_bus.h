@@ -22,7 +22,7 @@ struct uart_slcan_bus {
     struct can_bus_status status;
 };
 
-/* Sets the UART up and opens the adapter's channel at 1 Mbit/s (commands S8, O). */
+/* Sets the UART up and opens the adapter's channel at the bit rate of the bus (commands S, O). */
 void uart_slcan_bus_open(struct uart_slcan_bus *bus);
 
 struct can_bus uart_slcan_bus_interface(struct uart_slcan_bus *bus);
