@@ -254,6 +254,14 @@ bool controller_node_params_corrupt(struct controller_node *node)
 
 /* ---- set-up ---------------------------------------------------------------- */
 
+/* As much of the text as the object holds; the rest of it is 0 already. */
+static void put_text(char *object, size_t size, const char *text)
+{
+    for (size_t i = 0; i + 1 < size && text[i] != '\0'; i++) {
+        object[i] = text[i];
+    }
+}
+
 static void defaults(void *context, struct co_comm *comm)
 {
     (void)context;
@@ -272,10 +280,11 @@ static void defaults(void *context, struct co_comm *comm)
     comm->tpdo[TPDO_STATE].map[1] = UINT32_C(0x20010208);
     comm->tpdo[TPDO_STATE].map[2] = UINT32_C(0x20010320);
     comm->tpdo[TPDO_STATE].map_count = 3;
-    const char name[] = "AFO controller";
-    for (unsigned i = 0; i < sizeof name; i++) {
-        comm->name[i] = name[i];
-    }
+    comm->sync_cob_id |= CO_SYNC_PRODUCER;
+    comm->sync_period_us = TICK_PERIOD_US;
+    put_text(comm->name, sizeof comm->name, "AFO controller");
+    put_text(comm->hardware_version, sizeof comm->hardware_version, CONTROLLER_HARDWARE_VERSION);
+    put_text(comm->software_version, sizeof comm->software_version, version_text());
 }
 
 static const struct co_device_ops device_ops = {
@@ -283,7 +292,6 @@ static const struct co_device_ops device_ops = {
 
 static void default_objects(struct controller_objects *objects, const struct control_params *params)
 {
-    const char *version = version_text();
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
     objects->command_count = 4;
@@ -298,9 +306,7 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->black_box_count = 3;
     objects->params = *params;
     objects->build_id = version_build_id();
-    for (unsigned i = 0; i + 1 < sizeof objects->version && version[i] != '\0'; i++) {
-        objects->version[i] = version[i];
-    }
+    put_text(objects->version, sizeof objects->version, version_text());
     objects->params_crc = controller_node_crc_of(&objects->params);
 }
 
@@ -385,10 +391,10 @@ static void tell_fault(struct controller_node *node)
     const struct controller_objects *objects = &node->objects;
     const uint8_t vendor[5] = {objects->state, objects->fault, 0, 0, 0};
     if (objects->fault != 0) {
-        co_device_raise(&node->device, CONTROLLER_EMCY_FAULT, CO_ERROR_GENERIC, vendor);
-    } else {
-        co_device_clear(&node->device, CONTROLLER_EMCY_FAULT);
+        co_device_raise_for(&node->device, CONTROLLER_EMCY_FAULT, objects->fault, CO_ERROR_GENERIC,
+                            vendor);
     }
+    co_device_clear_for(&node->device, CONTROLLER_EMCY_FAULT, node->sent_fault);
 }
 
 /* The found offsets become parameters, to be stored like the others. */
@@ -456,13 +462,14 @@ void controller_node_report_setup(struct controller_node *node, const struct set
     const uint8_t vendor[5] = {failure->node, (uint8_t)(failure->index & 0xFFu),
                                (uint8_t)(failure->index >> 8), failure->sub,
                                objects->refused_verdict};
-    co_device_raise(&node->device, CONTROLLER_EMCY_SETUP_REFUSED, CO_ERROR_GENERIC, vendor);
+    co_device_raise_for(&node->device, CONTROLLER_EMCY_SETUP_REFUSED, failure->node,
+                        CO_ERROR_GENERIC, vendor);
 }
 
 void controller_node_setup_done(struct controller_node *node, uint8_t which)
 {
     if (node->objects.refused_node == which) {
         node->objects.refused_node = 0;
-        co_device_clear(&node->device, CONTROLLER_EMCY_SETUP_REFUSED);
     }
+    co_device_clear_for(&node->device, CONTROLLER_EMCY_SETUP_REFUSED, which);
 }

@@ -121,6 +121,9 @@ struct controller_node {
     bool params_corrupt;
 };
 
+/* Object 0x1009: the revision of what the orthosis's node has at its ends (drives, sensors, stop). */
+#define CONTROLLER_HARDWARE_VERSION "1"
+
 extern const struct co_entry controller_object_table[];
 extern const uint16_t controller_object_count;
 extern const struct co_entry controller_comm_table[];
