@@ -21,11 +21,12 @@ static void tell(struct slcan_bridge *bridge, const char *text, size_t length)
     }
 }
 
-/* Commands of the adapter: closing, bit rate 8 (1 Mbit/s), opening; all else is refused. */
+/* Commands of the adapter: closing, bit rate 8 (1 Mbit/s), no time stamps, opening; all else is
+ * refused. */
 static void obey(struct slcan_bridge *bridge, const char *line)
 {
-    const bool is_known =
-        strcmp(line, "C") == 0 || strcmp(line, "S8") == 0 || strcmp(line, "O") == 0;
+    const bool is_known = strcmp(line, "C") == 0 || strcmp(line, "S8") == 0 ||
+                          strcmp(line, "Z0") == 0 || strcmp(line, "O") == 0;
 
     if (line[0] == 'C') {
         bridge->is_open = false;
