@@ -14,14 +14,17 @@ enum { EXIT_EQUAL = 0, EXIT_DIFFERS = 1, EXIT_USAGE = 2 };
 struct options {
     struct walk_options walk;
     const char *log_path;
+    const char *interface; /* NULL: the controller's */
     bool quiet;
     bool others;
 };
 
-enum { KEY_OTHERS = 0x600 };
+enum { KEY_OTHERS = 0x600, KEY_INTERFACE };
 
 static const struct argp_option option_list[] = {
     {"quiet", 'q', 0, 0, "say nothing when all is equal", 2},
+    {"interface", KEY_INTERFACE, "NAME", 0,
+     "which interface of the log (default: the one with the controller's frames)", 2},
     {"foreign-nodes", KEY_OTHERS, 0, 0,
      "other nodes spoke with identifiers of the controller (a tool's SDO requests, NMT): what it does not hear itself "
      "is theirs",
@@ -37,6 +40,12 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case 'q':
         options->quiet = true;
+        break;
+    case KEY_INTERFACE:
+        if (text[0] == '\0' || strlen(text) >= CANDUMP_INTERFACE_MAX) {
+            argp_error(state, "an interface has a name of 1 to 15 characters, not \"%s\"", text);
+        }
+        options->interface = text;
         break;
     case KEY_OTHERS:
         options->others = true;
@@ -80,6 +89,9 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
                 printf(", in %u runs", replay->runs);
             }
             putchar('\n');
+            if (replay->interfaces > 1) {
+                printf("of interface %s, the log has %u\n", replay->interface, replay->interfaces);
+            }
             if (replay->foreign_frames > 0) {
                 printf("%llu frame%s of another node with identifiers of the controller\n",
                        (unsigned long long)replay->foreign_frames,
@@ -142,6 +154,9 @@ int main(int argc, char **argv)
         fprintf(stderr, "afo-replay: the control task refuses these parameters\n");
         fclose(log);
         return EXIT_USAGE;
+    }
+    if (options.interface != NULL) {
+        (void)replay_set_interface(&replay, options.interface);
     }
     const enum replay_verdict verdict = replay_run(&replay, log);
     fclose(log);
