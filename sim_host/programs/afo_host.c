@@ -63,6 +63,8 @@ struct host {
     unsigned unanswered;         /* in a row */
     uint32_t step_tick;          /* in which the last one was told */
     uint32_t told_down, told_up; /* times that the interface went down and came back */
+    uint32_t told_bus_off;       /* times that the controller chip left the bus */
+    bool is_bus_off;             /* by what was told */
     uint64_t next_recovery_ns;
     uint32_t told_refusal; /* number of the last one that was told */
     enum supervisor_state told_state;
@@ -223,10 +225,31 @@ static void tell_interface(struct host *host)
     }
 }
 
+static void tell_bus_off(struct host *host)
+{
+    const struct can_bus_status *status = &host->socket.status;
+    const char *name = host->options.bus.interface;
+    char advice[SOCKETCAN_ADVICE_MAX];
+    if (status->bus_off_count != host->told_bus_off) {
+        host->told_bus_off = status->bus_off_count;
+        host->is_bus_off = true;
+        fprintf(stderr, "afo-host: %s is bus-off: the controller chip took itself off the bus\n",
+                name);
+    }
+    if (host->is_bus_off && status->error_state != CAN_BUS_OFF) {
+        host->is_bus_off = false;
+        fprintf(stderr, "afo-host: %s is on the bus again\n", name);
+    }
+    if (socketcan_bus_advice(&host->socket, advice, sizeof advice)) {
+        fprintf(stderr, "afo-host: %s\n", advice);
+    }
+}
+
 static void tell(struct host *host)
 {
     const struct control_task *task = &host->rig.task;
     tell_interface(host);
+    tell_bus_off(host);
     host_report_refusal(task, &host->told_refusal);
     if (task->output.state != host->told_state && !host->options.bus.quiet &&
         !host->options.bus.json) {
