@@ -15,7 +15,7 @@ laws: ## all studies of the laws, map and whole chain, numbers and pictures into
 	$(Q)scripts/laws-table $(LAWS_OUT)
 	$(Q)scripts/plot-laws $(LAWS_OUT)
 
-$(LAWS_DONE): $(LAWS_OUT)/%.txt: $(BUILD)/afo-study
+$(LAWS_DONE): $(LAWS_OUT)/%.txt: $(BUILD)/afo
 	@echo '  LAWS   $(subst _, ,$*)'
-	$(Q)$< laws $(subst _, ,$*) --out $(LAWS_OUT) >$@.new
+	$(Q)$< study laws $(subst _, ,$*) --out $(LAWS_OUT) >$@.new
 	$(Q)mv $@.new $@

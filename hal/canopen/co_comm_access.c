@@ -1,5 +1,4 @@
-#include "hal/canopen/co_comm_access.h"
-
+/* Rules for writing communication objects. */
 #include <string.h>
 
 #include "hal/bus/bytes.h"

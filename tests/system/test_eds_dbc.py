@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from afo import BUILD, ROOT, run
+from afo import ROOT, run
 
 canopen = pytest.importorskip("canopen")
 cantools = pytest.importorskip("cantools")
@@ -27,13 +27,13 @@ def frame_table():
 
 
 def test_the_files_are_what_the_code_says_now(tmp_path):
-    done = run(tmp_path, program=BUILD / "afo-eds")
+    done = run(tmp_path, command="eds")
     assert done.returncode == 0, done.stderr
     names = sorted(path.name for path in FILES.iterdir())
     assert names == sorted([f"{name}.eds" for name in NODES] + ["afo.dbc"])
     for name in names:
         assert (tmp_path / name).read_text() == (FILES / name).read_text(), \
-            f"{name} is out of date: run build/afo-eds hal/canopen/eds"
+            f"{name} is out of date: run build/afo eds hal/canopen/eds"
 
 
 def test_the_dbc_has_every_frame_of_the_table():
@@ -174,11 +174,11 @@ def test_every_default_is_what_the_node_says(tmp_path):
     script = f"""
         status=0
         for subject in sim_host/subjects/{{paper,adult70}}.ini; do
-            {BUILD}/afo-walker --subject $subject --can vcan0 --silence 60000 --quiet & walker=$!
+            {BUILD}/afo walker --subject $subject --can vcan0 --silence 60000 --quiet & walker=$!
             sleep 0.5
             {python} tests/system/peer_eds.py {nodes} || status=$?
             kill -TERM $walker; wait $walker
-            {BUILD}/afo-host --subject $subject --can vcan0 --quiet & host=$!
+            {BUILD}/afo host --subject $subject --can vcan0 --quiet & host=$!
             sleep 0.5
             {python} tests/system/peer_eds.py 16 {eds}/controller.eds || status=$?
             kill -TERM $host; wait $host

@@ -5,9 +5,8 @@ import subprocess
 
 import pytest
 
-from afo import BUILD, ROOT, run, walk
+from afo import AFO, ROOT, run, walk
 
-REPLAY = BUILD / "afo-replay"
 SUBJECTS = ROOT / "sim_host" / "subjects"
 
 
@@ -68,7 +67,7 @@ def short_log(tmp_path_factory):
 
 
 def replay(path, *arguments):
-    return run("--speed", "0.5", *arguments, path, program=REPLAY)
+    return run("--speed", "0.5", *arguments, path, command="replay")
 
 
 @pytest.mark.parametrize("extra", ["000#8100", "602#4000100000000000", "390#0000000000000000"])
@@ -96,7 +95,7 @@ def test_a_log_replays_to_every_frame_of_the_controller(log):
 
 def test_a_report_that_cannot_be_written_is_no_success(log):
     with open("/dev/full", "w") as full:
-        done = subprocess.run([REPLAY, "--speed", "0.5", log], stdout=full, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run([AFO, "replay", "--speed", "0.5", log], stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 2 and "cannot write to standard output" in done.stderr
 
 
@@ -253,9 +252,9 @@ def test_of_two_interfaces_the_orthosis_is_found(short_log, tmp_path, first):
     assert replay(path, "--interface", "can1").returncode == 1
     done = replay(path, "--interface", "can7")
     assert done.returncode == 2 and "no interface can7" in done.stderr and "can1" in done.stderr, done.stderr
-    piped = subprocess.run(["bash", "-c", f"cat {path} | {REPLAY} --speed 0.5 /dev/stdin"], capture_output=True, text=True)
+    piped = subprocess.run(["bash", "-c", f"cat {path} | {BUILD}/afo replay --speed 0.5 /dev/stdin"], capture_output=True, text=True)
     assert piped.returncode == 2 and "second interface" in piped.stderr, piped.stdout + piped.stderr
-    piped = subprocess.run(["bash", "-c", f"cat {path} | {REPLAY} --speed 0.5 --interface can0 /dev/stdin"],
+    piped = subprocess.run(["bash", "-c", f"cat {path} | {BUILD}/afo replay --speed 0.5 --interface can0 /dev/stdin"],
                            capture_output=True, text=True)
     assert piped.returncode == 0, piped.stdout + piped.stderr
 

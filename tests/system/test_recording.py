@@ -1,4 +1,4 @@
-"""afo-sim --recording on a recorded human walk: one apex per stance, none missed, none false.
+"""afo sim --recording on a recorded human walk: one apex per stance, none missed, none false.
 
 The recording is other people's data and not part of the tree. It is looked for
 where AFO_GAIT_CSV says, else in shared/data/ beside the tree.

@@ -162,7 +162,8 @@ static bool find_viability_kernel(struct basin *basin)
 static bool run(struct basin *basin, enum law_case law_case, double speed, FILE *csv)
 {
     const int chunks = (basin->samples + CHUNK - 1) / CHUNK;
-    const struct pool_jobs jobs = {0, chunks, basin->options->threads, basin, compute, laws_take};
+    const struct pool_jobs jobs = {0,     chunks,  basin->options->threads,
+                                   basin, compute, laws_count_part};
     basin->law_case = law_case;
     basin->speed_rad_s = speed * laws_speed_unit(basin->options);
     for (int k = 0; k < chunks; k++) {
@@ -196,7 +197,7 @@ int laws_basin(const struct laws_options *options)
     fflush(stdout); /* what can be walked on from takes its time */
     if (!failed && (basin.chunk == NULL || !find_viability_kernel(&basin))) {
         fprintf(stderr,
-                "afo-study laws: no memory for the grid of states that can be walked on from\n");
+                "afo study laws: no memory for the grid of states that can be walked on from\n");
         failed = true;
     }
     for (int e = 0; e < LAW_CASES && !failed; e++) {

@@ -74,7 +74,7 @@ static int count_walks(struct study *study, int e)
     struct session_result *results = calloc((size_t)count, sizeof *results);
     int status = -1;
     if (configs == NULL || results == NULL) {
-        fprintf(stderr, "afo-study laws: out of memory; take fewer --samples\n");
+        fprintf(stderr, "afo study laws: out of memory; take fewer --samples\n");
     } else {
         for (int i = 0; i < count; i++) {
             configs[i] = session_of(study, e, i / study->walks, i % study->walks);
@@ -120,11 +120,11 @@ static int run(struct study *study)
     }
     const int operators = study->options->chain ? 0 : LAW_CASES * CELLS;
     const struct pool_jobs jobs = {0,     operators,        study->options->threads,
-                                   study, compute_operator, laws_take};
+                                   study, compute_operator, laws_count_part};
     int status = pool_run(&jobs) == 1 ? 0 : -1;
     for (int i = 0; i < operators; i++) {
         if (study->cell[i / CELLS][i % CELLS].failed) {
-            fprintf(stderr, "afo-study laws: out of memory\n");
+            fprintf(stderr, "afo study laws: out of memory\n");
             status = -1;
         }
     }

@@ -6,9 +6,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/program.h"
 #include "sim_host/study/laws/laws.h"
 #include "sim_host/study/pool.h"
+#include "sim_host/subjects/nearest.h"
 
 enum {
     KEY_LAW = 0x500,
@@ -21,11 +23,6 @@ enum {
     KEY_TERRAIN_SPEED,
     KEY_SUBJECT
 };
-
-const char *const law_case_names[LAW_CASES] = {"proportional", "ramp", "dlqr", "deadbeat",
-                                               "predictive"};
-static const enum law_mode law_of_case[LAW_CASES] = {LAW_PROPORTIONAL, LAW_PROPORTIONAL, LAW_DLQR,
-                                                     LAW_DEADBEAT, LAW_PREDICTIVE};
 
 static const struct {
     const char *name;
@@ -143,76 +140,8 @@ static error_t take(int key, char *text, struct argp_state *state)
     }
 }
 
-struct law_setup law_case_setup(const struct laws_options *options, enum law_case law_case)
-{
-    struct law_setup bench = options->bench;
-    bench.params.law = (real)law_of_case[law_case];
-    if (law_case == LAW_CASE_RAMP) {
-        bench.params.speed_ramp_rad_s = (real)(0.005 * laws_speed_unit(options)); /* as flown */
-    }
-    return bench;
-}
-
-const double laws_box_low[3] = {-1.45, -0.5, 0.2}, laws_box_high[3] = {-0.05, 0.2, 5.2};
-
-void laws_draw_apex(const struct laws_options *options, struct rng *rng, double apex[3])
-{
-    const double unit = laws_speed_unit(options);
-    for (int k = 0; k < 3; k++) {
-        apex[k] = laws_box_low[k] + (laws_box_high[k] - laws_box_low[k]) * rng_uniform(rng);
-        apex[k] *= k == 1 ? 1.0 : unit;
-    }
-}
-
-double laws_speed_unit(const struct laws_options *options)
-{
-    return __builtin_sqrt(options->subject.gravity_m_s2 / 9.80665 / options->subject.leg_length_m);
-}
-
-int laws_take(void *context, int i)
-{
-    (void)context;
-    (void)i;
-    return 1;
-}
-
-FILE *laws_csv(const struct laws_options *options, const char *study, const char *header,
-               struct output_file *file, bool *failed)
-{
-    char path[OUTPUT_PATH_MAX], message[OUTPUT_PATH_MAX + 128];
-    *failed = false;
-    file->stream = NULL;
-    if (options->out_directory == NULL) {
-        return NULL;
-    }
-    (void)snprintf(path, sizeof path, "%s/laws-%s%s.csv", options->out_directory, study,
-                   options->chain ? "-chain" : "");
-    if (output_file_open(file, path, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
-        *failed = true;
-        return NULL;
-    }
-    (void)fprintf(file->stream, "%s\n", header); /* errors are found when it is committed */
-    return file->stream;
-}
-
-int laws_csv_close(struct output_file *file, bool failed)
-{
-    char message[OUTPUT_PATH_MAX + 128];
-    if (failed) {
-        output_file_discard(file);
-        return -1;
-    }
-    if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
-        return -1;
-    }
-    return 0;
-}
-
 int laws_main(int argc, char **argv)
 {
-    static char name[] = "afo-study laws"; /* what argp calls the program in usage and errors */
     static const char doc[] = /* argp wraps at column 79, and what it wraps begins at column 0 */
         "Compares the laws that choose the push-off. STUDY is one of:\v"
         "  jumps        steps to settle after every jump of the command, 0.2 to 1 rad/s\n"
@@ -235,13 +164,11 @@ int laws_main(int argc, char **argv)
         input.options.law_case[i] = true;
     }
     subject_default(&input.options.subject);
-    argp_err_exit_status = 2;
-    argv[0] = name;
-    argp_parse(&parser, argc, argv, 0, NULL, &input);
+    option_parse(&parser, argc, argv, &input);
     char message[SUBJECT_MESSAGE_MAX];
     if (law_setup_init(&input.options.bench, &input.options.subject, LAW_PREDICTIVE, message) !=
         0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
+        fprintf(stderr, "afo study laws: %s\n", message);
         return 2;
     }
     if (input.terrain_speed_rad_s >= 0.0) {
@@ -249,7 +176,7 @@ int laws_main(int argc, char **argv)
     }
     if (input.options.out_directory != NULL &&
         access(input.options.out_directory, W_OK | X_OK) != 0) {
-        fprintf(stderr, "afo-study laws: cannot write into %s: %s\n", input.options.out_directory,
+        fprintf(stderr, "afo study laws: cannot write into %s: %s\n", input.options.out_directory,
                 strerror(errno));
         return 2;
     }
@@ -259,25 +186,30 @@ int laws_main(int argc, char **argv)
     int status = 0;
     if (input.terrain_speed_rad_s >= 0.0 && !input.options.law_case[LAW_CASE_PREDICTIVE]) {
         fprintf(stderr,
-                "afo-study laws: --terrain-speed does nothing without the predictive law\n");
+                "afo study laws: --terrain-speed does nothing without the predictive law\n");
         return 2;
     }
     for (size_t i = 0; i < STUDIES && status == 0; i++) {
         if (strcmp(input.study, studies[i].name) == 0 && input.options.chain &&
             !studies[i].has_chain) {
-            fprintf(stderr, "afo-study laws: --chain does nothing: %s is a study on the map\n",
+            fprintf(stderr, "afo study laws: --chain does nothing: %s is a study on the map\n",
                     input.study);
             return 2;
         }
         if ((all && studies[i].in_all) || strcmp(input.study, studies[i].name) == 0) {
             found = true;
             printf("%s: %s\n", studies[i].name, studies[i].summary);
+            fflush(stdout);
+            laws_progress_begin();
             status = studies[i].run(&input.options) == 0 ? 0 : 1;
+            laws_progress_end();
             printf("\n");
         }
     }
     if (!found) {
-        fprintf(stderr, "afo-study laws: no study \"%s\"; see --help\n", input.study);
+        const char *best = nearest_name(input.study, studies, STUDIES, sizeof studies[0]);
+        program_complain("no study \"%s\"%s%s; see --help", input.study,
+                         best != NULL ? "; nearest: " : "", best != NULL ? best : "");
         return 2;
     }
     return status;
