@@ -63,7 +63,7 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, build_id, 0x2030, 2, CO_UNSIGNED32, FIXED, "Build id"),
     CO_ANY(OWNER, params_crc, 0x2030, 3, CO_UNSIGNED32, RO, "Parameter CRC-32"),
     CO_ANY(OWNER, setup_count, 0x2031, 0, CO_UNSIGNED8, FIXED, "Refused node"),
-    CO_ANY(OWNER, refused_node, 0x2031, 1, CO_UNSIGNED8, RO, "Node, 0 = none"),
+    CO_ANY(OWNER, refused_node, 0x2031, 1, CO_UNSIGNED8, RO, "Node, 0 for none"),
     CO_ANY(OWNER, refused_verdict, 0x2031, 2, CO_UNSIGNED8, RO, "1 differs 2 aborted 3 silent"),
     CO_ANY(OWNER, refused_index, 0x2031, 3, CO_UNSIGNED16, RO, "Object index"),
     CO_ANY(OWNER, refused_sub, 0x2031, 4, CO_UNSIGNED8, RO, "Object sub-index"),

@@ -55,14 +55,15 @@ static void show_step(struct controller_objects *objects, const struct step_reco
     objects->record_r0_m = step->r0_m;
 }
 
-static void report_fault(struct co_device *device, const struct controller_objects *objects)
+static void report_fault(struct co_device *device, const struct controller_objects *objects,
+                         uint8_t before)
 {
     const uint8_t vendor[5] = {objects->state, objects->fault, 0, 0, 0};
     if (objects->fault != 0) {
-        co_device_raise(device, CONTROLLER_EMCY_FAULT, CO_ERROR_GENERIC, vendor);
-    } else {
-        co_device_clear(device, CONTROLLER_EMCY_FAULT);
+        co_device_raise_for(device, CONTROLLER_EMCY_FAULT, objects->fault, CO_ERROR_GENERIC,
+                            vendor);
     }
+    co_device_clear_for(device, CONTROLLER_EMCY_FAULT, before);
 }
 
 void telemetry_init(struct telemetry *telemetry)
@@ -80,7 +81,7 @@ void telemetry_update(struct telemetry *telemetry, struct controller_objects *ob
     objects->fault = (uint8_t)((unsigned)output->fault & 0x7Fu);
     if (objects->state != telemetry->sent_state || objects->fault != telemetry->sent_fault) {
         if (objects->fault != telemetry->sent_fault) {
-            report_fault(device, objects);
+            report_fault(device, objects, telemetry->sent_fault);
         }
         telemetry->sent_state = objects->state;
         telemetry->sent_fault = objects->fault;
@@ -105,7 +106,8 @@ void telemetry_report_refused_node(struct controller_objects *objects, struct co
     const uint8_t vendor[5] = {failure->node, (uint8_t)(failure->index & 0xFFu),
                                (uint8_t)(failure->index >> 8), failure->sub,
                                objects->refused_verdict};
-    co_device_raise(device, CONTROLLER_EMCY_SETUP_REFUSED, CO_ERROR_GENERIC, vendor);
+    co_device_raise_for(device, CONTROLLER_EMCY_SETUP_REFUSED, failure->node, CO_ERROR_GENERIC,
+                        vendor);
 }
 
 void telemetry_clear_refused_node(struct controller_objects *objects, struct co_device *device,
@@ -113,6 +115,6 @@ void telemetry_clear_refused_node(struct controller_objects *objects, struct co_
 {
     if (objects->refused_node == node) {
         objects->refused_node = 0;
-        co_device_clear(device, CONTROLLER_EMCY_SETUP_REFUSED);
     }
+    co_device_clear_for(device, CONTROLLER_EMCY_SETUP_REFUSED, node);
 }

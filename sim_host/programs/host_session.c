@@ -55,10 +55,30 @@ static void tell_interface(struct host *host)
     }
 }
 
+static void tell_bus_off(struct host *host)
+{
+    const struct can_bus_status *status = &host->socket.status;
+    const char *name = host->options.bus.interface;
+    char advice[SOCKETCAN_ADVICE_MAX];
+    if (status->bus_off_count != host->told_bus_off) {
+        host->told_bus_off = status->bus_off_count;
+        host->is_bus_off = true;
+        program_complain("%s is bus-off: the controller chip took itself off the bus", name);
+    }
+    if (host->is_bus_off && status->error_state != CAN_BUS_OFF) {
+        host->is_bus_off = false;
+        program_complain("%s is on the bus again", name);
+    }
+    if (socketcan_bus_advice(&host->socket, advice, sizeof advice)) {
+        program_complain("%s", advice);
+    }
+}
+
 static void tell(struct host *host)
 {
     const struct control_task *task = &host->rig.task;
     tell_interface(host);
+    tell_bus_off(host);
     host_report_refusal(task, &host->told_refusal);
     if (task->output.state != host->told_state && !host->options.bus.quiet &&
         !host->options.bus.json) {

@@ -25,6 +25,7 @@ enum { CLOCK_TICKS_AT_ONCE = 20 };
 
 static const uint64_t NS_PER_MS = 1000000, TICK_NS = UINT64_C(1000) * TICK_PERIOD_US;
 static const uint64_t IDLE_NS = 5000000; /* longest sleep while nobody is heard */
+static const uint64_t RECOVERY_NS = 100000000;
 
 /* ---- the walker ------------------------------------------------------------ */
 
@@ -38,7 +39,7 @@ struct session {
     uint32_t sdo_requests; /* when the filters were last set */
     uint64_t start_ns;     /* CLOCK_MONOTONIC */
     uint64_t last_sync_ns; /* CLOCK_MONOTONIC; 0: none yet */
-    uint64_t next_clock_ns;
+    uint64_t next_clock_ns, next_recovery_ns;
     uint64_t time_ns; /* the nodes' time */
     bool by_clock;
     struct walker_figures figures;
@@ -195,6 +196,19 @@ static void go_by_clock(struct session *session, uint64_t now_ns)
     }
 }
 
+/* The nodes ask for a restart once; the controller chip may need more, and may not be ours to restart. */
+static void look_after_bus(struct session *session, const struct can_bus *bus, uint64_t now_ns)
+{
+    char advice[SOCKETCAN_ADVICE_MAX];
+    if (session->bus.status.error_state == CAN_BUS_OFF && now_ns >= session->next_recovery_ns) {
+        session->next_recovery_ns = now_ns + RECOVERY_NS;
+        can_bus_recover(bus);
+    }
+    if (socketcan_bus_advice(&session->bus, advice, sizeof advice)) {
+        program_complain("%s", advice);
+    }
+}
+
 static void serve(struct session *session)
 {
     const struct can_bus bus = socketcan_bus_interface(&session->bus);
@@ -210,6 +224,7 @@ static void serve(struct session *session)
         }
         if (!frames || session->by_clock || session->last_sync_ns == 0) {
             now_ns = socketcan_now_ns();
+            look_after_bus(session, &bus, now_ns);
             go_by_clock(session, now_ns);
         }
     }
