@@ -37,7 +37,9 @@ SRC_SIM := $(filter-out sim_host/programs/%,$(wildcard sim_host/*/*.c sim_host/*
 SRC_SIM_F32_STUDIES := $(wildcard sim_host/study/laws/*.c sim_host/study/observer/*.c)
 SRC_SIM_F64 := $(filter-out $(SRC_SIM_F32_STUDIES),$(filter sim_host/plant/% sim_host/gait/% sim_host/study/% sim_host/batch/%,$(SRC_SIM)))
 SRC_SIM_F32 := $(filter-out $(SRC_SIM_F64),$(SRC_SIM))
-SRC_PROGRAMS := $(wildcard sim_host/programs/*.c)
+# One program with a sub-command a file, and the benchmarks, which stay programs of their own.
+SRC_AFO := $(wildcard sim_host/programs/*.c)
+SRC_BENCH := $(wildcard sim_host/programs/bench/*.c)
 SRC_TESTS := $(wildcard tests/*/test_*.c tests/*/*/test_*.c tests/*/*/*/test_*.c tests/*/*/*/*/test_*.c)
 SRC_SUPPORT := $(filter-out tests/support/test_%,$(wildcard tests/support/*.c))
 
@@ -47,7 +49,7 @@ PROGRAM_OF = $(BUILD)/$(subst _,-,$(basename $(notdir $(1))))
 
 LIBS := $(addprefix $(BUILD)/lib/,libsim.a libfirmware.a libhal.a libcontroller_f32.a libcontroller_f64.a \
         libmodel_f32.a libmodel_f64.a)
-PROGRAMS := $(foreach p,$(SRC_PROGRAMS),$(call PROGRAM_OF,$(p)))
+PROGRAMS := $(if $(SRC_AFO),$(BUILD)/afo) $(foreach p,$(SRC_BENCH),$(call PROGRAM_OF,$(p)))
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(SRC_TESTS))
 
 .PHONY: all programs tests FORCE
@@ -110,12 +112,17 @@ $(BUILD)/lib/%.a: $(BUILD)/stamp/sources
 	$(call SAY,AR     $@)
 	$(Q)rm -f $@ $@.new && ar rcsD $@.new $(filter %.o,$^) && mv $@.new $@
 
-define PROGRAM_RULE
-$(call PROGRAM_OF,$(1)): $(call OBJ_F32,$(1)) $(LIBS)
-	$$(call SAY,LD     $$@)
-	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(filter %.o,$$^) $$(LIBS) $$(LDLIBS_SIM) -o $$@
+define LINK_PROGRAM
+$(call SAY,LD     $@)
+$(Q)$(CC) $(LDFLAGS_ALL) $(filter %.o,$^) $(LIBS) $(LDLIBS_SIM) -o $@
 endef
-$(foreach p,$(SRC_PROGRAMS),$(eval $(call PROGRAM_RULE,$(p))))
+$(BUILD)/afo: $(call OBJ_F32,$(SRC_AFO)) $(LIBS)
+	$(LINK_PROGRAM)
+define BENCH_RULE
+$(call PROGRAM_OF,$(1)): $(call OBJ_F32,$(1)) $(LIBS)
+	$$(LINK_PROGRAM)
+endef
+$(foreach p,$(SRC_BENCH),$(eval $(call BENCH_RULE,$(p))))
 
 # Tests named *_f64 see the double-precision model, all others the float one.
 define LINK_TEST
@@ -128,7 +135,7 @@ $(BUILD)/tests/%_f64: $(BUILD)/f64/tests/%_f64.o $(call OBJ_F64,$(SRC_SUPPORT)) 
 $(BUILD)/tests/%: $(BUILD)/f32/tests/%.o $(call OBJ_F32,$(SRC_SUPPORT)) $(LIBS)
 	$(LINK_TEST)
 
-SRC_ALL := $(SRC_MODEL) $(SRC_CONTROLLER) $(SRC_HAL) $(SRC_FIRMWARE) $(SRC_SIM) $(SRC_PROGRAMS) $(SRC_TESTS) \
+SRC_ALL := $(SRC_MODEL) $(SRC_CONTROLLER) $(SRC_HAL) $(SRC_FIRMWARE) $(SRC_SIM) $(SRC_AFO) $(SRC_BENCH) $(SRC_TESTS) \
         $(SRC_SUPPORT)
 -include $(wildcard $(patsubst %.o,%.d,$(call OBJ_F32,$(SRC_ALL)) $(call OBJ_F64,$(SRC_ALL))))
 
@@ -148,7 +155,7 @@ variant_coverage := CC=gcc OPT=-O0 SANITIZE="--coverage -fprofile-abs-path -fpro
 BITS_VARIANTS := gcc-O1 gcc-O3 clang-O1 clang-O3
 
 .PHONY: $(VARIANTS) $(VARIANTS:%=%-programs) $(VARIANTS:%=%-check) ubsan
-$(VARIANTS): ## (asan, tsan, coverage, clang, gcc-O3, ...) build the same tree that way in build/NAME
+$(VARIANTS): ## (asan, tsan, coverage, clang, gcc-O3, ...) build the same tree that way in build/NAME (a minute or two each)
 	$(Q)$(MAKE) --no-print-directory BUILD=build/$@ $(variant_$@) programs tests
 $(VARIANTS:%=%-programs):
 	$(Q)$(MAKE) --no-print-directory BUILD=build/$(@:%-programs=%) $(variant_$(@:%-programs=%)) programs
@@ -157,7 +164,7 @@ $(VARIANTS:%=%-check): %-check: % ## (asan-check, ...) build that way and run th
 ubsan: asan
 
 .PHONY: coverage-report
-coverage-report: coverage ## lines and branches that the C tests reach; fails on any that is neither reached nor excused
+coverage-report: coverage ## lines and branches that the C tests reach; fails on any neither reached nor excused (some minutes)
 	$(Q)find build/coverage -name '*.gcda' -delete
 	$(Q)CK_TIMEOUT_MULTIPLIER=5 scripts/run-tests --build build/coverage
 	$(Q)scripts/coverage-report build/coverage
@@ -167,7 +174,7 @@ coverage-report: coverage ## lines and branches that the C tests reach; fails on
 setup-%:
 	$(Q)scripts/setup $*
 
-run: ## the main job: a walk in closed loop on the in-process bus, its report and pictures
+run: ## the main job: a walk in closed loop on the in-process bus, its report and pictures (some seconds)
 	$(Q)scripts/setup run
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/demo-walk $(BUILD)
@@ -178,12 +185,12 @@ test: ## everything that must hold (some minutes on two cores)
 	$(Q)$(MAKE) --no-print-directory clang asan $(BITS_VARIANTS:%=%-programs)
 	$(Q)scripts/run-tests --build build --build build/clang --build build/asan --python --scripts
 
-test-long: ## what takes longer than `make test` may: tests marked long
+test-long: ## what takes longer than `make test` may: tests marked long (some tens of minutes)
 	$(Q)scripts/setup test
 	$(Q)$(MAKE) --no-print-directory programs tests $(TEST_NEEDS)
 	$(Q)scripts/run-tests --build build --python --long
 
-bench: ## how fast it is, as ratios measured side by side
+bench: ## how fast it is, as ratios measured side by side (some minutes)
 	$(Q)scripts/setup bench
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/bench $(BUILD)
@@ -193,7 +200,7 @@ FORMATTED := $(shell find model controller hal firmware sim_host tests -name '*.
 format: ## lay out all C sources as .clang-format says
 	$(Q)clang-format -i $(FORMATTED)
 
-lint: ## layout, layering, symbols, cppcheck with MISRA, clang-tidy, gcc -fanalyzer
+lint: ## layout, layering, symbols, cppcheck with MISRA, clang-tidy, gcc -fanalyzer (many minutes)
 	$(Q)scripts/setup lint
 	$(Q)scripts/lint
 

@@ -67,7 +67,7 @@ OPENOCD_BOARD := -f interface/stlink.cfg -f target/stm32g4x.cfg
 SETTINGS_AT := 0x0807E000
 SETTINGS_BIN := $(ARM_BUILD)/settings.bin
 flash: $(NUCLEO).elf $(NUCLEO).bin $(if $(SUBJECT),programs) ## write the image (SUBJECT=FILE: and settings) to a NUCLEO-G474RE (openocd, else st-flash)
-	$(Q)$(if $(SUBJECT),$(BUILD)/afo-settings --subject '$(SUBJECT)' $(if $(SPEED),--speed $(SPEED)) $(SETTINGS_BIN))
+	$(Q)$(if $(SUBJECT),$(BUILD)/afo settings --subject '$(SUBJECT)' $(if $(SPEED),--speed $(SPEED)) $(SETTINGS_BIN))
 	$(Q)if command -v $(OPENOCD) >/dev/null; then \
 	        $(OPENOCD) $(OPENOCD_BOARD) \
 	                $(if $(SUBJECT),-c 'program $(SETTINGS_BIN) $(SETTINGS_AT) verify') \
@@ -92,8 +92,8 @@ debug: $(NUCLEO).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still w
 TEST_NEEDS += firmware
 
 .PHONY: pil
-pil: firmware programs ## 200 steps with the flashed object code on an emulated Cortex-M4F, frame by frame like the host's
-	$(Q)$(BUILD)/afo-pil --steps 200 --speed 0.8 --image $(MPS2).elf
+pil: firmware programs ## 200 steps with the flashed object code on an emulated Cortex-M4F, frame by frame like the host's (some minutes)
+	$(Q)$(BUILD)/afo pil --steps 200 --speed 0.8 --image $(MPS2).elf
 
 .PHONY: budgets
 budgets: firmware programs ## what the image takes of flash, RAM, stack and instructions

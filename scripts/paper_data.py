@@ -1,4 +1,4 @@
-"""Runs build/afo-study for everything that the figures and tables of the paper show, and reads the results."""
+"""Runs `build/afo study` for everything that the figures and tables of the paper show, and reads the results."""
 import csv
 import json
 import math
@@ -9,7 +9,7 @@ from tables import TableError
 
 
 class Study:
-    """The study program, and a folder for what it printed. Files are made anew on every run."""
+    """`afo study`, and a folder for what it printed. Files are made anew on every run."""
 
     def __init__(self, program, folder):
         self.program = str(program)
@@ -19,7 +19,7 @@ class Study:
     def rows(self, name, *arguments, may_fail=False):
         """Runs a command with --csv; its rows as dictionaries, numbers where they are numbers."""
         path = self.folder / f"{name}.csv"
-        command = [self.program, *map(str, arguments), "--csv", "--out", str(path), "--quiet"]
+        command = [self.program, "study", *map(str, arguments), "--csv", "--out", str(path), "--quiet"]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
         if done.returncode != 0 and not may_fail:
             raise TableError(f"{' '.join(command)}: exit status {done.returncode} {done.stderr}".strip())
@@ -29,7 +29,7 @@ class Study:
 
     def report(self, *arguments):
         """Runs a command with --json."""
-        command = [self.program, *map(str, arguments), "--json", "--quiet"]
+        command = [self.program, "study", *map(str, arguments), "--json", "--quiet"]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
         if done.returncode != 0:
             raise TableError(f"{' '.join(command)}: exit status {done.returncode} {done.stderr}".strip())

@@ -7,16 +7,28 @@ $(BUILD)/afo-bench-cvode: private LDLIBS_SIM += $(if $(call HAVE_HEADER,cvode/cv
         -lsundials_cvode -lsundials_nvecserial -lsundials_generic)
 $(BUILD)/afo-bench-gsl: private LDLIBS_SIM += $(if $(call HAVE_HEADER,gsl/gsl_odeiv2.h),-lgsl -lgslcblas)
 
-# Long work under mpirun, where MPI is installed. Only programs that run chunks come to need its library.
+# Long work under mpirun, where MPI is installed: the same program with MPI in it, apart, so that afo itself needs
+# no library of it.
 MPI_INCLUDES := $(shell mpicc --showme:incdirs 2>/dev/null)
 ifneq ($(MPI_INCLUDES),)
-$(BUILD)/f64/sim_host/batch/chunks_mpi.o: private CFLAGS_ALL += -DBATCH_HAVE_MPI $(MPI_INCLUDES:%=-isystem %)
-LDLIBS_SIM += -Wl,--as-needed $(shell mpicc --showme:libdirs 2>/dev/null | sed 's/[^ ]\+/-L&/g') \
-        $(shell mpicc --showme:libs 2>/dev/null | sed 's/[^ ]\+/-l&/g') -Wl,--no-as-needed
+MPI_LIBS := $(shell mpicc --showme:libdirs 2>/dev/null | sed 's/[^ ]\+/-L&/g') \
+        $(shell mpicc --showme:libs 2>/dev/null | sed 's/[^ ]\+/-l&/g')
+CHUNKS_MPI := $(BUILD)/mpi/sim_host/batch/chunks_mpi.o
+$(CHUNKS_MPI): sim_host/batch/chunks_mpi.c $(BUILD)/stamp/flags
+	@mkdir -p $(@D)
+	$(call SAY,CC64   $<)
+	$(Q)$(CC) $(CFLAGS_ALL) -DREAL_IS_DOUBLE -DBATCH_HAVE_MPI $(MPI_INCLUDES:%=-isystem %) -MMD -MP -c $< -o $@
+-include $(CHUNKS_MPI:.o=.d)
+# Its object stands before the archives, and so in the place of theirs.
+$(BUILD)/afo-mpi: private LDLIBS_SIM += $(MPI_LIBS)
+$(BUILD)/afo-mpi: $(call OBJ_F32,$(SRC_AFO)) $(CHUNKS_MPI) $(LIBS)
+	$(LINK_PROGRAM)
+PROGRAMS += $(BUILD)/afo-mpi
+programs: $(BUILD)/afo-mpi
 endif
 
 .PHONY: atlas
-atlas: ## where a walker walks: the basin as a volume, the plane of push-off and stiffness (long; resumes)
+atlas: ## where a walker walks: the basin as a volume, the plane of push-off and stiffness (half an hour; resumes)
 	$(Q)scripts/setup bench
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/bench-atlas $(BUILD)

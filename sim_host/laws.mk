@@ -21,7 +21,7 @@ laws: ## all studies of the laws, map and whole chain, numbers and pictures into
 	$(Q)scripts/results-page --title 'The laws beside each other' --made-by 'make laws' --out $(LAWS_OUT)/index.html \
 	    $(LAWS_OUT)/table.md $(addprefix $(LAWS_OUT)/laws-,$(addsuffix .png,$(LAWS_PICTURES))) $(LAWS_DONE)
 
-$(LAWS_DONE): $(LAWS_OUT)/%.txt: $(BUILD)/afo-study
+$(LAWS_DONE): $(LAWS_OUT)/%.txt: $(BUILD)/afo
 	@echo '  LAWS   $(subst _, ,$*)'
-	$(Q)$< laws $(subst _, ,$*) --out $(LAWS_OUT) >$@.new
+	$(Q)$< study laws $(subst _, ,$*) --out $(LAWS_OUT) >$@.new
 	$(Q)mv $@.new $@

@@ -1,6 +1,6 @@
-# The paper's tables and figures from the study program.
+# The paper's tables and figures by `afo study`.
 .PHONY: paper
-paper: ## every table and figure of the paper, and one page, in build/paper
+paper: ## every table and figure of the paper, and one page, in build/paper (a minute or two)
 	$(Q)scripts/setup paper
 	$(Q)$(MAKE) --no-print-directory programs
-	$(Q)scripts/paper --study $(BUILD)/afo-study --out $(BUILD)/paper
+	$(Q)scripts/paper --afo $(BUILD)/afo --out $(BUILD)/paper

@@ -1,4 +1,4 @@
-/* Made by `afo-study observer-gains`; do not edit.
+/* Made by `afo study observer-gains`; do not edit.
  * Noise 0.000399 rad a sample of 0.001 s; at lift-off 0.001 rad and 0.02 rad/s; error of the
  * model's acceleration 1.2e-06 (stance) and 1.2e-06 rad^2/s^3 (swing). */
 #include "controller/estimator/observer_gains.h"

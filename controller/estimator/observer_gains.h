@@ -8,7 +8,7 @@
  * error of the model's acceleration demands. As only the ratios of these
  * uncertainties to the sensor's noise matter, and the angles are known within
  * tenths of a second far better than from lift-off, one table serves all sensors.
- * Made by `afo-study observer-gains`, which states the assumptions.
+ * Made by `afo study observer-gains`, which states the assumptions.
  */
 #ifndef CONTROLLER_ESTIMATOR_OBSERVER_GAINS_H
 #define CONTROLLER_ESTIMATOR_OBSERVER_GAINS_H

@@ -1,7 +1,7 @@
 /* finv of eq. (16): which precompression walks at which apex speed.
  *
  * The fixed-point curve r0 -> v of the long-period branch, sampled at equally
- * spaced r0 by a program from the model (build/afo-table), and its inverse.
+ * spaced r0 by a program from the model (build/afo study table), and its inverse.
  * Source: paper eq. (15); the curve is made by sim_host/gait/gait_curve.
  */
 #ifndef CONTROLLER_LAWS_SPEED_TABLE_H

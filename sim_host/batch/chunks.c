@@ -11,6 +11,10 @@
 #include "sim_host/batch/chunks_file.h"
 #include "sim_host/batch/parallel_for.h"
 
+/* Between two lines of progress, seconds: a terminal's is replaced, a log's stays. */
+#define TERMINAL_S 0.5
+#define LOG_S 30.0
+
 static const char magic[8] = {'A', 'F', 'O', 'C', 'H', 'N', 'K', '1'};
 
 uint64_t chunks_key(uint64_t key, const void *bytes, size_t count)
@@ -178,11 +182,15 @@ static void show(struct chunks_file *file)
 {
     const double now = now_s(), spent = now - file->started_s;
     const size_t left = file->missing_count - file->stored;
-    if (file->job->is_progress_shown && (now - file->shown_s > 0.5 || left == 0)) {
+    const int is_terminal = isatty(STDERR_FILENO);
+    const double since = file->shown_s > 0.0 ? file->shown_s : file->started_s;
+    if (file->job->is_progress_shown &&
+        (now - since > (is_terminal ? TERMINAL_S : LOG_S) || (left == 0 && is_terminal))) {
         file->shown_s = now;
-        fprintf(stderr, "\r%zu of %zu chunks, %.2f a second, %.0f s left   %s",
-                file->job->count - left, file->job->count, (double)file->stored / spent,
-                spent * (double)left / (double)file->stored, left == 0 ? "\n" : "");
+        fprintf(stderr, "%s%zu of %zu chunks, %.2f a second, %.0f s left%s",
+                is_terminal ? "\r" : "", file->job->count - left, file->job->count,
+                (double)file->stored / spent, spent * (double)left / (double)file->stored,
+                !is_terminal || left == 0 ? "\n" : "   ");
     }
 }
 
@@ -257,7 +265,7 @@ const char *chunks_status_name(enum chunks_status status)
     case CHUNKS_NO_MEMORY:
         return "out of memory";
     case CHUNKS_NO_MPI:
-        return "started by mpirun, but built without MPI: install libopenmpi-dev and build again";
+        return "started by mpirun, but this program is without MPI: take build/afo-mpi, which is built where libopenmpi-dev is installed";
     }
     return "unknown status";
 }

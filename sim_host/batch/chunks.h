@@ -26,8 +26,8 @@ struct chunks_job {
     size_t bytes; /* of one chunk's result, > 0 */
     chunks_compute_fn *compute;
     void *context;
-    int threads;           /* per process; 0: all cores, under mpirun one */
-    int is_progress_shown; /* a line on stderr: done, rate, time left */
+    int threads; /* per process; 0: all cores, under mpirun one */
+    int is_progress_shown; /* on stderr: done, rate, time left; a line now and then where that is no terminal */
 };
 
 enum chunks_status {

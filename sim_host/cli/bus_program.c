@@ -1,10 +1,10 @@
 #include "sim_host/cli/bus_program.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <string.h>
 
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/program.h"
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The bus:", 2},
@@ -32,7 +32,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->quiet = true;
         break;
     case ARGP_KEY_ARG:
-        argp_error(state, "unexpected argument \"%s\"", text);
+        option_refuse_argument(state, text);
         break;
     case ARGP_KEY_END:
         if (options->interface == NULL) {
@@ -72,11 +72,12 @@ bool bus_program_is_to_end(void)
     return asked_to_end != 0;
 }
 
-void bus_program_no_interface(const char *program, const char *interface, int error)
+void bus_program_no_interface(const char *interface, int error)
 {
-    fprintf(stderr, "%s: CAN interface %s: %s%s\n", program, interface, strerror(-error),
-            error == -EAFNOSUPPORT ? " (this kernel has no CAN; scripts/vcan-guest brings one)"
-            : error == -ENODEV     ? " (ip link shows the interfaces)"
-            : error == -EINVAL     ? " (a name has at most 15 characters)"
-                                   : "");
+    program_complain("CAN interface %s: %s%s", interface, strerror(-error),
+                     error == -EAFNOSUPPORT
+                         ? " (this kernel has no CAN; scripts/vcan-guest brings one)"
+                     : error == -ENODEV ? " (ip link shows the interfaces)"
+                     : error == -EINVAL ? " (a name has at most 15 characters)"
+                                        : "");
 }

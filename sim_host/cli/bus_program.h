@@ -1,4 +1,4 @@
-/* What the programs on a real bus have in common: the options that every one of them
+/* What the commands on a real bus have in common: the options that every one of them
  * takes, how they are asked to end, and what they say about an interface that cannot be had.
  */
 #ifndef SIM_HOST_CLI_BUS_PROGRAM_H
@@ -31,6 +31,6 @@ bool bus_program_is_to_end(void);
 
 /* Says on standard error why `interface` cannot be had; error: what socketcan_bus_open()
  * returned. */
-void bus_program_no_interface(const char *program, const char *interface, int error);
+void bus_program_no_interface(const char *interface, int error);
 
 #endif

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/option.h"
 
 enum { KEY_SLOPE = 0x600, KEY_TERRAIN, KEY_PUSH };
 

@@ -2,6 +2,9 @@
 
 #include <stdio.h>
 
+#include "sim_host/cli/json_writer.h"
+#include "sim_host/cli/program.h"
+
 const char *host_report_state_name(enum supervisor_state state)
 {
     static const char *const names[SUPERVISOR_STATES] = {"waiting for the nodes",
@@ -31,13 +34,13 @@ void host_report_refusal(const struct control_task *task, uint32_t *told)
     }
     *told = objects->refused_node != 0 ? number : 0;
     if (host_report_is_refused(task)) {
-        fprintf(stderr, "afo-host: node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X\n",
-                objects->refused_node, objects->refused_index, objects->refused_sub,
-                objects->refused_expected, differs ? "found" : "abort code",
-                objects->refused_found);
+        program_complain("node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X",
+                         objects->refused_node, objects->refused_index, objects->refused_sub,
+                         objects->refused_expected, differs ? "found" : "abort code",
+                         objects->refused_found);
     } else if (objects->refused_node != 0) {
-        fprintf(stderr, "afo-host: node %u does not answer (object 0x%04X:%02X), asked again\n",
-                objects->refused_node, objects->refused_index, objects->refused_sub);
+        program_complain("node %u does not answer (object 0x%04X:%02X), asked again",
+                         objects->refused_node, objects->refused_index, objects->refused_sub);
     }
 }
 
@@ -68,18 +71,29 @@ void host_report_json(const struct control_task *task, const struct host_figures
                       const struct pacer *pacer)
 {
     struct can_bus_status status;
+    struct json_writer json;
     const struct can_bus bus = task->config.bus;
     can_bus_get_status(&bus, &status);
-    printf(
-        "{\"steps\": %u, \"ticks\": %u, \"lost_cycles\": %llu, \"late_answers\": %u, "
-        "\"measured_speed_rad_s\": %.9g, \"r0_m\": %.9g, \"state\": %d, \"fault\": %d, \"faults\": %u, "
-        "\"tx_frames\": %u, \"rx_frames\": %u, \"tx_refused\": %u, \"rx_overflow\": %u, "
-        "\"error_frames\": %u, \"went_down\": %u, \"missed_deadlines\": %llu, \"worst_late_us\": %.3f}\n",
-        figures->steps, task->tick, (unsigned long long)figures->lost_cycles,
-        task->node.objects.counters.late_answers,
-        (double)task->controller.last_step.measured_speed_rad_s,
-        (double)task->controller.last_step.r0_m, (int)task->output.state, (int)task->output.fault,
-        figures->faults, status.tx_frames, status.rx_frames, status.tx_refused, status.rx_overflow,
-        status.error_frames, figures->went_down, (unsigned long long)pacer->missed,
-        1e-3 * (double)pacer->worst_late_ns);
+    json_begin(&json, stdout);
+    json_open_object(&json, NULL);
+    json_unsigned(&json, "steps", figures->steps);
+    json_unsigned(&json, "ticks", task->tick);
+    json_unsigned(&json, "lost_cycles", figures->lost_cycles);
+    json_unsigned(&json, "late_answers", task->node.objects.counters.late_answers);
+    json_number(&json, "measured_speed_rad_s",
+                (double)task->controller.last_step.measured_speed_rad_s, 9);
+    json_number(&json, "r0_m", (double)task->controller.last_step.r0_m, 9);
+    json_integer(&json, "state", (int)task->output.state);
+    json_integer(&json, "fault", (int)task->output.fault);
+    json_unsigned(&json, "faults", figures->faults);
+    json_unsigned(&json, "tx_frames", status.tx_frames);
+    json_unsigned(&json, "rx_frames", status.rx_frames);
+    json_unsigned(&json, "tx_refused", status.tx_refused);
+    json_unsigned(&json, "rx_overflow", status.rx_overflow);
+    json_unsigned(&json, "error_frames", status.error_frames);
+    json_unsigned(&json, "went_down", figures->went_down);
+    json_unsigned(&json, "missed_deadlines", pacer->missed);
+    json_fixed(&json, "worst_late_us", 1e-3 * (double)pacer->worst_late_ns, 3);
+    json_close_object(&json);
+    json_end(&json);
 }

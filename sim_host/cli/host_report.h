@@ -1,4 +1,4 @@
-/* What afo-host says of its walk: states and refused nodes as they come, figures at the end. */
+/* What afo host says of its walk: states and refused nodes as they come, figures at the end. */
 #ifndef SIM_HOST_CLI_HOST_REPORT_H
 #define SIM_HOST_CLI_HOST_REPORT_H
 

@@ -87,14 +87,3 @@ void output_file_discard(struct output_file *file)
         unlink(file->temporary);
     }
 }
-
-int output_standard_done(const char *program)
-{
-    errno = 0;
-    if (fflush(stdout) == 0 && !ferror(stdout)) {
-        return 0;
-    }
-    fprintf(stderr, "%s: cannot write to standard output%s%s\n", program, errno != 0 ? ": " : "",
-            errno != 0 ? strerror(errno) : "");
-    return -1;
-}

@@ -31,10 +31,6 @@ int output_file_commit(struct output_file *file, char *message, size_t size);
  * an older one, and PATH stays as it was. A device or a pipe has got it already. */
 int output_file_keep_part(struct output_file *file, char *message, size_t size);
 
-/* Completes standard output, and complains in the program's name when some of what was
- * printed is lost. Returns 0 or -1. At the end of a program. */
-int output_standard_done(const char *program);
-
 /* Throws away what was written; nothing happens on a file that is not open. */
 void output_file_discard(struct output_file *file);
 

@@ -1,6 +1,6 @@
 #include "sim_host/cli/sensor_options.h"
 
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/option.h"
 
 enum { KEY_LATENCY = 0x500, KEY_NOISE, KEY_DROP, KEY_COLOURED, KEY_OFFSET_LEFT, KEY_OFFSET_RIGHT };
 

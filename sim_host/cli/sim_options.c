@@ -1,15 +1,12 @@
 #include "sim_host/cli/sim_options.h"
 
 #include <argp.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "sim_host/cli/recording_options.h"
 
 enum {
     KEY_STEPS = 0x100,
-    KEY_SENSORS,
-    KEY_SEED,
     KEY_CSV,
     KEY_TICKS,
     KEY_LOG,
@@ -26,13 +23,11 @@ enum {
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The walk:", 2},
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200; a recording: all)", 0},
-    {"sensors", KEY_SENSORS, "PRESET", 0, "ideal, 17bit (default), 14bit or 12bit", 0},
     {"recording", KEY_RECORDING, "FILE.csv", 0, "recorded walking in the walker's place", 0},
     {"column", KEY_COLUMN, "ROLE=NAME", 0,
      "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
     {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
     {"angles", KEY_ANGLES, "UNIT", 0, "of the recording's angles: deg (default) or rad", 0},
-    {"seed", KEY_SEED, "N", 0, "seed of all noise (default 1)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
     {"engage", KEY_ENGAGE, "STEPS", 0,
@@ -41,24 +36,21 @@ static const struct argp_option option_list[] = {
      0},
     {"real-time", KEY_REAL_TIME, 0, 0, "one tick a millisecond, with a report of the jitter", 0},
     {0, 0, 0, 0, "What comes out:", 3},
-    {"csv", KEY_CSV, "FILE", 0, "one line per step", 0},
+    {"csv", KEY_CSV, "FILE", 0, "one line per step; FILE.json says what the experiment was", 0},
     {"ticks", KEY_TICKS, 0, 0, "one line per tick in --csv instead", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
     {"json", 'j', 0, 0, "one JSON object on standard output instead of the report", 0},
     {"quiet", 'q', 0, 0, "no report and no progress line", 0},
     {0}};
 
-static void take_fault(struct argp_state *state, struct sim_options *options, const char *name)
+static enum loop_fault fault_of(struct argp_state *state, const char *name)
 {
+    const char *names[LOOP_FAULT_COUNT];
     for (int i = 0; i < LOOP_FAULT_COUNT; i++) {
-        if (strcmp(name, loop_fault_name((enum loop_fault)i)) == 0) {
-            options->fault = (enum loop_fault)i;
-            return;
-        }
+        names[i] = loop_fault_name((enum loop_fault)i);
     }
-    argp_error(state,
-               "--fault: \"%s\" is unknown, allowed is none, cut-drives, never-armed, swapped",
-               name);
+    return (enum loop_fault)option_choice(state, "--fault", name, names, LOOP_FAULT_COUNT,
+                                          sizeof names[0]);
 }
 
 enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
@@ -101,25 +93,17 @@ static void check_together(struct argp_state *state, const struct sim_options *o
 
 static error_t take(int key, char *text, struct argp_state *state)
 {
+    static const char *const units[] = {"deg", "rad"};
     struct sim_options *options = (struct sim_options *)state->input;
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->walk;
         state->child_inputs[1] = &options->sensor;
         state->child_inputs[2] = &options->ground;
+        state->child_inputs[3] = &options->sensing;
         break;
     case KEY_STEPS:
         options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 10000000);
-        break;
-    case KEY_SENSORS:
-        if (!sensor_preset_from_name(text, &options->sensors)) {
-            argp_error(state, "--sensors: \"%s\" is unknown, allowed is ideal, 17bit, 14bit, 12bit",
-                       text);
-        }
-        options->sensors_name = text;
-        break;
-    case KEY_SEED:
-        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
         break;
     case KEY_CSV:
         options->csv_path = text;
@@ -147,14 +131,12 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_ANGLES:
         options->format_given = true;
-        if (strcmp(text, "rad") == 0) {
+        if (option_choice(state, "--angles", text, units, 2, sizeof units[0]) == 1) {
             options->recording_format.angle_unit_rad = 1.0;
-        } else if (strcmp(text, "deg") != 0) {
-            argp_error(state, "--angles: \"%s\" is unknown, allowed is deg, rad", text);
         }
         break;
     case KEY_FAULT:
-        take_fault(state, options, text);
+        options->fault = fault_of(state, text);
         break;
     case KEY_FAULT_STEP:
         options->fault_step = (uint32_t)option_whole(state, "--fault-step", text, 0, 10000000);
@@ -172,7 +154,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->json = true;
         break;
     case ARGP_KEY_ARG:
-        argp_error(state, "unexpected argument \"%s\"", text);
+        option_refuse_argument(state, text);
         break;
     case ARGP_KEY_END:
         check_together(state, options);
@@ -188,6 +170,7 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
     static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1},
                                                  {&sensor_options_parser, 0, "", 3},
                                                  {&ground_options_parser, 0, "", 4},
+                                                 {&sensing_options_parser, 0, 0, 2},
                                                  {0}};
     static const struct argp parser = {
         option_list,
@@ -198,15 +181,12 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
         children,
         0,
         0};
-    *options = (struct sim_options){
-        .sensors = SENSORS_17BIT, .sensors_name = "17bit", .seed = 1, .fault_step = UINT32_MAX};
+    *options = (struct sim_options){.fault_step = UINT32_MAX, .argc = argc, .argv = argv};
     walk_options_init(&options->walk);
     sensor_options_init(&options->sensor);
-    option_identity("afo-sim");
+    sensing_options_init(&options->sensing);
     recording_format_default(&options->recording_format);
-    if (argp_parse(&parser, argc, argv, 0, NULL, options) != 0) {
-        exit(2);
-    }
+    option_parse(&parser, argc, argv, options);
     if (options->steps == 0) {
         options->steps = options->recording_path != NULL ? UINT32_MAX : DEFAULT_STEPS;
     }

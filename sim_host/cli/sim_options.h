@@ -1,4 +1,4 @@
-/* Command line of afo-sim. */
+/* Command line of afo sim. */
 #ifndef SIM_HOST_CLI_SIM_OPTIONS_H
 #define SIM_HOST_CLI_SIM_OPTIONS_H
 
@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "sim_host/cli/ground_options.h"
+#include "sim_host/cli/sensing_options.h"
 #include "sim_host/cli/sensor_options.h"
 #include "sim_host/cli/walk_options.h"
 #include "sim_host/loop/loop.h"
@@ -13,9 +14,7 @@
 struct sim_options {
     struct walk_options walk;
     uint32_t steps; /* UINT32_MAX: to the recording's end */
-    enum sensor_preset_kind sensors;
-    const char *sensors_name;
-    uint64_t seed;
+    struct sensing_options sensing;
     const char *csv_path;
     bool ticks;
     const char *log_path;
@@ -30,6 +29,8 @@ struct sim_options {
     bool real_time; /* one tick a millisecond instead of as fast as it goes */
     bool quiet;
     bool json;
+    int argc; /* the whole command line, for the record */
+    char **argv;
 };
 
 /* Parses the command line; --help and --version end the process with 0, a usage

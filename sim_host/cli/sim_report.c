@@ -3,7 +3,9 @@
 #include <math.h>
 
 #include "firmware/version.h"
+#include "sim_host/cli/experiment.h"
 #include "sim_host/cli/recording_report.h"
+#include "sim_host/cli/sim_experiment.h"
 #include "sim_host/subjects/law_name.h"
 
 static const char *side_name(enum side side)
@@ -13,80 +15,59 @@ static const char *side_name(enum side side)
 
 /* ---- JSON ------------------------------------------------------------------ */
 
-static void json_string(FILE *stream, const char *text)
+static void walked_json(struct json_writer *json, const struct walk_record *record)
 {
-    fputc('"', stream);
-    for (; *text != '\0'; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c == '"' || c == '\\') {
-            fprintf(stream, "\\%c", c);
-        } else if (c < 0x20) {
-            fprintf(stream, "\\u%04x", c);
+    json_open_list(json, "apex_speed_rad_s");
+    for (uint32_t i = 0; i < record->count; i++) {
+        json_number(json, NULL, record->rows[i].apex_speed_rad_s, 9);
+    }
+    json_close_list(json);
+    json_open_list(json, "r0_m");
+    for (uint32_t i = 0; i < record->count; i++) {
+        const struct walk_row *row = &record->rows[i];
+        json_number(json, NULL, row->measured ? row->r0_m : (double)NAN, 9);
+    }
+    json_close_list(json);
+    json_open_list(json, "used_fallback");
+    for (uint32_t i = 0; i < record->count; i++) {
+        if (record->rows[i].measured) {
+            json_bool(json, NULL, record->rows[i].used_fallback);
         } else {
-            fputc(c, stream);
+            json_null(json, NULL);
         }
     }
-    fputc('"', stream);
-}
-
-static void json_number(FILE *stream, double value)
-{
-    if (isfinite(value)) {
-        fprintf(stream, "%.9g", value);
-    } else {
-        fputs("null", stream);
-    }
-}
-
-static double row_r0(const struct walk_row *row)
-{
-    return row->measured ? row->r0_m : (double)NAN;
+    json_close_list(json);
 }
 
 void sim_report_json(FILE *stream, const struct sim_options *options, const struct loop *loop,
                      const struct walk_record *record, const struct sim_outcome *outcome)
 {
-    fputs("{\"version\": ", stream);
-    json_string(stream, version_text());
-    fputs(", \"subject\": ", stream);
-    json_string(stream, loop->config.subject.name);
-    fprintf(stream, ", \"sensors\": \"%s\", \"seed\": %llu", options->sensors_name,
-            (unsigned long long)options->seed);
-    fprintf(stream, ", \"law\": \"%s\"", law_name_of((enum law_mode)loop->config.params.law));
-    fprintf(stream, ", \"fell\": %s, \"fault\": ", outcome->fell ? "true" : "false");
-    if (outcome->fault[0] != '\0') {
-        json_string(stream, outcome->fault);
-    } else {
-        fputs("null", stream);
-    }
-    fprintf(stream, ", \"steps\": %u, \"target_speed_rad_s\": ", record->count);
-    json_number(stream, loop->config.desired_speed_rad_s);
+    struct json_writer json;
+    json_begin(&json, stream);
+    json_open_object(&json, NULL);
+    json_text(&json, "version", version_text());
+    json_text(&json, "subject", loop->config.subject.name);
+    json_text(&json, "sensors", options->sensing.preset_name);
+    json_unsigned(&json, "seed", options->sensing.seed);
+    json_text(&json, "law", law_name_of((enum law_mode)loop->config.params.law));
+    json_bool(&json, "fell", outcome->fell);
+    json_text(&json, "fault", outcome->fault[0] != '\0' ? outcome->fault : NULL);
+    json_unsigned(&json, "steps", record->count);
+    json_number(&json, "target_speed_rad_s", loop->config.desired_speed_rad_s, 9);
     if (options->recording_path != NULL) {
-        fprintf(stream, ", \"apexes_left\": %u, \"apexes_right\": %u", record->apexes[SIDE_LEFT],
-                record->apexes[SIDE_RIGHT]);
-        recording_report_json(stream, &record->gait);
+        json_unsigned(&json, "apexes_left", record->apexes[SIDE_LEFT]);
+        json_unsigned(&json, "apexes_right", record->apexes[SIDE_RIGHT]);
+        recording_report_json(&json, &record->gait);
     }
-    fputs(", \"apex_speed_rad_s\": [", stream);
-    for (uint32_t i = 0; i < record->count; i++) {
-        fputs(i > 0 ? ", " : "", stream);
-        json_number(stream, record->rows[i].apex_speed_rad_s);
-    }
-    fputs("], \"r0_m\": [", stream);
-    for (uint32_t i = 0; i < record->count; i++) {
-        fputs(i > 0 ? ", " : "", stream);
-        json_number(stream, row_r0(&record->rows[i]));
-    }
-    fputs("], \"used_fallback\": [", stream);
-    for (uint32_t i = 0; i < record->count; i++) {
-        const struct walk_row *row = &record->rows[i];
-        fputs(i > 0 ? ", " : "", stream);
-        fputs(!row->measured ? "null" : row->used_fallback ? "true" : "false", stream);
-    }
-    fputs("], \"bus_load\": ", stream);
-    json_number(stream, sim_bus_load(&loop->bus));
-    fputs(", \"simulated_s\": ", stream);
-    json_number(stream, (double)loop->tick * 1e-3);
-    fputs("}\n", stream);
+    walked_json(&json, record);
+    json_number(&json, "bus_load", sim_bus_load(&loop->bus), 9);
+    json_number(&json, "simulated_s", (double)loop->tick * 1e-3, 9);
+    json_open_object(&json, "experiment");
+    experiment_identity(&json, options->argc, options->argv);
+    sim_experiment_json(&json, options, &loop->config);
+    json_close_object(&json);
+    json_close_object(&json);
+    json_end(&json);
 }
 
 /* ---- CSV ------------------------------------------------------------------- */
@@ -99,8 +80,8 @@ void sim_report_csv(FILE *stream, const struct walk_record *record, double targe
     for (uint32_t i = 0; i < record->count; i++) {
         const struct walk_row *row = &record->rows[i];
         const double step_time = i > 0 ? row->time_s - record->rows[i - 1].time_s : 0.0;
-        fprintf(stream, "%u,%.6f,%s,%.9f,", row->number, row->time_s, side_name(row->side),
-                row->apex_speed_rad_s);
+        fprintf(stream, "%u,%.6f,%s,%.9f,", row->number, row->time_s - record->gait.origin_s,
+                side_name(row->side), row->apex_speed_rad_s);
         if (row->measured) {
             fprintf(stream, "%.9f,%.9f,%.9f,", row->measured_speed_rad_s, row->command_rad_s,
                     row->r0_m);
@@ -148,7 +129,7 @@ static const char *event_name(int event)
     }
 }
 
-void sim_tick_line(FILE *stream, const struct loop *loop, int event)
+void sim_tick_line(FILE *stream, const struct loop *loop, int event, double origin_s)
 {
     static const char *const phases[] = {"held", "single", "double", "down"};
     struct plant_truth truth;
@@ -157,7 +138,7 @@ void sim_tick_line(FILE *stream, const struct loop *loop, int event)
     plant_sea_output(&loop->nodes.plant, SIDE_LEFT, &motor[SIDE_LEFT]);
     plant_sea_output(&loop->nodes.plant, SIDE_RIGHT, &motor[SIDE_RIGHT]);
     fprintf(stream, "%llu,%.3f,%s,%s,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%s,%d\n",
-            (unsigned long long)truth.tick, truth.time_s, side_name(truth.stance),
+            (unsigned long long)truth.tick, truth.time_s - origin_s, side_name(truth.stance),
             phases[truth.phase], truth.leg_angle_rad[0], truth.leg_angle_rad[1],
             truth.leg_rate_rad_s[0], truth.leg_rate_rad_s[1], truth.ankle_m[0], truth.ankle_m[1],
             motor[SIDE_LEFT].position_m, motor[SIDE_RIGHT].position_m, truth.hip_m[0],
@@ -214,6 +195,9 @@ static void fallback_line(FILE *stream, const struct walk_record *record)
 static void what_was_asked(FILE *stream, const struct sim_options *options, const struct loop *loop)
 {
     const struct control_params *params = &loop->config.params;
+    if (options->recording_path != NULL) {
+        fprintf(stream, "  recording  %s\n", options->recording_path);
+    }
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.name, (double)params->torso_mass_kg, (double)params->leg_mass_kg,
             (double)params->leg_length_m, (double)params->spring_stiffness_n_m);
@@ -230,8 +214,13 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
         fprintf(stream, "  law        %s, to %g rad/s\n", law_name_of((enum law_mode)params->law),
                 loop->config.desired_speed_rad_s);
     }
-    fprintf(stream, "  sensors    %s, seed %llu\n", options->sensors_name,
-            (unsigned long long)options->seed);
+    fprintf(stream, "  sensors    %s, seed %llu\n", options->sensing.preset_name,
+            (unsigned long long)options->sensing.seed);
+    if (ground_options_given(&options->ground)) {
+        fprintf(stream, "  ground     slope %g deg, terrain %g mm, push %g N s at %g s\n",
+                options->ground.slope_deg, options->ground.terrain_mm, options->ground.push_Ns,
+                options->ground.push_s);
+    }
     if (loop->config.fault != LOOP_FAULT_NONE) {
         fprintf(stream, "  fault      %s after step %u%s\n", loop_fault_name(loop->config.fault),
                 loop->config.fault_step, loop->fault_active ? "" : ": not reached");
@@ -263,7 +252,8 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
 {
     const double simulated_s = (double)loop->tick * 1e-3;
     const struct walk_summary last = walk_record_summary(record, 20);
-    fputs("\n", stream);
+    fprintf(stream, "\n  program    afo %s (build %08x)\n", version_text(),
+            (unsigned)version_build_id());
     what_was_asked(stream, options, loop);
     if (outcome->fault[0] != '\0') {
         fprintf(stream, "  outcome    %s after %u step%s: %s\n", outcome->fell ? "FELL" : "STOPPED",

@@ -1,4 +1,4 @@
-/* What afo-sim says about a walk: for people, as JSON, as CSV. */
+/* What afo sim says about a walk: for people, as JSON, as CSV. */
 #ifndef SIM_HOST_CLI_SIM_REPORT_H
 #define SIM_HOST_CLI_SIM_REPORT_H
 
@@ -19,11 +19,13 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
 void sim_report_json(FILE *stream, const struct sim_options *options, const struct loop *loop,
                      const struct walk_record *record, const struct sim_outcome *outcome);
 
-/* Per step: header and one line a step. */
+/* Per step: header and one line a step. Times count from the record's gait.origin_s: of a recording by
+ * its own clock. */
 void sim_report_csv(FILE *stream, const struct walk_record *record, double target_rad_s);
 
-/* Per tick: header, then one line for each call. event: enum walk_event_kind or -1. */
+/* Per tick: header, then one line for each call. event: enum walk_event_kind or -1. Times count from
+ * origin_s of the plant. */
 void sim_tick_header(FILE *stream);
-void sim_tick_line(FILE *stream, const struct loop *loop, int event);
+void sim_tick_line(FILE *stream, const struct loop *loop, int event, double origin_s);
 
 #endif

@@ -1,12 +1,10 @@
 #include "sim_host/cli/walk_options.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/version.h"
 #include "sim_host/subjects/law_name.h"
 
 enum { KEY_SPEED = 0x400, KEY_OPEN_LOOP, KEY_R0, KEY_START_R0, KEY_KP, KEY_LAW, KEY_SUBJECT };
@@ -28,35 +26,6 @@ static const struct argp_option option_list[] = {
     {"subject", KEY_SUBJECT, "FILE", 0, "subject file (INI; default: the paper's walker)", 0},
     {0}};
 
-double option_number(struct argp_state *state, const char *option, const char *text, double low,
-                     double high)
-{
-    char *end = NULL;
-    errno = 0;
-    const double value = strtod(text, &end);
-    if (end == text || *end != '\0' || errno == ERANGE || !isfinite(value)) {
-        argp_error(state, "%s: \"%s\" is not a number", option, text);
-    }
-    if (value < low || value > high) {
-        argp_error(state, "%s: %s is out of range, allowed is %g to %g", option, text, low, high);
-    }
-    return value;
-}
-
-uint64_t option_whole(struct argp_state *state, const char *option, const char *text, uint64_t low,
-                      uint64_t high)
-{
-    char *end = NULL;
-    errno = 0;
-    const unsigned long long value = strtoull(text, &end, 10);
-    if (end == text || *end != '\0' || errno == ERANGE || text[0] == '-' || value < low ||
-        value > high) {
-        argp_error(state, "%s: \"%s\" is not a whole number from %llu to %llu", option, text,
-                   (unsigned long long)low, (unsigned long long)high);
-    }
-    return value;
-}
-
 static void check_together(struct argp_state *state, const struct walk_options *options)
 {
     if (options->open_loop && options->r0_m <= 0.0) {
@@ -74,6 +43,20 @@ static void check_together(struct argp_state *state, const struct walk_options *
     if (options->open_loop && options->kp >= 0.0) {
         argp_error(state, "--kp and --open-loop exclude each other");
     }
+}
+
+/* A constant is no law here: it has options of its own. */
+static void take_law(struct walk_options *options, const char *text, struct argp_state *state)
+{
+    struct law_name laws[LAW_NAMES];
+    size_t count = 0;
+    for (int i = 0; i < LAW_NAMES; i++) {
+        if (law_names[i].law != LAW_OPEN_LOOP) {
+            laws[count++] = law_names[i];
+        }
+    }
+    options->law_given = true;
+    options->law = laws[option_choice(state, "--law", text, laws, count, sizeof laws[0])].law;
 }
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -96,11 +79,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->kp = option_number(state, "--kp", text, 0.0, 1.0);
         break;
     case KEY_LAW:
-        options->law_given = true;
-        if (law_from_name(text, &options->law) != 0 || options->law == LAW_OPEN_LOOP) {
-            argp_error(state, "--law: \"%s\" is unknown, allowed is %s", text,
-                       "proportional, dlqr, deadbeat, predictive or person");
-        }
+        take_law(options, text, state);
         break;
     case KEY_SUBJECT:
         options->subject_path = text;
@@ -192,20 +171,4 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
         return check_speed(params, options->speed_rad_s, message);
     }
     return 0;
-}
-
-static const char *program_name = "";
-
-static void print_version(FILE *stream, struct argp_state *state)
-{
-    (void)state;
-    fprintf(stream, "%s %s (build %08x)\n", program_name, version_text(),
-            (unsigned)version_build_id());
-}
-
-void option_identity(const char *program)
-{
-    program_name = program;
-    argp_err_exit_status = 2;
-    argp_program_version_hook = print_version;
 }

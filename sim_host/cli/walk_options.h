@@ -6,8 +6,8 @@
 
 #include <argp.h>
 #include <stdbool.h>
-#include <stdint.h>
 
+#include "sim_host/cli/option.h"
 #include "sim_host/subjects/subject.h"
 
 struct walk_options {
@@ -31,15 +31,5 @@ void walk_options_init(struct walk_options *options);
  * (SUBJECT_MESSAGE_MAX bytes). */
 int walk_options_resolve(const struct walk_options *options, struct subject *subject,
                          struct control_params *params, double *desired_speed_rad_s, char *message);
-
-/* For the parsers of the programs: a number within low..high, or a usage error. */
-double option_number(struct argp_state *state, const char *option, const char *text, double low,
-                     double high);
-uint64_t option_whole(struct argp_state *state, const char *option, const char *text, uint64_t low,
-                      uint64_t high);
-
-/* Sets what argp prints for --version ("NAME version (build id)") and the exit
- * status of usage errors, 2. */
-void option_identity(const char *program);
 
 #endif

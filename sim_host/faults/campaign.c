@@ -159,7 +159,7 @@ static int walk_scene(struct campaign *campaign, unsigned index)
     struct loop_config config;
     if (configure(spec, &config, message) != 0 || loop_init(loop, &config, NULL, message) != 0 ||
         !injector_prepare(loop)) {
-        fprintf(stderr, "afo-faults: scene %s: %s\n", spec->name, message);
+        fprintf(stderr, "afo faults: scene %s: %s\n", spec->name, message);
         return -1;
     }
     injector_begin(&injector, loop, NULL, 0);
@@ -168,7 +168,7 @@ static int walk_scene(struct campaign *campaign, unsigned index)
     }
     if (loop->rig.task.output.state != SUPERVISOR_WALKING ||
         plant_fault(&loop->nodes.plant) != WALK_FAULT_NONE) {
-        fprintf(stderr, "afo-faults: scene %s does not walk\n", spec->name);
+        fprintf(stderr, "afo faults: scene %s does not walk\n", spec->name);
         return -1;
     }
     drain_events(&loop->nodes.plant);
@@ -182,7 +182,7 @@ static int walk_scene(struct campaign *campaign, unsigned index)
         scene->plant_digest[tick] = plant_digest(&loop->nodes.plant);
     }
     if (plant_fault(&loop->nodes.plant) != WALK_FAULT_NONE) {
-        fprintf(stderr, "afo-faults: scene %s does not walk on\n", spec->name);
+        fprintf(stderr, "afo faults: scene %s does not walk on\n", spec->name);
         return -1;
     }
     return 0;
@@ -192,7 +192,7 @@ struct campaign *campaign_create(void)
 {
     struct campaign *campaign = (struct campaign *)calloc(1, sizeof *campaign);
     if (campaign == NULL) {
-        fputs("afo-faults: out of memory\n", stderr);
+        fputs("afo faults: out of memory\n", stderr);
         return NULL;
     }
     for (unsigned i = 0; i < CAMPAIGN_SCENES; i++) {
@@ -261,7 +261,7 @@ void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, F
                                  plant_digest(&loop->nodes.plant) != scene->plant_digest[tick]);
         set_deadline(&oracle, plan);
         if (ticks != NULL) {
-            sim_tick_line(ticks, loop, -1);
+            sim_tick_line(ticks, loop, -1, 0.0);
         }
         if (tick > end && oracle_is_settled(&oracle)) {
             break;

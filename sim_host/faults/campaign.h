@@ -51,7 +51,7 @@ void campaign_plan(uint64_t seed, uint32_t index, struct campaign_plan *plan);
 struct campaign *campaign_create(void);
 void campaign_destroy(struct campaign *campaign);
 
-/* One run. log: candump of every frame, ticks: one line a tick as afo-sim --ticks; either
+/* One run. log: candump of every frame, ticks: one line a tick as afo sim --ticks; either
  * may be NULL. About 40 ms. */
 void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, FILE *log,
                   FILE *ticks, struct campaign_result *result);

@@ -87,7 +87,7 @@ unsigned summary_table(FILE *stream, const struct campaign_result *results, uint
     uint32_t *times = (uint32_t *)malloc(2 * (size_t)count * sizeof *times);
     unsigned bad = 0;
     if (times == NULL) {
-        fputs("afo-faults: out of memory\n", stderr);
+        fputs("afo faults: out of memory\n", stderr);
         return 1;
     }
     print_head(stream, markdown);

@@ -1,4 +1,4 @@
-/* A black box as a log that candump -L could have written and afo-replay goes through from
+/* A black box as a log that candump -L could have written and afo replay goes through from
  * the middle of a walk.
  *
  * What is no frame of the bus stands before the frames in 29-bit identifiers, of which this

@@ -139,7 +139,7 @@ bool dbc_write(FILE *stream)
         write_frame(stream, &frames[i]);
     }
     fputs(
-        "CM_ \"Frames of the ankle-foot orthosis bus, written by afo-eds from "
+        "CM_ \"Frames of the ankle-foot orthosis bus, written by afo eds from "
         "hal/bus/frame_table.h. With a lever ankle the unit of Ankle is 2*pi/2^16 rad / 1e-05.\";\n"
         "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 100000;\nBA_DEF_DEF_ \"GenMsgCycleTime\" 0;\n",
         stream);

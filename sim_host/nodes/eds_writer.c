@@ -70,8 +70,8 @@ static void write_head(FILE *stream, const struct co_device *device, const struc
     const struct co_comm *comm = &device->comm;
     fprintf(stream,
             "[FileInfo]\nFileName=%s\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\n"
-            "Description=%s\nCreationTime=12:00AM\nCreationDate=01-01-2026\nCreatedBy=afo-eds\n"
-            "ModificationTime=12:00AM\nModificationDate=01-01-2026\nModifiedBy=afo-eds\n\n",
+            "Description=%s\nCreationTime=12:00AM\nCreationDate=01-01-2026\nCreatedBy=afo eds\n"
+            "ModificationTime=12:00AM\nModificationDate=01-01-2026\nModifiedBy=afo eds\n\n",
             text->file_name, text->description);
     fprintf(stream,
             "[DeviceInfo]\nVendorName=AFO\nVendorNumber=0x%08X\nProductName=%s\n"
@@ -89,7 +89,7 @@ static void write_head(FILE *stream, const struct co_device *device, const struc
     for (unsigned type = 1; type <= 7; type++) {
         fprintf(stream, "Dummy%04X=1\n", type);
     }
-    fprintf(stream, "\n[Comments]\nLines=1\nLine1=Written by afo-eds from the object dictionary\n");
+    fprintf(stream, "\n[Comments]\nLines=1\nLine1=Written by afo eds from the object dictionary\n");
 }
 
 static void write_list(FILE *stream, const struct co_device *device, const char *title,

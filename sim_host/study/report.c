@@ -5,6 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { DIGITS = 17 }; /* all of a double */
+
 struct cell cell_number(double number)
 {
     return (struct cell){.kind = CELL_NUMBER, .number = number};
@@ -28,7 +30,7 @@ struct cell cell_truth(int is_true)
 static void print_cell(FILE *file, enum report_format format, struct cell cell)
 {
     if (cell.kind == CELL_TEXT) {
-        fprintf(file, format == FORMAT_JSON ? "\"%s\"" : "%s", cell.text);
+        fputs(cell.text, file);
     } else if (cell.kind == CELL_TRUTH) {
         fprintf(file, "%s", cell.integer ? "true" : "false");
     } else if (cell.kind == CELL_INTEGER) {
@@ -38,7 +40,20 @@ static void print_cell(FILE *file, enum report_format format, struct cell cell)
     } else if (real_is_finite(cell.number)) {
         fprintf(file, "%.17g", cell.number);
     } else {
-        fprintf(file, format == FORMAT_JSON ? "null" : "nan");
+        fputs("nan", file);
+    }
+}
+
+static void put_cell(struct json_writer *json, const char *name, struct cell cell)
+{
+    if (cell.kind == CELL_TEXT) {
+        json_text(json, name, cell.text);
+    } else if (cell.kind == CELL_TRUTH) {
+        json_bool(json, name, cell.integer != 0);
+    } else if (cell.kind == CELL_INTEGER) {
+        json_integer(json, name, cell.integer);
+    } else {
+        json_number(json, name, cell.number, DIGITS);
     }
 }
 
@@ -47,7 +62,7 @@ static void header_text(const struct common *common, const char *command, const 
                         char *text, size_t size)
 {
     const struct walker_params *p = &common->params;
-    snprintf(text, size, "# afo-study %s M=%.17g m=%.17g l=%.17g k=%.17g g=%.17g %s", command,
+    snprintf(text, size, "# afo study %s M=%.17g m=%.17g l=%.17g k=%.17g g=%.17g %s", command,
              p->hip_mass_kg, p->leg_mass_kg, p->leg_length_m, p->ankle_stiffness_N_m,
              p->gravity_m_s2, settings);
 }
@@ -101,7 +116,7 @@ static int open_file(struct report *report, const char *header)
     const struct common *common = report->common;
     report->file = stdout;
     if (common->resume && (common->out_path == NULL || common->format != FORMAT_CSV)) {
-        fprintf(stderr, "afo-study: --resume needs --csv and --out FILE\n");
+        fprintf(stderr, "afo study: --resume needs --csv and --out FILE\n");
         return 0;
     }
     if (common->out_path == NULL) {
@@ -111,12 +126,12 @@ static int open_file(struct report *report, const char *header)
     if (report->file == NULL) {
         report->file = fopen(common->out_path, "w");
     } else if (!find_resume_point(report, header)) {
-        fprintf(stderr, "afo-study: %s holds another run, cannot resume it\n", common->out_path);
+        fprintf(stderr, "afo study: %s holds another run, cannot resume it\n", common->out_path);
         fclose(report->file);
         return 0;
     }
     if (report->file == NULL) {
-        fprintf(stderr, "afo-study: cannot write %s: %s\n", common->out_path, strerror(errno));
+        fprintf(stderr, "afo study: cannot write %s: %s\n", common->out_path, strerror(errno));
         return 0;
     }
     return 1;
@@ -133,14 +148,19 @@ int report_open(struct report *report, const struct common *common, const char *
     }
     for (report->column_count = 0; columns[report->column_count] != NULL; report->column_count++) {
     }
-    clock_gettime(CLOCK_MONOTONIC, &report->started);
     const struct walker_params *p = &common->params;
     if (common->format == FORMAT_JSON) {
-        fprintf(report->file,
-                "{\"command\": \"%s\", \"walker\": {\"M\": %.17g, \"m\": %.17g, \"l\": %.17g, "
-                "\"k\": %.17g, \"g\": %.17g}",
-                command, p->hip_mass_kg, p->leg_mass_kg, p->leg_length_m, p->ankle_stiffness_N_m,
-                p->gravity_m_s2);
+        struct json_writer *json = &report->json;
+        json_begin(json, report->file);
+        json_open_object(json, NULL);
+        json_text(json, "command", command);
+        json_open_object(json, "walker");
+        json_number(json, "M", p->hip_mass_kg, DIGITS);
+        json_number(json, "m", p->leg_mass_kg, DIGITS);
+        json_number(json, "l", p->leg_length_m, DIGITS);
+        json_number(json, "k", p->ankle_stiffness_N_m, DIGITS);
+        json_number(json, "g", p->gravity_m_s2, DIGITS);
+        json_close_object(json);
     } else if (common->format == FORMAT_CSV && ftell(report->file) <= 0) {
         fprintf(report->file, "%s\n", header);
         for (int i = 0; i < report->column_count; i++) {
@@ -157,7 +177,8 @@ static void open_rows(struct report *report)
     }
     report->rows_open = 1;
     if (report->common->format == FORMAT_JSON) {
-        fprintf(report->file, ",\n\"rows\": [");
+        json_break(&report->json, "\n");
+        json_open_list(&report->json, "rows");
     } else if (report->common->format == FORMAT_TEXT) {
         for (int i = 0; i < report->column_count; i++) {
             fprintf(report->file, "%s%s", report->columns[i],
@@ -169,7 +190,8 @@ static void open_rows(struct report *report)
 static void close_rows(struct report *report)
 {
     if (report->rows_open && report->common->format == FORMAT_JSON) {
-        fprintf(report->file, "\n]");
+        json_break(&report->json, "\n");
+        json_close_list(&report->json);
     }
     report->rows_open = 0;
 }
@@ -179,98 +201,113 @@ void report_row(struct report *report, const struct cell *cells)
     const enum report_format format = report->common->format;
     open_rows(report);
     if (format == FORMAT_JSON) {
-        fprintf(report->file, "%s\n {", report->rows_written > 0 ? "," : "");
+        json_break(&report->json, "\n ");
+        json_open_object(&report->json, NULL);
     }
     for (int i = 0; i < report->column_count; i++) {
         if (format == FORMAT_JSON) {
-            fprintf(report->file, "%s\"%s\": ", i > 0 ? ", " : "", report->columns[i]);
-        } else if (i > 0) {
-            fprintf(report->file, format == FORMAT_CSV ? "," : "\t");
+            put_cell(&report->json, report->columns[i], cells[i]);
+            continue;
+        }
+        if (i > 0) {
+            fputc(format == FORMAT_CSV ? ',' : '\t', report->file);
         }
         print_cell(report->file, format, cells[i]);
     }
-    fprintf(report->file, format == FORMAT_JSON ? "}" : "\n");
+    if (format == FORMAT_JSON) {
+        json_close_object(&report->json);
+    } else {
+        fputc('\n', report->file);
+    }
     report->rows_written++;
     fflush(report->file); /* a long run writes as it goes */
 }
 
-/* Opens a named field: `"name": ` in JSON, `name: ` for people, a comment in CSV. */
-static void open_field(struct report *report, const char *name)
+/* A named field: a line `"name": ...` in JSON, `name: ...` for people, a comment in CSV. True where the
+ * value is to be written as JSON. */
+static int open_field(struct report *report, const char *name)
 {
     close_rows(report);
     if (report->common->format == FORMAT_JSON) {
-        fprintf(report->file, ",\n\"%s\": ", name);
-    } else {
-        fprintf(report->file, "%s%s: ", report->common->format == FORMAT_CSV ? "# " : "", name);
+        json_break(&report->json, "\n");
+        return 1;
     }
-}
-
-static void close_field(struct report *report)
-{
-    if (report->common->format != FORMAT_JSON) {
-        fputc('\n', report->file);
-    }
+    fprintf(report->file, "%s%s: ", report->common->format == FORMAT_CSV ? "# " : "", name);
+    return 0;
 }
 
 void report_value(struct report *report, const char *name, struct cell value)
 {
-    open_field(report, name);
+    if (open_field(report, name)) {
+        put_cell(&report->json, name, value);
+        return;
+    }
     print_cell(report->file, report->common->format, value);
-    close_field(report);
+    fputc('\n', report->file);
 }
 
 void report_list(struct report *report, const char *name, const double *values, int count)
 {
-    const int json = report->common->format == FORMAT_JSON;
-    open_field(report, name);
-    fprintf(report->file, json ? "[" : "");
+    if (open_field(report, name)) {
+        json_open_list(&report->json, name);
+        for (int i = 0; i < count; i++) {
+            json_number(&report->json, NULL, values[i], DIGITS);
+        }
+        json_close_list(&report->json);
+        return;
+    }
     for (int i = 0; i < count; i++) {
-        fprintf(report->file, i > 0 ? ", " : "");
+        fputs(i > 0 ? ", " : "", report->file);
         print_cell(report->file, report->common->format, cell_number(values[i]));
     }
-    fprintf(report->file, json ? "]" : "");
-    close_field(report);
+    fputc('\n', report->file);
 }
 
 void report_pairs(struct report *report, const char *name, const double *values, int pairs)
 {
-    open_field(report, name);
     const enum report_format format = report->common->format;
-    fprintf(report->file, format == FORMAT_JSON ? "[" : "");
+    if (open_field(report, name)) {
+        json_open_list(&report->json, name);
+        for (int i = 0; i < pairs; i++) {
+            json_open_list(&report->json, NULL);
+            json_number(&report->json, NULL, values[2 * i], DIGITS);
+            json_number(&report->json, NULL, values[2 * i + 1], DIGITS);
+            json_close_list(&report->json);
+        }
+        json_close_list(&report->json);
+        return;
+    }
     for (int i = 0; i < pairs; i++) {
         fprintf(report->file, "%s[", i > 0 ? ", " : "");
         print_cell(report->file, format, cell_number(values[2 * i]));
-        fprintf(report->file, ", ");
+        fputs(", ", report->file);
         print_cell(report->file, format, cell_number(values[2 * i + 1]));
-        fprintf(report->file, "]");
+        fputs("]", report->file);
     }
-    fprintf(report->file, format == FORMAT_JSON ? "]" : "");
-    close_field(report);
+    fputc('\n', report->file);
 }
 
 void report_progress(struct report *report, int done, int of)
 {
-    struct timespec now;
-    if (report->common->quiet || !isatty(STDERR_FILENO) || of <= 0) {
+    if (of <= 0) {
         return;
     }
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    const double spent = (double)(now.tv_sec - report->started.tv_sec) +
-                         1e-9 * (double)(now.tv_nsec - report->started.tv_nsec);
-    const double left = done > 0 ? spent * (of - done) / done : 0.0;
-    fprintf(stderr, "\r%3d %%  %d of %d, %.0f s gone, about %.0f s left   ", 100 * done / of, done,
-            of, spent, left);
-    report->progress_shown = 1;
+    if (!report->progress_begun) {
+        progress_begin(&report->progress, "done", (uint64_t)of, report->common->quiet != 0);
+        report->progress_begun = 1;
+    }
+    progress_tell(&report->progress, (uint64_t)done);
 }
 
 int report_close(struct report *report)
 {
     close_rows(report);
     if (report->common->format == FORMAT_JSON) {
-        fprintf(report->file, "}\n");
+        json_close_object(&report->json);
+        json_end(&report->json);
     }
-    if (report->progress_shown) {
-        fprintf(stderr, "\r%60s\r", "");
+    if (report->progress_begun) {
+        progress_end(&report->progress);
     }
     int good = fflush(report->file) == 0 && !ferror(report->file);
     if (report->file != stdout) {
@@ -278,7 +315,7 @@ int report_close(struct report *report)
     }
     if (!good) {
         if (report->common->out_path != NULL) { /* of standard output main() tells */
-            fprintf(stderr, "afo-study: cannot write %s: %s\n", report->common->out_path,
+            fprintf(stderr, "afo study: cannot write %s: %s\n", report->common->out_path,
                     strerror(errno));
         }
     }

@@ -1,11 +1,12 @@
-/* How a command of afo-study prints: the same rows as a table for people, as CSV or as one JSON object;
+/* How a command of afo study prints: the same rows as a table for people, as CSV or as one JSON object;
  * and a progress line with the time left. */
 #ifndef SIM_HOST_STUDY_REPORT_H
 #define SIM_HOST_STUDY_REPORT_H
 
 #include <stdio.h>
-#include <time.h>
 
+#include "sim_host/cli/json_writer.h"
+#include "sim_host/cli/progress.h"
 #include "sim_host/gait/orbit.h"
 
 enum report_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
@@ -40,8 +41,9 @@ struct report {
     int rows_open, rows_written, fields_written;
     int rows_resumed;                     /* complete rows found in the file to be resumed */
     double resumed_totals[REPORT_TOTALS]; /* of their first columns */
-    struct timespec started;
-    int progress_shown;
+    struct json_writer json;              /* FORMAT_JSON */
+    struct progress progress;
+    int progress_begun;
 };
 
 struct cell cell_number(double number);
@@ -63,7 +65,7 @@ void report_value(struct report *report, const char *name, struct cell value);
 void report_list(struct report *report, const char *name, const double *values, int count);
 void report_pairs(struct report *report, const char *name, const double *values, int pairs);
 
-/* Shows how far the work is, on a terminal only, unless --quiet. */
+/* Shows how far the work is (sim_host/cli/progress.h), unless --quiet. */
 void report_progress(struct report *report, int done, int of);
 
 /* Ends the output. 0 (and a message) when not all could be written. */

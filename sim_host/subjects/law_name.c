@@ -2,17 +2,18 @@
 
 #include <string.h>
 
-const struct law_name law_names[] = {
+#include "sim_host/subjects/nearest.h"
+
+const struct law_name law_names[LAW_NAMES] = {
     {"proportional", LAW_PROPORTIONAL}, {"open-loop", LAW_OPEN_LOOP},   {"dlqr", LAW_DLQR},
-    {"deadbeat", LAW_DEADBEAT},         {"predictive", LAW_PREDICTIVE}, {"recording", LAW_PERSON},
-    {NULL, LAW_PROPORTIONAL},
+    {"deadbeat", LAW_DEADBEAT},         {"predictive", LAW_PREDICTIVE}, {"person", LAW_PERSON},
 };
 
 int law_from_name(const char *name, enum law_mode *law)
 {
-    for (const struct law_name *l = law_names; l->name != NULL; l++) {
-        if (strcmp(l->name, name) == 0) {
-            *law = l->law;
+    for (int i = 0; i < LAW_NAMES; i++) {
+        if (strcmp(law_names[i].name, name) == 0) {
+            *law = law_names[i].law;
             return 0;
         }
     }
@@ -21,15 +22,15 @@ int law_from_name(const char *name, enum law_mode *law)
 
 const char *law_name_of(enum law_mode law)
 {
-    for (const struct law_name *l = law_names; l->name != NULL; l++) {
-        if (l->law == law) {
-            return l->name;
+    for (int i = 0; i < LAW_NAMES; i++) {
+        if (law_names[i].law == law) {
+            return law_names[i].name;
         }
     }
     return "unknown";
 }
 
-const char *law_names_allowed(void)
+void law_name_refuse(const char *name, char *message, size_t size)
 {
-    return "proportional, open-loop, dlqr, deadbeat, predictive or person";
+    nearest_refuse(name, law_names, LAW_NAMES, sizeof law_names[0], message, size);
 }

@@ -2,14 +2,17 @@
 #ifndef SIM_HOST_SUBJECTS_LAW_NAME_H
 #define SIM_HOST_SUBJECTS_LAW_NAME_H
 
+#include <stddef.h>
+
 #include "controller/control_params.h"
 
-/* All names with their law, ended by a NULL name. */
+/* All names with their law. */
 struct law_name {
     const char *name;
     enum law_mode law;
 };
-extern const struct law_name law_names[];
+enum { LAW_NAMES = 6 };
+extern const struct law_name law_names[LAW_NAMES];
 
 /* The law of that name: returns 0 and sets *law, or -1. */
 int law_from_name(const char *name, enum law_mode *law);
@@ -17,7 +20,7 @@ int law_from_name(const char *name, enum law_mode *law);
 /* The name of a law; "unknown" for a value that is none. A static string. */
 const char *law_name_of(enum law_mode law);
 
-/* "proportional, open-loop, ...", for messages. A static string. */
-const char *law_names_allowed(void);
+/* Writes what is wrong with a name that is none: the list of those allowed, and the nearest. */
+void law_name_refuse(const char *name, char *message, size_t size);
 
 #endif

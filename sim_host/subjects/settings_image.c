@@ -4,20 +4,20 @@
 
 #include "hal/storage/param_store.h"
 
-void settings_of_rig(struct settings *settings, const struct host_task *rig,
-                     double desired_speed_rad_s, bool walk_at_start)
+static void settings_of_task(struct settings *settings, const struct host_task *task,
+                             double desired_speed_rad_s, bool autostart)
 {
-    const struct control_task_config *config = &rig->task.config;
+    const struct control_task_config *config = &task->task.config;
 
     memset(settings, 0, sizeof *settings);
-    settings->control = rig->params;
+    settings->control = task->params;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        settings->axis[leg] = rig->cia402.axis[leg].config;
+        settings->axis[leg] = task->cia402.axis[leg].config;
         settings->sensor[leg] = config->leg_sensor[leg];
     }
     settings->setup = config->setup;
     settings->desired_speed_rad_s = (float)desired_speed_rad_s;
-    settings->walk_at_start = walk_at_start ? 1u : 0u;
+    settings->walk_at_start = autostart ? 1u : 0u;
 }
 
 static uint32_t bank_words(void *context)
@@ -68,4 +68,12 @@ int settings_image(const struct settings *settings, uint8_t image[SETTINGS_IMAGE
         return -1;
     }
     return settings_save(&saved, &store, true) == PARAM_STORE_OK ? 0 : -1;
+}
+
+int settings_image_of_task(const struct host_task *task, double desired_speed_rad_s, bool autostart,
+                           uint8_t image[SETTINGS_IMAGE_BYTES])
+{
+    struct settings settings;
+    settings_of_task(&settings, task, desired_speed_rad_s, autostart);
+    return settings_check(&settings) == SETTINGS_OK ? settings_image(&settings, image) : -1;
 }

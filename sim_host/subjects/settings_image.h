@@ -3,6 +3,7 @@
 #ifndef SIM_HOST_SUBJECTS_SETTINGS_IMAGE_H
 #define SIM_HOST_SUBJECTS_SETTINGS_IMAGE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "firmware/settings.h"
@@ -10,12 +11,14 @@
 
 enum { SETTINGS_IMAGE_WORDS = 512, SETTINGS_IMAGE_BYTES = 2 * SETTINGS_IMAGE_WORDS * 8 };
 
-/* The settings of a device that is set up like this rig's control task. */
-void settings_of_rig(struct settings *settings, const struct host_task *rig,
-                     double desired_speed_rad_s, bool walk_at_start);
-
-/* Both banks of a memory into which the settings were saved once. Returns 0, or -1
- * when they do not fit. */
+/* Both banks of a memory into which these settings were saved once. Returns 0, or -1 when they do not
+ * fit. */
 int settings_image(const struct settings *settings, uint8_t image[SETTINGS_IMAGE_BYTES]);
+
+/* The same for the settings of a device that is set up like this
+ * control task. autostart: it assists without being asked. Returns 0, or -1 when the firmware would
+ * refuse them or they do not fit. */
+int settings_image_of_task(const struct host_task *task, double desired_speed_rad_s, bool autostart,
+                           uint8_t image[SETTINGS_IMAGE_BYTES]);
 
 #endif

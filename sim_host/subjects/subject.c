@@ -1,5 +1,6 @@
 #include "sim_host/subjects/subject.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -142,6 +143,12 @@ static int take_control_key(struct subject *subject, const char *key, const char
             if (strcmp(key, "law") == 0 && law_from_name(value, &law) == 0) {
                 subject->control_override[i] = (double)law;
                 return 0;
+            }
+            if (strcmp(key, "law") == 0 && isalpha((unsigned char)value[0])) {
+                char reason[SUBJECT_MESSAGE_MAX / 2];
+                law_name_refuse(value, reason, sizeof reason);
+                snprintf(message, size, "key \"law\" (%s): %s", d->meaning, reason);
+                return -1;
             }
             if (parse_number(key, value, (double)d->minimum, (double)d->maximum, d->meaning,
                              &subject->control_override[i], message, size) != 0) {

@@ -16,7 +16,7 @@ import gait_play  # noqa: E402
 from afo import recording  # noqa: E402
 from made_gait import made_gait  # noqa: E402
 
-PIL = ROOT / "build" / "afo-pil"
+PIL = ROOT / "build" / "afo"
 TICK_INSTRUCTIONS = 8000
 PREDICTIVE_TICK_INSTRUCTIONS = 40000
 CLOCK_HZ = 170e6
@@ -29,7 +29,7 @@ STATE_FAULT = 6
 
 
 def pil(*options, status=0):
-    result = subprocess.run([str(PIL), "--json", *options], cwd=ROOT, capture_output=True, text=True, timeout=400)
+    result = subprocess.run([str(PIL), "pil", "--json", *options], cwd=ROOT, capture_output=True, text=True, timeout=400)
     assert result.returncode == status, result.stdout + result.stderr
     return json.loads(result.stdout) if result.stdout else None
 
@@ -109,7 +109,7 @@ def test_one_changed_bit_is_noticed(frame):
     ("bad-parameters", "bad parameters", CRASH_NONE),
 ])
 def test_faults_end_in_the_safe_state(fault, latched, crash):
-    """afo-pil itself checks that both springs are unloaded at the end."""
+    """afo pil itself checks that both springs are unloaded at the end."""
     walk = pil("--fault", fault, "--speed", "0.45")
     assert walk["fault"] == latched
     assert walk["state"] == STATE_FAULT
@@ -134,7 +134,7 @@ def test_the_black_box_replays_from_the_middle(tmp_path, options, fault_bits):
     walk = pil(*options, "--speed", "0.8", "--black-box", str(log))
     assert walk["black_box_fault_bits"] == fault_bits
     assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
-    replay = [str(ROOT / "build" / "afo-replay"), "--speed", "0.8"]
+    replay = [str(ROOT / "build" / "afo"), "replay", "--speed", "0.8"]
     result = subprocess.run([*replay, str(log)], cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 0, result.stdout + result.stderr
     ticks = int(re.search(r"(\d+) ticks; all (\d+) frames", result.stdout).group(1))
@@ -152,7 +152,7 @@ def test_the_black_box_replays_from_the_middle(tmp_path, options, fault_bits):
 
 
 def slcan(*options, status=0):
-    result = subprocess.run([str(ROOT / "build" / "afo-slcan"), "--json", "--speed", "0.8", *options], cwd=ROOT,
+    result = subprocess.run([str(ROOT / "build" / "afo"), "slcan", "--json", "--speed", "0.8", *options], cwd=ROOT,
                             capture_output=True, text=True, timeout=900)
     assert result.returncode == status, result.stdout + result.stderr
     return json.loads(result.stdout)
@@ -177,11 +177,11 @@ def test_one_changed_bit_on_the_line_is_noticed():
 
 def test_the_image_names_its_build():
     walk = pil("--steps", "1", "--speed", "0.45")
-    version = subprocess.run([str(PIL), "--version"], capture_output=True, text=True, check=True).stdout
+    version = subprocess.run([str(PIL), "pil", "--version"], capture_output=True, text=True, check=True).stdout
     assert f"{walk['build_id']:08x}" in version
 
 
 def test_a_missing_image_is_told():
-    result = subprocess.run([str(PIL), "--image", "nowhere.elf"], cwd=ROOT, capture_output=True, text=True)
+    result = subprocess.run([str(PIL), "pil", "--image", "nowhere.elf"], cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 2
     assert "nowhere.elf" in result.stderr

@@ -12,7 +12,7 @@ fuzzers: $(FUZZERS)
 fuzz-programs:
 	$(Q)$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang OPT=-O1 SANITIZE="$(FUZZ_FLAGS)" fuzzers
 
-fuzz: ## fuzz frame dispatch, SDO, slcan, log parsing and a walk, FUZZ_SECONDS (300) each, two at a time
+fuzz: ## fuzz frame dispatch, SDO, slcan, log parsing and a walk, FUZZ_SECONDS (300) each, two at a time (15 min)
 	$(Q)scripts/setup fuzz
 	$(Q)$(MAKE) --no-print-directory fuzz-programs
 	$(Q)scripts/fuzz $(FUZZ_SECONDS)

@@ -1,4 +1,5 @@
 """The build is incremental and honest: what changed is rebuilt, what did not is not."""
+import json
 import os
 import pathlib
 import re
@@ -13,7 +14,7 @@ TREE = {
     "model/one.h": "#ifdef REAL_IS_DOUBLE\n#define one one_f64\n#else\n#define one one_f32\n#endif\nint one(void);\n",
     "model/one.c": '#include "model/one.h"\nint one(void)\n{\n    return 1;\n}\n',
     "model/two.c": '#include "model/one.h"\ntypedef int nothing;\n',
-    "sim_host/programs/afo_say.c":
+    "sim_host/programs/say.c":
         '#include <stdio.h>\n#include "firmware/version.h"\n#include "model/one.h"\n'
         'int main(void)\n{\n    printf("%s %08x %d\\n", version_text(), (unsigned)version_build_id(), one());\n'
         "    return 0;\n}\n",
@@ -46,7 +47,7 @@ def compiled(output):
 
 
 def say(tree, build="build"):
-    return subprocess.check_output([tree / build / "afo-say"], text=True).split()
+    return subprocess.check_output([tree / build / "afo"], text=True).split()
 
 
 def test_the_debugger_stops_watchdog_and_clock_with_the_core():
@@ -67,7 +68,7 @@ def test_a_header_rebuilds_its_users_in_both_precisions(tree):
     (tree / "model" / "one.h").write_text(TREE["model/one.h"] + "\n")
     # version.c too: the build id is a checksum over the sources.
     assert compiled(make(tree)) == ["firmware/version.c", "model/one.c", "model/one.c", "model/two.c",
-                                    "model/two.c", "sim_host/programs/afo_say.c"]
+                                    "model/two.c", "sim_host/programs/say.c"]
 
 
 def test_changed_flags_rebuild_everything(tree):
@@ -127,7 +128,82 @@ def test_version_and_build_id(tree):
     assert say(tree)[1] != build_id
 
 
+SAY_LIKE_AFO = r"""
+#include <stdio.h>
+#include <string.h>
+int main(int argc, char **argv)
+{
+    if (argc > 1 && strcmp(argv[argc - 1], "--version") == 0) {
+        puts("afo 1.2.3 (build 00000000)");
+    } else if (argc > 2) {
+        printf("Usage: afo %s [OPTION...]\n.dots and -dashes\n", argv[1]);
+    } else {
+        puts("Usage: afo COMMAND [OPTION...]\n\n  walk  some steps\n  fall  once");
+    }
+    return 0;
+}
+"""
+
+
+def furnish(tree):
+    """What installing and the list for editors need of the real tree."""
+    for name in ("sim_host/install.mk", "scripts/man-page", "scripts/compile-commands"):
+        (tree / name).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / name, tree / name)
+    (tree / "sim_host/subjects").mkdir()
+    (tree / "sim_host/subjects/somebody.ini").write_text("[walker]\n")
+    (tree / "sim_host/programs/say.c").write_text(SAY_LIKE_AFO)
+
+
+def test_install_puts_program_manual_and_subjects_below_the_prefix(tree, tmp_path_factory):
+    furnish(tree)
+    place = tmp_path_factory.mktemp("staged")
+    make(tree, "install", "PREFIX=/opt/some", f"DESTDIR={place}")
+    files = sorted(path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file())
+    assert files == ["opt/some/bin/afo", "opt/some/share/afo/subjects/somebody.ini", "opt/some/share/man/man1/afo.1"]
+    assert subprocess.check_output([place / "opt/some/bin/afo", "--version"], text=True).startswith("afo 1.2.3")
+    manual = (place / "opt/some/share/man/man1/afo.1").read_text()
+    assert "1.2.3" in manual.splitlines()[0]
+    assert re.findall(r"^\.SH (afo .*)$", manual, re.M) == ["afo walk", "afo fall"]
+    assert "\\&.dots and \\-dashes" in manual.splitlines()
+
+
+def test_the_list_for_editors_holds_commands_that_compile(tree):
+    furnish(tree)
+    make(tree, "compile-commands")
+    entries = json.loads((tree / "build" / "compile_commands.json").read_text())
+    assert sorted(entry["file"] for entry in entries) == sorted(
+        ["firmware/version.c", "model/one.c", "model/one.c", "model/two.c", "model/two.c", "sim_host/programs/say.c"])
+    assert sum("-DREAL_IS_DOUBLE" in entry["arguments"] for entry in entries) == 2
+    assert not list((tree / "build").rglob("*.o")), "nothing is compiled for it"
+    for entry in entries:
+        assert entry["directory"] == str(tree)
+        (tree / entry["output"]).parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run(entry["arguments"], cwd=entry["directory"], check=True)
+
+
+def test_the_editors_files_name_what_is_there():
+    tasks = json.loads((ROOT / ".vscode/tasks.json").read_text())["tasks"]
+    labels = {task["label"] for task in tasks}
+    targets = {line.split()[0] for line in make(ROOT, "help").splitlines()[1:]} | {"programs", "tests"}
+    for task in tasks:
+        for command in task["command"].split(" && "):
+            words = [word for word in command.split() if "=" not in word]
+            assert set(words[1:]) <= targets if words[0] == "make" else (ROOT / words[0]).exists(), command
+    for configuration in json.loads((ROOT / ".vscode/launch.json").read_text())["configurations"]:
+        assert configuration["preLaunchTask"] in labels
+    properties = json.loads((ROOT / ".vscode/c_cpp_properties.json").read_text())["configurations"]
+    assert all(entry["compileCommands"].endswith("/build/compile_commands.json") for entry in properties)
+
+
 def test_help_lists_the_main_targets():
     output = make(ROOT, "help")
     for target in ("all", "run", "test", "test-long", "bench", "format", "lint", "clean", "help", "asan"):
         assert any(line.split()[0].rstrip(",") == target for line in output.splitlines()[1:] if line.split()), target
+
+
+def test_help_says_how_long_the_long_targets_take():
+    lines = {line.split()[0]: line for line in make(ROOT, "help").splitlines()[1:]}
+    for target in ("run", "test", "test-long", "bench", "lint", "coverage-report", "pil", "atlas", "soak-strides", "faults",
+                   "faults-short", "soak", "laws", "paper", "fuzz", "hil", "hil-long", "restarts"):
+        assert re.search(r"\([^)]*\b(s|seconds|min|minutes?|hours?|hour)\b[^)]*\)$", lines[target]), lines[target]

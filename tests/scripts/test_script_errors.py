@@ -154,8 +154,8 @@ def test_compare_walks_needs_two_logs(content, tmp_path):
 
 
 @pytest.mark.parametrize("content", [None, b"no program\n", b"#!/bin/sh\necho rubbish\n", b"#!/bin/sh\nexit 1\n"])
-def test_paper_needs_a_study_program(content, tmp_path):
+def test_paper_needs_the_program(content, tmp_path):
     if content is not None:
-        (tmp_path / "study").write_bytes(content)
-        (tmp_path / "study").chmod(0o755)
-    told(tmp_path, [ROOT / "scripts" / "paper", "--study", "./study", "--out", "paper"], "study")
+        (tmp_path / "afo").write_bytes(content)
+        (tmp_path / "afo").chmod(0o755)
+    assert "./afo" in told(tmp_path, [ROOT / "scripts" / "paper", "--afo", "./afo", "--out", "paper"], "afo")

@@ -9,7 +9,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ.get("AFO_BUILD", ROOT / "build")).resolve()
-SIM = BUILD / "afo-sim"
+AFO = BUILD / "afo"
 LIMIT_S = 240
 
 STEP_COLUMNS = ["step", "time_s", "side", "apex_speed_rad_s", "measured_speed_rad_s",
@@ -19,9 +19,9 @@ TICK_COLUMNS = ["tick", "time_s", "stance", "phase", "theta_left_rad", "theta_ri
                 "motor_left_m", "motor_right_m", "hip_x_m", "hip_y_m", "event"]
 
 
-def run(*arguments, program=SIM, cwd=ROOT):
-    """Runs the program to its end; a hang fails the test."""
-    return subprocess.run([str(program), *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL,
+def run(*arguments, command="sim", program=AFO, cwd=ROOT):
+    """Runs a command to its end; a hang fails the test."""
+    return subprocess.run([str(program), command, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL,
                           capture_output=True, text=True, timeout=LIMIT_S)
 
 

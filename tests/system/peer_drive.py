@@ -1,7 +1,7 @@
-"""Runs where vcan0 is (scripts/vcan-guest): the package canopen as master of afo-walker.
+"""Runs where vcan0 is (scripts/vcan-guest): the package canopen as master of afo walker.
 
 Every line it prints is a check that held; the last one is "done". tests/system/test_peers.py
-starts it and afo-walker and reads the lines.
+starts it and afo walker and reads the lines.
 """
 import struct
 import sys

@@ -1,4 +1,4 @@
-"""afo-sim walks, or falls where it must: the whole chain against an independent model."""
+"""afo sim walks, or falls where it must: the whole chain against an independent model."""
 import math
 
 import pytest

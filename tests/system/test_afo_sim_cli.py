@@ -1,4 +1,4 @@
-"""afo-sim's command line: output files, exit statuses, and what it says to bad input."""
+"""afo sim's command line: output files, exit statuses, and what it says to bad input."""
 import csv
 import json
 import re
@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from afo import ROOT, SIM, STEP_COLUMNS, TICK_COLUMNS, run
+from afo import AFO, ROOT, STEP_COLUMNS, TICK_COLUMNS, run
 
 SHORT = ("--speed", "0.42", "--steps", "8", "--sensors", "ideal", "--quiet")
 
@@ -115,7 +115,7 @@ def test_log_is_candump_format_and_keeps_the_frame_table(tmp_path):
     assert len(syncs) > 4000
     assert sum(periods) / len(periods) == pytest.approx(1e-3, rel=1e-4)
     assert max(periods) < 1.2e-3 and min(periods) > 0.8e-3
-    # afo-sim VERSION (build ID)
+    # afo sim VERSION (build ID)
     version = run("--version").stdout.strip()
     assert f"(build {int.from_bytes(notes[0][:4], 'little'):08x})" in version
     assert f" {b''.join(notes[1:]).decode()} " in version
@@ -290,7 +290,7 @@ def test_an_interrupted_walk_keeps_its_steps_beside_the_old_file(tmp_path, numbe
     """Up to the step it has come to, the part is the longer walk's own beginning."""
     (tmp_path / "steps.csv").write_text("the old one\n")
     (tmp_path / "steps.csv.part").write_text("an older part\n")
-    with subprocess.Popen([SIM, "--steps", "1000000", "--quiet", "--csv", tmp_path / "steps.csv",
+    with subprocess.Popen([AFO, "sim", "--steps", "1000000", "--quiet", "--csv", tmp_path / "steps.csv",
                            "--log", tmp_path / "walk.log"], stderr=subprocess.PIPE, text=True) as walk:
         while walk.poll() is None and sum(path.stat().st_size for path in tmp_path.glob("walk.log.*")) < 2_000_000:
             time.sleep(0.05)  # some steps
@@ -313,7 +313,7 @@ def test_an_interrupted_walk_keeps_its_steps_beside_the_old_file(tmp_path, numbe
 
 def test_a_reader_that_goes_away_ends_the_walk(tmp_path):
     """And the log, which would be a part only, does not appear."""
-    with subprocess.Popen([SIM, "--steps", "1000000", "--quiet", "--ticks", "--csv", "/dev/stdout", "--log",
+    with subprocess.Popen([AFO, "sim", "--steps", "1000000", "--quiet", "--ticks", "--csv", "/dev/stdout", "--log",
                            tmp_path / "walk.log"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as walk:
         walk.stdout.readline()
         walk.stdout.close()

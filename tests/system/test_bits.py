@@ -1,7 +1,7 @@
 """The same seed gives the same log, byte for byte, whoever compiled the program."""
 import pytest
 
-from afo import ROOT, SIM, run
+from afo import AFO, ROOT, run
 
 VARIANTS = ["gcc-O1", "gcc-O3", "clang", "clang-O1", "clang-O3", "asan"]
 STEPS = 25
@@ -9,7 +9,7 @@ STEPS = 25
 
 @pytest.fixture(scope="module", params=["ideal", "17bit"])
 def expected(request, tmp_path_factory):
-    return request.param, log_of(SIM, request.param, tmp_path_factory.mktemp("log") / "gcc-O2.log")
+    return request.param, log_of(AFO, request.param, tmp_path_factory.mktemp("log") / "gcc-O2.log")
 
 
 def log_of(program, sensors, path):
@@ -24,7 +24,7 @@ def log_of(program, sensors, path):
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_same_log(expected, variant, tmp_path):
     sensors, log = expected
-    program = ROOT / "build" / variant / "afo-sim"
+    program = ROOT / "build" / variant / "afo"
     assert program.exists(), f"build it with: make {variant}-programs"
     other = log_of(program, sensors, tmp_path / "other.log")
     if other != log:

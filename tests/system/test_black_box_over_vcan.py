@@ -12,11 +12,11 @@ from afo import BUILD, ROOT, run
 # continuous over-current.
 GUEST = """
 cycles() {{ candump -n $1 vcan0,201:7FF >/dev/null; }}
-fetch() {{ {build}/afo-blackbox vcan0 $2 --out {out}/$1.log 2>{out}/$1.txt || status=1; }}
+fetch() {{ {build}/afo blackbox vcan0 $2 --out {out}/$1.log 2>{out}/$1.txt || status=1; }}
 status=0
-{build}/afo-walker --can vcan0 --silence 60000 --quiet --json >{out}/walker.json & walker=$!
+{build}/afo walker --can vcan0 --silence 60000 --quiet --json >{out}/walker.json & walker=$!
 sleep 0.5
-{build}/afo-host --can vcan0 --speed 0.45 --quiet --json >{out}/host.json & host=$!
+{build}/afo host --can vcan0 --speed 0.45 --quiet --json >{out}/host.json & host=$!
 cycles 1800
 fetch walking "--freeze --release"
 cycles 1200
@@ -53,7 +53,7 @@ def test_the_box_replays_to_every_frame(fetched, name, fault):
     assert int(found[5], 16) == fault
     assert last - first > 600 and frames > 2 * (last - first) and snapshots >= 1
 
-    done = run("--speed", "0.45", fetched / f"{name}.log", program=BUILD / "afo-replay")
+    done = run("--speed", "0.45", fetched / f"{name}.log", command="replay")
     assert done.returncode == 0, done.stdout + done.stderr
     assert int(re.search(r"(\d+) ticks; all \d+ frames", done.stdout)[1]) > 500
 
@@ -65,5 +65,5 @@ def test_one_bit_of_a_target_is_told_with_its_line(fetched, tmp_path):
     lines[place] = lines[place][:-1] + format(int(lines[place][-1], 16) ^ 1, "X")
     changed = tmp_path / "changed.log"
     changed.write_text("\n".join(lines) + "\n")
-    done = run("--speed", "0.45", changed, program=BUILD / "afo-replay")
+    done = run("--speed", "0.45", changed, command="replay")
     assert done.returncode == 1 and f"line {place + 1}" in done.stdout

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from afo import BUILD, ROOT, run
+from afo import ROOT, run
 
 canopen = pytest.importorskip("canopen")
 cantools = pytest.importorskip("cantools")
@@ -21,17 +21,17 @@ def dbc():
 
 def frame_table():
     return {int(m[2], 16): m for m in
-            ROW.finditer((ROOT / "hal" / "frame_table.h").read_text())}
+            ROW.finditer((ROOT / "hal" / "bus" / "frame_table.h").read_text())}
 
 
 def test_the_files_are_what_the_code_says_now(tmp_path):
-    done = run(tmp_path, program=BUILD / "afo-eds")
+    done = run(tmp_path, command="eds")
     assert done.returncode == 0, done.stderr
     names = sorted(path.name for path in FILES.iterdir())
     assert names == sorted([f"{name}.eds" for name in NODES] + ["afo.dbc"])
     for name in names:
         assert (tmp_path / name).read_text() == (FILES / name).read_text(), \
-            f"{name} is out of date: run build/afo-eds hal/canopen/eds"
+            f"{name} is out of date: run build/afo eds hal/canopen/eds"
 
 
 def test_the_dbc_has_every_frame_of_the_table():

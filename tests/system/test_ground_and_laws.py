@@ -1,4 +1,4 @@
-"""afo-sim's --law, --slope-deg, --terrain-mm and --push: what eq. (16) falls over, the predictive law takes."""
+"""afo sim's --law, --slope-deg, --terrain-mm and --push: what eq. (16) falls over, the predictive law takes."""
 import csv
 import json
 import os
@@ -8,11 +8,11 @@ import subprocess
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo-sim"
+PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo"
 
 
 def walk(*arguments, status=None):
-    run = subprocess.run([PROGRAM, "--quiet", "--json", *map(str, arguments)], capture_output=True,
+    run = subprocess.run([PROGRAM, "sim", "--quiet", "--json", *map(str, arguments)], capture_output=True,
                          text=True, check=False, timeout=300)
     if status is not None:
         assert run.returncode == status, run.stderr

@@ -13,7 +13,7 @@ def test_twenty_steps_over_vcan_equal_the_in_process_walk(tmp_path):
     assert re.search(r"^hil: \d+ ticks, none lost$", done.stdout, re.MULTILINE)
     assert re.search(r"^equal: ticks 1000 to \d+, 20 steps$", done.stdout, re.MULTILINE)
     # A record of the bus says who ran: the same as the in-process walk's log.
-    told = [subprocess.run([BUILD / "afo-replay", "--speed", "0.45", tmp_path / log], cwd=ROOT, capture_output=True,
+    told = [subprocess.run([BUILD / "afo", "replay", "--speed", "0.45", tmp_path / log], cwd=ROOT, capture_output=True,
                            text=True, timeout=300).stdout for log in ("sim.log", "vcan.log")]
     identity = re.search(r"^recorded by build [0-9a-f]{8}, parameter CRC [0-9a-f]{8}$", told[0], re.MULTILINE)
     assert identity and identity[0] in told[1], told
@@ -24,9 +24,9 @@ def test_the_other_drive_protocols_walk_over_vcan(tmp_path):
     subjects = ("paper-cansimple", "paper-mit")
     script = "".join(f"""
         subject=sim_host/subjects/{subject}.ini
-        "{BUILD}/afo-walker" --can vcan0 --subject $subject --silence 60000 --json >{tmp_path}/{subject}.walker & walker=$!
+        "{BUILD}/afo" walker --can vcan0 --subject $subject --silence 60000 --json >{tmp_path}/{subject}.walker & walker=$!
         sleep 0.3
-        "{BUILD}/afo-host" --can vcan0 --subject $subject --speed 0.45 --steps 3 --answer-timeout 60000 --json \\
+        "{BUILD}/afo" host --can vcan0 --subject $subject --speed 0.45 --steps 3 --answer-timeout 60000 --json \\
             >{tmp_path}/{subject}.host || exit
         kill -TERM $walker; wait $walker || exit""" for subject in subjects)
     done = subprocess.run(["scripts/vcan-guest", "--timeout", "150", "--", "bash", "-c", script], cwd=ROOT,

@@ -1,4 +1,4 @@
-"""afo-host and afo-walker on a real CAN stack: a report that cannot be written is no success."""
+"""afo host and afo walker on a real CAN stack: a report that cannot be written is no success."""
 import re
 import subprocess
 
@@ -7,19 +7,19 @@ import pytest
 from afo import BUILD, ROOT
 
 
-@pytest.mark.parametrize("program", ["afo-host", "afo-walker"])
+@pytest.mark.parametrize("program", ["host", "walker"])
 def test_a_report_that_is_lost_is_told(program):
     # Alone on the bus: it waits for the others until it is told to end, and reports.
-    script = f'"{BUILD / program}" --can vcan0 >/dev/full & p=$!; sleep 2; kill -INT $p; wait $p'
+    script = f'"{BUILD}/afo" {program} --can vcan0 >/dev/full & p=$!; sleep 2; kill -INT $p; wait $p'
     done = subprocess.run(["scripts/vcan-guest", "--", "sh", "-c", script], cwd=ROOT, capture_output=True, text=True,
                           timeout=200)
     assert done.returncode == 2, done.stdout + done.stderr
-    assert f"{program}: cannot write to standard output: No space left on device" in done.stderr
+    assert f"afo {program}: cannot write to standard output: No space left on device" in done.stderr
 
 
-@pytest.mark.parametrize("program", ["afo-host", "afo-walker"])
+@pytest.mark.parametrize("program", ["host", "walker"])
 def test_an_interface_name_that_is_too_long_is_called_that(program):
-    done = subprocess.run([BUILD / program, "--can", "a-name-of-too-many-letters"], capture_output=True, text=True)
+    done = subprocess.run([BUILD / "afo", program, "--can", "a-name-of-too-many-letters"], capture_output=True, text=True)
     assert done.returncode == 2
     assert "a-name-of-too-many-letters: File name too long" in done.stderr
 
@@ -28,9 +28,9 @@ BEGIN = f"""
 begin() {{ # begin NAME HOST-OPTIONS...: a walk with its record; the host's lines in NAME.out
     name=$1; shift
     candump -L -r 67108864 vcan0,181:7FF,182:7FF,7FF:7FF >$name.log & dump=$!
-    "{BUILD}/afo-walker" --can vcan0 --silence 60000 --quiet & walker=$!
+    "{BUILD}/afo" walker --can vcan0 --silence 60000 --quiet & walker=$!
     sleep 0.3
-    "{BUILD}/afo-host" --can vcan0 --speed 0.45 --answer-timeout 3000 "$@" >$name.out 2>$name.err & host=$!
+    "{BUILD}/afo" host --can vcan0 --speed 0.45 --answer-timeout 3000 "$@" >$name.out 2>$name.err & host=$!
 }}
 until_walking() {{ until grep -q walking $name.out; do sleep 0.05; done; }}
 ended() {{
@@ -70,7 +70,7 @@ def test_a_hangup_or_a_reader_that_went_away_unloads_and_ends(tmp_path):
         sed -u '/engaging/q' <pipe.out >/dev/null & begin pipe; ended
         begin hangup; until_walking; kill -HUP $host; ended""")
     assert status == {"pipe": "2", "hangup": "0"}
-    assert (tmp_path / "pipe.err").read_text() == "afo-host: cannot write to standard output: Broken pipe\n"
+    assert (tmp_path / "pipe.err").read_text() == "afo host: cannot write to standard output: Broken pipe\n"
     assert (tmp_path / "hangup.err").read_text() == ""
     for name in status:
         assert drives_left_off(tmp_path / f"{name}.log"), name
@@ -89,12 +89,12 @@ def test_a_node_that_is_refused_ends_a_walk_of_so_many_steps(tmp_path):
         until grep -q refused exchanged.err; do sleep 0.05; done
         sleep 1
         kill -KILL $walker; wait $walker 2>/dev/null
-        "{BUILD}/afo-walker" --can vcan0 --subject finer.ini --silence 60000 --quiet & walker=$!
+        "{BUILD}/afo" walker --can vcan0 --subject finer.ini --silence 60000 --quiet & walker=$!
         ended""")
     assert status == {"refused": "1", "exchanged": "0"}
     for name in status:
         assert (tmp_path / f"{name}.err").read_text() == \
-            "afo-host: node 1 refused: object 0x6092:01, expected 0x1900000, found 0xC80000\n"
+            "afo host: node 1 refused: object 0x6092:01, expected 0x1900000, found 0xC80000\n"
 
 
 def test_a_walk_of_so_many_steps_ends_with_a_latched_fault(tmp_path):
@@ -105,4 +105,4 @@ def test_a_walk_of_so_many_steps_ends_with_a_latched_fault(tmp_path):
     assert status == {"stranger": "1", "gone": "1"}
     for name, fault in (("stranger", "foreign node on the bus"), ("gone", "silent")):
         told = (tmp_path / f"{name}.err").read_text()
-        assert told.startswith("afo-host: stopped by a fault: ") and fault in told, told
+        assert told.startswith("afo host: stopped by a fault: ") and fault in told, told

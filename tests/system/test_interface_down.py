@@ -13,9 +13,9 @@ cd {out}
 walk() {{ # walk NAME SECONDS HOST-OPTIONS...: down for so long, when it has told two steps
     name=$1; seconds=$2; shift 2
     candump -L -D -r 67108864 vcan0 >$name.log 2>/dev/null & dump=$!
-    {build}/afo-walker --can vcan0 --sensors ideal --json >$name.walker & walker=$!
+    {build}/afo walker --can vcan0 --sensors ideal --json >$name.walker & walker=$!
     sleep 0.3
-    {build}/afo-host --can vcan0 --speed 0.45 "$@" >$name.out 2>$name.err & host=$!
+    {build}/afo host --can vcan0 --speed 0.45 "$@" >$name.out 2>$name.err & host=$!
     candump -n 3 vcan0,390:7FF >/dev/null
     ip link set vcan0 down; sleep $seconds; ip link set vcan0 up
     wait $host; echo $name $?
@@ -44,10 +44,10 @@ def test_a_walk_goes_on_or_ends_with_a_reason(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     # Shorter than anybody's time-out it is nothing but some lost frames; longer, the drives unload by themselves.
     assert done.stdout.split() == ["short", "0", "long", "1"], done.stdout + done.stderr
-    down = "afo-host: vcan0 is down, nothing is sent or heard\nafo-host: vcan0 is up again\n"
+    down = "afo host: vcan0 is down, nothing is sent or heard\nafo host: vcan0 is up again\n"
     assert (tmp_path / "short.err").read_text() == down
     told = (tmp_path / "long.err").read_text()
-    assert told.startswith(down) and told.endswith("afo-host: stopped by a fault: drive fault\n"), told
+    assert told.startswith(down) and told.endswith("afo host: stopped by a fault: drive fault\n"), told
     for name, steps in (("short", 5), ("long", 2)):
         report = (tmp_path / f"{name}.out").read_text()
         assert "interface down 1 times" in report and "\n  steps      " in report, report

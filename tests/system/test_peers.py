@@ -23,7 +23,7 @@ def in_guest(script, seconds):
 
 def test_canopen_is_master_of_the_virtual_nodes():
     out = in_guest(f"""
-        {BUILD}/afo-walker --can vcan0 --silence 60000 --quiet & walker=$!
+        {BUILD}/afo walker --can vcan0 --silence 60000 --quiet & walker=$!
         sleep 0.5
         {PYTHON} tests/system/peer_drive.py; status=$?
         kill -TERM $walker; wait $walker
@@ -38,9 +38,9 @@ def test_canopen_and_can_utils_during_a_walk(tmp_path):
     log = tmp_path / "walk.log"
     out = in_guest(f"""
         candump -L -r 268435456 vcan0 >{log} & dump=$!
-        {BUILD}/afo-walker --can vcan0 --silence 60000 --quiet & walker=$!
+        {BUILD}/afo walker --can vcan0 --silence 60000 --quiet & walker=$!
         sleep 0.3
-        {BUILD}/afo-host --can vcan0 --speed 0.41 --quiet & host=$!
+        {BUILD}/afo host --can vcan0 --speed 0.41 --quiet & host=$!
         {PYTHON} tests/system/peer_tool.py; status=$?
         kill -TERM $host; wait $host; [ $? = 1 ] || status=1 # it tells the fault
         kill -TERM $walker; wait $walker; [ $? -le 1 ] || status=1 # they may have fallen
@@ -50,9 +50,9 @@ def test_canopen_and_can_utils_during_a_walk(tmp_path):
         exit $status""", 400)
     assert out.rstrip().endswith("done"), out
     assert out.count("\n") == 6, out
-    done = run("--speed", "0.41", log, program=BUILD / "afo-replay")
+    done = run("--speed", "0.41", log, command="replay")
     assert done.returncode == 1 and "2 such frames" in done.stdout, done.stdout  # 0x000, 0x601: who sent them?
-    done = run("--speed", "0.41", "--foreign-nodes", log, program=BUILD / "afo-replay")
+    done = run("--speed", "0.41", "--foreign-nodes", log, command="replay")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "3 frames of another node" in done.stdout, done.stdout  # 0x000, 0x601, 0x201
 

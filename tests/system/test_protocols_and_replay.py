@@ -4,9 +4,8 @@ import subprocess
 
 import pytest
 
-from afo import BUILD, ROOT, run, walk
+from afo import AFO, ROOT, run, walk
 
-REPLAY = BUILD / "afo-replay"
 SUBJECTS = ROOT / "sim_host" / "subjects"
 
 
@@ -67,7 +66,7 @@ def short_log(tmp_path_factory):
 
 
 def replay(path, *arguments):
-    return run("--speed", "0.5", *arguments, path, program=REPLAY)
+    return run("--speed", "0.5", *arguments, path, command="replay")
 
 
 @pytest.mark.parametrize("extra", ["000#8100", "602#4000100000000000", "390#0000000000000000"])
@@ -95,7 +94,7 @@ def test_a_log_replays_to_every_frame_of_the_controller(log):
 
 def test_a_report_that_cannot_be_written_is_no_success(log):
     with open("/dev/full", "w") as full:
-        done = subprocess.run([REPLAY, "--speed", "0.5", log], stdout=full, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run([AFO, "replay", "--speed", "0.5", log], stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 2 and "cannot write to standard output" in done.stderr
 
 

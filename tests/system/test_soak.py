@@ -1,4 +1,4 @@
-"""afo-soak for a minute of walking: all well; and what is made ill in it is noticed, by name.
+"""afo soak for a minute of walking: all well; and what is made ill in it is noticed, by name.
 The hundred million ticks of `make soak` take a quarter of an hour of processor time."""
 import os
 import pathlib
@@ -13,7 +13,7 @@ TICKS = 60000  # passes the ends of clocks and counters, which begin 20,000 befo
 
 
 def soak(*arguments):
-    done = subprocess.run([BUILD / "afo-soak", "--ticks", str(TICKS), *arguments], capture_output=True, text=True)
+    done = subprocess.run([BUILD / "afo", "soak", "--ticks", str(TICKS), *arguments], capture_output=True, text=True)
     return done.returncode, re.findall(r"^ILL : (.*)$", done.stdout, re.M), done.stdout + done.stderr
 
 
@@ -37,7 +37,7 @@ def test_what_is_made_ill_is_noticed(what, noticed):
 
 
 def test_what_is_too_short_to_judge_is_refused():
-    done = subprocess.run([BUILD / "afo-soak", "--ticks", "1000"], capture_output=True, text=True)
+    done = subprocess.run([BUILD / "afo", "soak", "--ticks", "1000"], capture_output=True, text=True)
     assert done.returncode == 2 and "60000" in done.stderr and "ILL" not in done.stdout
 
 

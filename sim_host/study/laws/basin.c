@@ -196,7 +196,7 @@ int laws_basin(const struct laws_options *options)
     fflush(stdout); /* what can be walked on from takes its time */
     if (!failed && (basin.chunk == NULL || !find_viability_kernel(&basin))) {
         fprintf(stderr,
-                "afo-study laws: no memory for the grid of states that can be walked on from\n");
+                "afo study laws: no memory for the grid of states that can be walked on from\n");
         failed = true;
     }
     for (int e = 0; e < LAW_CASES && !failed; e++) {

@@ -74,7 +74,7 @@ static int count_walks(struct study *study, int e)
     struct session_result *results = calloc((size_t)count, sizeof *results);
     int status = -1;
     if (configs == NULL || results == NULL) {
-        fprintf(stderr, "afo-study laws: out of memory; take fewer --samples\n");
+        fprintf(stderr, "afo study laws: out of memory; take fewer --samples\n");
     } else {
         for (int i = 0; i < count; i++) {
             configs[i] = session_of(study, e, i / study->walks, i % study->walks);
@@ -124,7 +124,7 @@ static int run(struct study *study)
     int status = pool_run(&jobs) == 1 ? 0 : -1;
     for (int i = 0; i < operators; i++) {
         if (study->cell[i / CELLS][i % CELLS].failed) {
-            fprintf(stderr, "afo-study laws: out of memory\n");
+            fprintf(stderr, "afo study laws: out of memory\n");
             status = -1;
         }
     }

@@ -1,4 +1,4 @@
-/* afo-study laws: the laws beside each other, in numbers. What its studies share.
+/* afo study laws: the laws beside each other, in numbers. What its studies share.
  *
  * Each study prints a table for people and, with --out DIR, writes the same numbers to
  * DIR/laws-STUDY.csv (scripts/plot-laws draws them). No result depends on the number of threads.

@@ -6,9 +6,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sim_host/cli/walk_options.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/cli/progress.h"
 #include "sim_host/study/laws/laws.h"
 #include "sim_host/study/pool.h"
+#include "sim_host/subjects/nearest.h"
 
 enum {
     KEY_LAW = 0x500,
@@ -169,10 +172,15 @@ double laws_speed_unit(const struct laws_options *options)
     return __builtin_sqrt(options->subject.gravity_m_s2 / 9.80665 / options->subject.leg_length_m);
 }
 
+/* Of the running study. Nobody knows how many parts it will have: a walk may end early. */
+static struct progress progress;
+static uint64_t parts_done;
+
 int laws_take(void *context, int i)
 {
     (void)context;
     (void)i;
+    progress_tell(&progress, ++parts_done);
     return 1;
 }
 
@@ -188,7 +196,7 @@ FILE *laws_csv(const struct laws_options *options, const char *study, const char
     (void)snprintf(path, sizeof path, "%s/laws-%s%s.csv", options->out_directory, study,
                    options->chain ? "-chain" : "");
     if (output_file_open(file, path, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
+        fprintf(stderr, "afo study laws: %s\n", message);
         *failed = true;
         return NULL;
     }
@@ -204,7 +212,7 @@ int laws_csv_close(struct output_file *file, bool failed)
         return -1;
     }
     if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
+        fprintf(stderr, "afo study laws: %s\n", message);
         return -1;
     }
     return 0;
@@ -212,7 +220,6 @@ int laws_csv_close(struct output_file *file, bool failed)
 
 int laws_main(int argc, char **argv)
 {
-    static char name[] = "afo-study laws"; /* what argp calls the program in usage and errors */
     static const char doc[] = /* argp wraps at column 79, and what it wraps begins at column 0 */
         "Compares the laws that choose the push-off. STUDY is one of:\v"
         "  jumps        steps to settle after every jump of the command, 0.2 to 1 rad/s\n"
@@ -235,13 +242,11 @@ int laws_main(int argc, char **argv)
         input.options.law_case[i] = true;
     }
     subject_default(&input.options.subject);
-    argp_err_exit_status = 2;
-    argv[0] = name;
-    argp_parse(&parser, argc, argv, 0, NULL, &input);
+    option_parse(&parser, argc, argv, &input);
     char message[SUBJECT_MESSAGE_MAX];
     if (law_setup_init(&input.options.bench, &input.options.subject, LAW_PREDICTIVE, message) !=
         0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
+        fprintf(stderr, "afo study laws: %s\n", message);
         return 2;
     }
     if (input.terrain_speed_rad_s >= 0.0) {
@@ -249,7 +254,7 @@ int laws_main(int argc, char **argv)
     }
     if (input.options.out_directory != NULL &&
         access(input.options.out_directory, W_OK | X_OK) != 0) {
-        fprintf(stderr, "afo-study laws: cannot write into %s: %s\n", input.options.out_directory,
+        fprintf(stderr, "afo study laws: cannot write into %s: %s\n", input.options.out_directory,
                 strerror(errno));
         return 2;
     }
@@ -259,25 +264,31 @@ int laws_main(int argc, char **argv)
     int status = 0;
     if (input.terrain_speed_rad_s >= 0.0 && !input.options.law_case[LAW_CASE_PREDICTIVE]) {
         fprintf(stderr,
-                "afo-study laws: --terrain-speed does nothing without the predictive law\n");
+                "afo study laws: --terrain-speed does nothing without the predictive law\n");
         return 2;
     }
     for (size_t i = 0; i < STUDIES && status == 0; i++) {
         if (strcmp(input.study, studies[i].name) == 0 && input.options.chain &&
             !studies[i].has_chain) {
-            fprintf(stderr, "afo-study laws: --chain does nothing: %s is a study on the map\n",
+            fprintf(stderr, "afo study laws: --chain does nothing: %s is a study on the map\n",
                     input.study);
             return 2;
         }
         if ((all && studies[i].in_all) || strcmp(input.study, studies[i].name) == 0) {
             found = true;
             printf("%s: %s\n", studies[i].name, studies[i].summary);
+            fflush(stdout);
+            parts_done = 0;
+            progress_begin(&progress, "parts done", 0, false);
             status = studies[i].run(&input.options) == 0 ? 0 : 1;
+            progress_end(&progress);
             printf("\n");
         }
     }
     if (!found) {
-        fprintf(stderr, "afo-study laws: no study \"%s\"; see --help\n", input.study);
+        const char *best = nearest_name(input.study, studies, STUDIES, sizeof studies[0]);
+        program_complain("no study \"%s\"%s%s; see --help", input.study,
+                         best != NULL ? "; nearest: " : "", best != NULL ? best : "");
         return 2;
     }
     return status;

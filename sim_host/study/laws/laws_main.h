@@ -1,4 +1,4 @@
-/* The command `laws` of afo-study. Plain types: callable from double-compiled code. */
+/* The command `laws` of afo study. Plain types: callable from double-compiled code. */
 #ifndef SIM_HOST_STUDY_LAWS_LAWS_MAIN_H
 #define SIM_HOST_STUDY_LAWS_LAWS_MAIN_H
 

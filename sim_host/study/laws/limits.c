@@ -94,7 +94,7 @@ int laws_limits(const struct laws_options *options)
             viability_free(&grid);
         }
         if (failed) {
-            fprintf(stderr, "afo-study laws: no memory for a grid of %d x %d states\n", range.legs,
+            fprintf(stderr, "afo study laws: no memory for a grid of %d x %d states\n", range.legs,
                     range.rates);
         }
     }

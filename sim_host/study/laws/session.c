@@ -112,7 +112,7 @@ static int run_on_map(const struct laws_options *options, const struct session_c
     struct laws_course *courses = calloc((size_t)count, sizeof *courses);
     int status = -1, strides = 0;
     if (walks == NULL || courses == NULL) {
-        fprintf(stderr, "afo-study laws: out of memory\n");
+        fprintf(stderr, "afo study laws: out of memory\n");
     } else {
         for (int i = 0; i < count; i++) {
             walks[i].config = &configs[i];
@@ -193,7 +193,7 @@ static int start_chain(const struct laws_options *options, const struct session_
     bench.params.start_r0_m = (real)law_setup_gait(&bench, config->from_rad_s, apex);
     if (loop_configure(&loop_config, body, &bench.params, config->to_rad_s, options->sensors,
                        config->seed, message) != 0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
+        fprintf(stderr, "afo study laws: %s\n", message);
         return -1;
     }
     terrain_init(terrain, &bench, config);
@@ -206,7 +206,7 @@ static int start_chain(const struct laws_options *options, const struct session_
         loop_config.plant.heights_count = SESSION_STEPS_MAX + 1;
     }
     if (loop_init(loop, &loop_config, NULL, message) != 0) {
-        fprintf(stderr, "afo-study laws: %s\n", message);
+        fprintf(stderr, "afo study laws: %s\n", message);
         return -1;
     }
     return 0;
@@ -221,7 +221,7 @@ static int run_on_chain(const struct laws_options *options, const struct session
     double incline = 0.0;
     int status = -1;
     if (loop == NULL || heights_m == NULL) {
-        fprintf(stderr, "afo-study laws: out of memory\n");
+        fprintf(stderr, "afo study laws: out of memory\n");
     } else if (start_chain(options, config, loop, &terrain, heights_m) == 0) {
         const uint64_t ticks_max = 6000u + 3000u * (uint64_t)config->steps;
         struct pusher pusher = {0.0, 0.0, 0, false};
@@ -295,7 +295,7 @@ int session_records(const struct session_config *configs, int count, struct sess
     }
     results[0].step = calloc(steps, sizeof *results[0].step);
     if (results[0].step == NULL) {
-        fprintf(stderr, "afo-study laws: out of memory\n");
+        fprintf(stderr, "afo study laws: out of memory\n");
         return -1;
     }
     for (int i = 1; i < count; i++) {

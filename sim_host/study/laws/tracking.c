@@ -136,7 +136,7 @@ static struct hold *make(const struct laws_options *options)
 {
     struct hold *hold = calloc(1, sizeof *hold);
     if (hold == NULL) {
-        fprintf(stderr, "afo-study laws: out of memory\n");
+        fprintf(stderr, "afo study laws: out of memory\n");
         return NULL;
     }
     hold->options = options;

@@ -98,7 +98,7 @@ int laws_walks_run(struct laws_course *courses, size_t count, int strides, laws_
                                        ? BATCH_OUT_OF_MEMORY
                                        : run(&walks, walkers, threads);
     if (error != BATCH_OK) {
-        fprintf(stderr, "afo-study laws: %s\n", batch_error_name(error));
+        fprintf(stderr, "afo study laws: %s\n", batch_error_name(error));
     }
     free(walks.items);
     free(walkers);

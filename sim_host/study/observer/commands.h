@@ -1,4 +1,4 @@
-/* The commands of afo-study that walk in closed loop. They see the controller in its own
+/* The commands of afo study that walk in closed loop. They see the controller in its own
  * precision; the caller is compiled for the other, so only plain types pass. */
 #ifndef SIM_HOST_STUDY_OBSERVER_COMMANDS_H
 #define SIM_HOST_STUDY_OBSERVER_COMMANDS_H

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "controller/estimator/observer_gains.h"
+#include "sim_host/cli/option.h"
 #include "sim_host/study/observer/commands.h"
 
 #define PAPER_RATE_S 3.131557120667717 /* sqrt(g / l) of the paper's walker, 1/s */
@@ -13,7 +14,7 @@
  * (a wrong toe distance, impact and ankle rate together). The acceleration errors are
  * what is chosen: they make the filters forget within about 0.15 s, half of what the
  * noise alone would ask for, so that a walker that differs from its parameters pulls
- * the estimate by a quarter of what it would otherwise (afo-study observe shows both). */
+ * the estimate by a quarter of what it would otherwise (afo study observe shows both). */
 struct gain_assumptions gain_assumptions_default(void)
 {
     const double count_rad = 2.0 * 3.14159265358979323846 / 16384.0;
@@ -72,15 +73,27 @@ void gain_schedule(const struct gain_assumptions *assumptions, double spring, do
     }
 }
 
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    if (key == ARGP_KEY_ARG) {
+        option_refuse_argument(state, text);
+    }
+    return key == ARGP_KEY_ARG ? 0 : ARGP_ERR_UNKNOWN;
+}
+
 int command_observer_gains(int argc, char **argv)
 {
-    if (argc > 1) {
-        const int help = strcmp(argv[1], "--help") == 0;
-        fprintf(help ? stdout : stderr,
-                "Usage: afo-study observer-gains > controller/estimator/observer_gains.c\n"
-                "Solves for the model observer's gains and prints them as C.\n");
-        return help ? 0 : 2;
-    }
+    static const struct argp parser = {
+        0,
+        take,
+        0,
+        "Solves for the model observer's gains and prints them as C, for "
+        "controller/estimator/observer_gains.c.\v"
+        "Exit status: 0 printed, 2 wrong usage or output not writable.",
+        0,
+        0,
+        0};
+    option_parse(&parser, argc, argv, NULL);
     const struct gain_assumptions a = gain_assumptions_default();
     double since[OBSERVER_GAIN_KNOTS], stance[OBSERVER_GAIN_KNOTS][2],
         swing[OBSERVER_GAIN_KNOTS][2];
@@ -90,7 +103,7 @@ int command_observer_gains(int argc, char **argv)
     }
     gain_schedule(&a, 1.0, a.stance_density, since, OBSERVER_GAIN_KNOTS, stance);
     gain_schedule(&a, -2.0, a.swing_density, since, OBSERVER_GAIN_KNOTS, swing);
-    printf("/* Made by `afo-study observer-gains`; do not edit.\n"
+    printf("/* Made by `afo study observer-gains`; do not edit.\n"
            " * Noise %.3g rad a sample of %g s; at lift-off %.3g rad and %.3g rad/s; error of the\n"
            " * model's acceleration %.3g (stance) and %.3g rad^2/s^3 (swing). */\n"
            "#include \"controller/estimator/observer_gains.h\"\n\n"

@@ -117,12 +117,12 @@ static int run_all(enum law_mode law, int steps, int settle)
         struct loop_config config;
         struct observed_walk w;
         if (observe_configure(&want, &config, message) != 0) {
-            fprintf(stderr, "afo-study observe: %s\n", message);
+            fprintf(stderr, "afo study observe: %s\n", message);
             return 1;
         }
         change((enum what)what, &config);
         if (observed_walk_run(&config, settled + steps, settled, &w, message) != 0) {
-            fprintf(stderr, "afo-study observe: %s: %s\n", names[what], message);
+            fprintf(stderr, "afo study observe: %s: %s\n", names[what], message);
             return 1;
         }
         printf("  %-30s ", names[what]);

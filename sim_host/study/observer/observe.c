@@ -115,7 +115,7 @@ static int print_case(const struct observe_case *want, const char *name, int ste
     const int settle = SETTLE_STEPS + (int)(fabs(want->speed_rad_s - 0.407) / 0.005);
     if (observe_configure(want, &config, message) != 0 ||
         observed_walk_run(&config, settle + steps, settle, &w, message) != 0) {
-        fprintf(stderr, "afo-study observe: %s\n", message);
+        fprintf(stderr, "afo study observe: %s\n", message);
         return 1;
     }
     printf("  %-6s %5.2f %4.1f  %4.2f ", name, want->noise_counts, 1e3 * want->latency_s,
@@ -193,19 +193,18 @@ int command_observe(int argc, char **argv)
     struct options options = {.steps = 100, .csv_path = "/dev/null"};
     struct output_file csv = {0};
     char message[OUTPUT_PATH_MAX + 256];
-    argp_err_exit_status = 2;
-    argp_parse(&parser, argc, argv, 0, NULL, &options);
+    option_parse(&parser, argc, argv, &options);
     if (options.mismatch) {
         return observe_mismatch(options.steps, SETTLE_STEPS);
     }
     if (output_file_open(&csv, options.csv_path, message, sizeof message) != 0) {
-        fprintf(stderr, "afo-study observe: %s\n", message);
+        fprintf(stderr, "afo study observe: %s\n", message);
         return 1;
     }
     const int status = print_table(&options, csv.stream);
     if (status != 0 || output_file_commit(&csv, message, sizeof message) != 0) {
         output_file_discard(&csv);
-        fprintf(stderr, "afo-study observe: no CSV file was written\n");
+        fprintf(stderr, "afo study observe: no CSV file was written\n");
         return 1;
     }
     return 0;

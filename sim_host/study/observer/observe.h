@@ -1,4 +1,4 @@
-/* `afo-study observe`: how well the controller knows the gait, and what it costs the law. */
+/* `afo study observe`: how well the controller knows the gait, and what it costs the law. */
 #ifndef SIM_HOST_STUDY_OBSERVER_OBSERVE_H
 #define SIM_HOST_STUDY_OBSERVER_OBSERVE_H
 

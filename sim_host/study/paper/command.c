@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_host/cli/option.h"
 #include "sim_host/study/pool.h"
 
 enum { KEY_JSON = 1000, KEY_CSV, KEY_THREADS, KEY_OUT, KEY_RESUME, KEY_QUIET };
@@ -168,12 +169,8 @@ void command_parse(const struct argp_option *table, argp_parser_t parser, const 
     const struct argp common = {common_table, parse_common, 0, 0, 0, 0, 0};
     const struct argp_child children[] = {{&common, 0, 0, 0}, {0}};
     const struct argp whole = {table, parse_both, 0, doc, children, 0, 0};
-    static char name[64]; /* what argp calls the program in usage and errors */
-    (void)snprintf(name, sizeof name, "afo-study %s", argv[0]);
-    argv[0] = name;
     own_parser = parser;
-    argp_err_exit_status = EXIT_USAGE;
-    argp_parse(&whole, argc, argv, 0, NULL, options);
+    option_parse(&whole, argc, argv, options);
 }
 
 int command_check_walker(const struct common *common)
@@ -181,14 +178,14 @@ int command_check_walker(const struct common *common)
     struct walker walker;
     const enum walker_error error = walker_init(&walker, &common->params);
     if (error != WALKER_OK) {
-        fprintf(stderr, "afo-study: %s\n", walker_error_name(error));
+        fprintf(stderr, "afo study: %s\n", walker_error_name(error));
     }
     return error == WALKER_OK;
 }
 
 void command_explain(const char *what, enum orbit_status status, const struct orbit *orbit)
 {
-    fprintf(stderr, "afo-study: %s: %s", what, orbit_status_name(status));
+    fprintf(stderr, "afo study: %s: %s", what, orbit_status_name(status));
     if (status == ORBIT_FAULT) {
         fprintf(
             stderr,
@@ -209,7 +206,7 @@ int command_gait(const struct common *common, enum branch branch, double r0, dou
         return 0;
     }
     if (!(r0 > 0.0 && r0 < common->params.leg_length_m)) {
-        fprintf(stderr, "afo-study: r0 = %g m must be above 0 and below the leg length of %g m\n",
+        fprintf(stderr, "afo study: r0 = %g m must be above 0 and below the leg length of %g m\n",
                 r0, common->params.leg_length_m);
         return 0;
     }
@@ -218,7 +215,7 @@ int command_gait(const struct common *common, enum branch branch, double r0, dou
     if (!branch_find(branch, &common->params, r0, x, &lost_at)) {
         fprintf(
             stderr,
-            "afo-study: no period-1 gait of the %s branch found at r0 = %g m: followed from the "
+            "afo study: no period-1 gait of the %s branch found at r0 = %g m: followed from the "
             "paper's walker, the branch is lost near r0 = %g m; try an r0 on this side of it, or "
             "a walker nearer to the paper's\n",
             branch == BRANCH_LONG ? "long" : "short", r0, lost_at);
@@ -228,7 +225,7 @@ int command_gait(const struct common *common, enum branch branch, double r0, dou
         !branch_find(BRANCH_LONG, &common->params, r0, problem->reference_x, &lost_at)) {
         fprintf(
             stderr,
-            "afo-study: the law has no reference speed: the long branch is lost near r0 = %g m\n",
+            "afo study: the law has no reference speed: the long branch is lost near r0 = %g m\n",
             lost_at);
         return 0;
     }

@@ -1,15 +1,17 @@
-/* What the commands of afo-study share: their table, options and messages. */
+/* What the commands of afo study share: their table, options and messages. */
 #ifndef SIM_HOST_STUDY_PAPER_COMMAND_H
 #define SIM_HOST_STUDY_PAPER_COMMAND_H
 
 #include <argp.h>
 
+#include "sim_host/cli/exit_status.h"
 #include "sim_host/gait/branch.h"
 #include "sim_host/study/report.h"
 
-enum exit_status { EXIT_FOUND = 0, EXIT_NOT_FOUND = 1, EXIT_USAGE = 2 };
+/* The same values under the studies' own names: a gait was found, or not. */
+enum { EXIT_FOUND = EXIT_GOOD, EXIT_NOT_FOUND = EXIT_BAD };
 
-/* Runs one command; argv[0] is its name. Returns the exit status. */
+/* Runs one command; argv[0] is its whole name. Returns the exit status. */
 typedef int command_function(int argc, char **argv);
 command_function command_fixed_point, command_continue, command_doublings, command_bifurcation,
     command_basin, command_gain, command_map, command_noise;

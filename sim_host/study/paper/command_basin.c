@@ -1,4 +1,4 @@
-/* afo-study basin: from which states the walker finds its gait; cross-sections, and the whole volume. */
+/* afo study basin: from which states the walker finds its gait; cross-sections, and the whole volume. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -173,7 +173,7 @@ static void compute_line(void *context, int i)
 static int is_computed(const struct line *line)
 {
     if (line->has_failed) {
-        fprintf(stderr, "afo-study: out of memory; take fewer --points\n");
+        fprintf(stderr, "afo study: out of memory; take fewer --points\n");
     }
     return !line->has_failed;
 }
@@ -350,7 +350,7 @@ int command_basin(int argc, char **argv)
     study.lines = calloc((size_t)options->points, sizeof *study.lines);
     study.bases = calloc((size_t)base_count, sizeof *study.bases);
     if (cells == NULL || study.lines == NULL || study.bases == NULL) {
-        fprintf(stderr, "afo-study: out of memory; take fewer --points\n");
+        fprintf(stderr, "afo study: out of memory; take fewer --points\n");
     } else if (find_bases(&study, base_count, &status)) {
         for (int i = 0; i < options->points; i++) {
             study.lines[i].cells = cells + (size_t)i * (size_t)options->points;

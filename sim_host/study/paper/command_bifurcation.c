@@ -1,4 +1,4 @@
-/* afo-study bifurcation: long runs over r0; periods, chaos, loss of walking, Lyapunov exponents. */
+/* afo study bifurcation: long runs over r0; periods, chaos, loss of walking, Lyapunov exponents. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -106,7 +106,7 @@ static int take(void *context, int group)
     const int end = group_end(study, group);
     for (; study->first < end; study->first++) {
         if (study->runs[study->first].samples == NULL) {
-            fprintf(stderr, "afo-study: out of memory\n");
+            fprintf(stderr, "afo study: out of memory\n");
             return 0;
         }
         print_run(study, &study->runs[study->first]);
@@ -189,7 +189,7 @@ int command_bifurcation(int argc, char **argv)
     if (!(options->from > 0.0 && options->to > options->from &&
           options->to < options->common.params.leg_length_m)) {
         fprintf(stderr,
-                "afo-study: r0 must rise from --from to --to between 0 and the leg length\n");
+                "afo study: r0 must rise from --from to --to between 0 and the leg length\n");
         return EXIT_USAGE;
     }
     const size_t samples = (size_t)options->points * (size_t)options->keep;
@@ -197,7 +197,7 @@ int command_bifurcation(int argc, char **argv)
     study.runs = calloc((size_t)options->points, sizeof *study.runs);
     int status = EXIT_NOT_FOUND;
     if (all == NULL || study.runs == NULL) {
-        fprintf(stderr, "afo-study: out of memory for %zu samples; take fewer --points\n", samples);
+        fprintf(stderr, "afo study: out of memory for %zu samples; take fewer --points\n", samples);
     } else {
         for (int i = 0; i < options->points; i++) {
             study.runs[i].samples = all + (size_t)i * (size_t)options->keep;

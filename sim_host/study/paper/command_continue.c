@@ -1,4 +1,4 @@
-/* afo-study continue: a branch of gaits followed in one parameter. */
+/* afo study continue: a branch of gaits followed in one parameter. */
 #include <stdio.h>
 #include <string.h>
 
@@ -118,7 +118,7 @@ static int tell_end(const struct options *options, const struct continuation_rep
     if (end->end == END_REACHED || end->end == END_RETURNED) {
         return EXIT_FOUND;
     }
-    fprintf(stderr, "afo-study: %s, at %s = %.10g", continuation_end_name(end->end),
+    fprintf(stderr, "afo study: %s, at %s = %.10g", continuation_end_name(end->end),
             parameter_name(options->over), end->parameter);
     if (end->end == END_LOST) {
         fprintf(stderr, ": %s", orbit_status_name(end->last_status));
@@ -177,13 +177,13 @@ int command_continue(int argc, char **argv)
         return status;
     }
     if (!periodic_find(&problem, x, options.period, &orbit)) {
-        fprintf(stderr, "afo-study: no walk of period %d found at %s = %g to start from\n",
+        fprintf(stderr, "afo study: no walk of period %d found at %s = %g to start from\n",
                 options.period, parameter_name(options.over), options.from);
         return EXIT_NOT_FOUND;
     }
     if (options.over == PARAMETER_KP && problem.kp == 0.0 &&
         !branch_find(BRANCH_LONG, &problem.params, problem.r0_m, problem.reference_x, NULL)) {
-        fprintf(stderr, "afo-study: the law has no reference speed at this r0\n");
+        fprintf(stderr, "afo study: the law has no reference speed at this r0\n");
         return EXIT_NOT_FOUND;
     }
     if (!report_open(&output.report, &options.common, "continue", "", columns)) {

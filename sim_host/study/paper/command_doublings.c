@@ -1,4 +1,4 @@
-/* afo-study doublings: the cascade of period doublings over r0. */
+/* afo study doublings: the cascade of period doublings over r0. */
 #include <stdio.h>
 
 #include "sim_host/study/paper/cascade.h"
@@ -97,7 +97,7 @@ int command_doublings(int argc, char **argv)
         return EXIT_USAGE;
     }
     if (found < options.count) {
-        fprintf(stderr, "afo-study: %d of %d doublings found; then: %s, at r0 = %.10g m\n", found,
+        fprintf(stderr, "afo study: %d of %d doublings found; then: %s, at r0 = %.10g m\n", found,
                 options.count, continuation_end_name(end.end), end.parameter);
     }
     return found > 0 ? EXIT_FOUND : EXIT_NOT_FOUND;

@@ -1,4 +1,4 @@
-/* afo-study fixed-point: a periodic gait, by Newton, with its eigenvalues and measures. */
+/* afo study fixed-point: a periodic gait, by Newton, with its eigenvalues and measures. */
 #include <stdio.h>
 
 #include "sim_host/study/paper/command.h"
@@ -60,13 +60,13 @@ static int find(const struct options *options, struct problem *problem, struct o
         return EXIT_FOUND;
     }
     if (options->period == 1 && options->branch == BRANCH_SHORT && options->kp != 0.0) {
-        fprintf(stderr, "afo-study: under the law the short branch's gaits are not where they are "
+        fprintf(stderr, "afo study: under the law the short branch's gaits are not where they are "
                         "without it; give --guess\n");
         return EXIT_USAGE;
     }
     if (!periodic_find(problem, x, options->period, orbit)) {
         fprintf(stderr,
-                "afo-study: no walk of period %d found at r0 = %g m; `afo-study bifurcation` shows "
+                "afo study: no walk of period %d found at r0 = %g m; `afo study bifurcation` shows "
                 "which periods there are, --guess gives Newton another start\n",
                 options->period, options->r0);
         return EXIT_NOT_FOUND;

@@ -1,4 +1,4 @@
-/* afo-study gain: eigenvalues of the long branch's gaits under the step law, and the best gain. */
+/* afo study gain: eigenvalues of the long branch's gaits under the step law, and the best gain. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -143,18 +143,18 @@ int command_gain(int argc, char **argv)
     }
     if (!(options.from > 0.0 && options.to > options.from && options.to < l)) {
         fprintf(stderr,
-                "afo-study: r0 must rise from --from to --to between 0 and the leg length\n");
+                "afo study: r0 must rise from --from to --to between 0 and the leg length\n");
         return EXIT_USAGE;
     }
     struct loop_point *points = malloc((size_t)options.points * sizeof *points);
     if (points == NULL) {
-        fprintf(stderr, "afo-study: out of memory\n");
+        fprintf(stderr, "afo study: out of memory\n");
         return EXIT_NOT_FOUND;
     }
     const int count = gather(&options, points);
     if (count < options.points) {
         fprintf(stderr,
-                "afo-study: the long branch is lost before r0 = %g m; try a --to below it\n",
+                "afo study: the long branch is lost before r0 = %g m; try a --to below it\n",
                 options.from + (options.to - options.from) * count / (options.points - 1));
     }
     int status = EXIT_USAGE;

@@ -1,4 +1,4 @@
-/* afo-study map: iterates the return map from a state; with --samples, the motion in between, too. */
+/* afo study map: iterates the return map from a state; with --samples, the motion in between, too. */
 #include <stdio.h>
 
 #include "model/double_support.h"

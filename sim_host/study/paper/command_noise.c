@@ -1,4 +1,4 @@
-/* afo-study noise: Monte Carlo of the step law that is told its apex speeds with errors. */
+/* afo study noise: Monte Carlo of the step law that is told its apex speeds with errors. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -142,7 +142,7 @@ int command_noise(int argc, char **argv)
     }
     struct noisy_walk *walks = calloc((size_t)options.walkers, sizeof *walks);
     if (walks == NULL) {
-        fprintf(stderr, "afo-study: out of memory; take fewer --walkers\n");
+        fprintf(stderr, "afo study: out of memory; take fewer --walkers\n");
         return EXIT_NOT_FOUND;
     }
     status = run(&options, &problem, x, walks);

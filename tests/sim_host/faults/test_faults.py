@@ -13,7 +13,7 @@ BUILD = pathlib.Path(os.environ.get("AFO_BUILD", ROOT / "build")).resolve()
 
 
 def faults(*arguments):
-    return subprocess.run([BUILD / "afo-faults", *map(str, arguments)], capture_output=True, text=True)
+    return subprocess.run([BUILD / "afo", "faults", *map(str, arguments)], capture_output=True, text=True)
 
 
 def summary(text):
@@ -111,7 +111,7 @@ def test_wrong_usage(arguments):
 
 def walk(tmp_path, *arguments):
     rows = tmp_path / "steps.csv"
-    result = subprocess.run([BUILD / "afo-sim", "--json", "--csv", rows, *map(str, arguments)],
+    result = subprocess.run([BUILD / "afo", "sim", "--json", "--csv", rows, *map(str, arguments)],
                             capture_output=True, text=True)
     with rows.open() as file:
         return json.loads(result.stdout), list(csv.DictReader(file))

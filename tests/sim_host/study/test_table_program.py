@@ -1,4 +1,4 @@
-"""afo-table's C source: it compiles, and its speeds are the gaits' that afo-study finds."""
+"""afo study table's C source: it compiles, and its speeds are the gaits' that afo study finds."""
 import json
 import os
 import pathlib
@@ -12,7 +12,7 @@ BUILD = pathlib.Path(os.environ.get("AFO_BUILD", ROOT / "build")).resolve()
 
 
 def table(*arguments):
-    return subprocess.run([BUILD / "afo-table", *map(str, arguments)], capture_output=True, text=True, timeout=60)
+    return subprocess.run([BUILD / "afo", "study", "table", *map(str, arguments)], capture_output=True, text=True, timeout=60)
 
 
 def numbers(source):
@@ -25,7 +25,7 @@ def test_entries_are_fixed_points(body):
     first, step, speeds = numbers(table(*body).stdout)
     assert len(speeds) == 64
     for entry in (0, 9, 33, 63):
-        found = subprocess.run([BUILD / "afo-study", "fixed-point", *map(str, body), "--r0",
+        found = subprocess.run([BUILD / "afo", "study", "fixed-point", *map(str, body), "--r0",
                                 repr(first + entry * step), "--json"], capture_output=True, text=True, timeout=60)
         assert -json.loads(found.stdout)["x"][0] == pytest.approx(speeds[entry], rel=1e-9)
 
@@ -41,10 +41,10 @@ def test_the_source_compiles(tmp_path):
 def test_bad_arguments(arguments):
     done = table(*arguments)
     assert done.returncode == 2
-    assert "afo-table: " in done.stderr and done.stdout == ""
+    assert "afo study table: " in done.stderr and done.stdout == ""
 
 
 def test_a_full_disk_is_noticed():
     with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run([BUILD / "afo-table"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+        done = subprocess.run([BUILD / "afo", "study", "table"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
     assert done.returncode == 2 and "write" in done.stderr

@@ -1,4 +1,4 @@
-"""afo-study laws from the outside: what the comparison must show, and its bad input."""
+"""afo study laws from the outside: what the comparison must show, and its bad input."""
 import csv
 import os
 import pathlib
@@ -7,11 +7,11 @@ import subprocess
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
-PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo-study"
+PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo"
 
 
 def laws(*arguments, status=0):
-    run = subprocess.run([PROGRAM, "laws", *map(str, arguments)], capture_output=True, text=True,
+    run = subprocess.run([PROGRAM, "study", "laws", *map(str, arguments)], capture_output=True, text=True,
                          check=False, timeout=900)
     assert run.returncode == status, run.stderr
     return run
@@ -24,11 +24,11 @@ def rows(path):
 
 def test_help_fits_the_terminal_and_names_the_program():
     lines = laws("--help").stdout.splitlines()
-    assert lines[0].startswith("Usage: afo-study laws ")
+    assert lines[0].startswith("Usage: afo study laws ")
     below = lines[lines.index("") + 1:]
     assert sum(line.startswith("  ") for line in below) > 15
     assert not [line for line in below if line and not line.startswith(" ")]
-    assert "afo-study laws" in laws("--colour", status=2).stderr
+    assert "afo study laws" in laws("--colour", status=2).stderr
 
 
 def check_jumps(jumps):
@@ -109,7 +109,7 @@ def test_an_output_that_cannot_be_written_is_an_error():
 def test_a_study_that_is_broken_off_leaves_the_old_numbers(tmp_path):
     old = tmp_path / "laws-basin.csv"
     old.write_text("old\n", encoding="utf-8")
-    with subprocess.Popen([PROGRAM, "laws", "basin", "--out", tmp_path, "--samples", "1000000"],
+    with subprocess.Popen([PROGRAM, "study", "laws", "basin", "--out", tmp_path, "--samples", "1000000"],
                           stdout=subprocess.PIPE) as run:
         run.stdout.readline()  # it has begun
         run.terminate()

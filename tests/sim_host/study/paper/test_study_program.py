@@ -1,4 +1,4 @@
-"""build/afo-study as its users see it: reference values, formats, threads, resuming, messages.
+"""build/afo study as its users see it: reference values, formats, threads, resuming, messages.
 
 Reference values: the paper's, with the digits of the re-derived model where it has more."""
 import csv
@@ -12,13 +12,13 @@ import subprocess
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
-PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo-study"
+PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo"
 ADULT = ("--M", "65", "--m", "2.5", "--l", "0.93", "--k", "7000")
 HEAVY_LEGS = ("--m", "0.2")
 
 
 def run(*arguments, status=0):
-    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=600,
+    done = subprocess.run([PROGRAM, "study", *map(str, arguments)], capture_output=True, text=True, timeout=600,
                           check=False)
     assert done.returncode == status, done.stderr
     return done
@@ -59,7 +59,7 @@ def test_the_papers_gait_and_eigenvalues():
 def test_a_full_disk_is_noticed(arguments):
     """/dev/full takes the open and refuses the write."""
     with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run([PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
+        done = subprocess.run([PROGRAM, "study", *arguments], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
                               check=False)
     assert done.returncode not in (0, 1), done.stderr
     assert done.stderr != ""
@@ -229,7 +229,8 @@ def test_the_map_tells_each_apex_and_the_fault():
     (("fixed-point", "--out", "/nonexistent/folder/file"), "cannot write"),
     (("fixed-point", "--resume"), "--resume needs"),
     (("fixed-point", "extra"), "unexpected argument"),
-    (("no-such-command",), "no command"),
+    (("no-such-study",), "no study"),
+    (("fixd-point",), "nearest: fixed-point"),
     ((), "Usage"),
 ])
 def test_bad_input_is_told_and_refused(arguments, word):
@@ -252,7 +253,7 @@ def test_what_is_not_found_is_told_with_what_to_try():
 def test_help_and_version():
     assert "fixed-point" in run("--help").stdout
     assert "--branch" in run("fixed-point", "--help").stdout
-    assert run("--version").stdout.startswith("afo-study ")
+    assert run("--version").stdout.startswith("afo study ")
 
 
 @pytest.mark.long
@@ -282,7 +283,7 @@ def test_deep_doublings_are_where_long_walks_double(edge, period):
 @pytest.mark.long
 def test_the_paper_is_reproduced(tmp_path):
     script = ROOT / "scripts" / "paper"
-    subprocess.run([script, "--study", PROGRAM, "--out", tmp_path, "--quick"], check=True, timeout=1200,
+    subprocess.run([script, "--afo", PROGRAM, "--out", tmp_path, "--quick"], check=True, timeout=1200,
                    cwd=ROOT)
     page = (tmp_path / "index.html").read_text()
     for figure in range(4, 13):

@@ -1,0 +1,24 @@
+# afo on a system: the program, its manual page, made of its --help, and the subjects that come with it.
+PREFIX ?= /usr/local
+DESTDIR ?=
+INSTALL ?= install
+SUBJECTS := $(wildcard sim_host/subjects/*.ini)
+
+.PHONY: man install compile-commands
+man: $(BUILD)/afo.1
+$(BUILD)/afo.1: $(BUILD)/afo scripts/man-page
+	$(call SAY,MAN    $@)
+	$(Q)scripts/man-page $< >$@.new && mv $@.new $@
+
+install: $(BUILD)/afo $(BUILD)/afo.1 ## the program, its manual page and the subjects into PREFIX (/usr/local), below DESTDIR
+	$(Q)$(INSTALL) -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/man/man1' '$(DESTDIR)$(PREFIX)/share/afo/subjects'
+	$(Q)$(INSTALL) -m 755 $(BUILD)/afo '$(DESTDIR)$(PREFIX)/bin/afo'
+	$(Q)$(INSTALL) -m 644 $(BUILD)/afo.1 '$(DESTDIR)$(PREFIX)/share/man/man1/afo.1'
+	$(Q)$(INSTALL) -m 644 $(SUBJECTS) '$(DESTDIR)$(PREFIX)/share/afo/subjects'
+	@echo '  installed below $(DESTDIR)$(PREFIX): bin/afo, share/man/man1/afo.1, share/afo/subjects'
+
+compile-commands: ## build/compile_commands.json for editors (clangd, VS Code); nothing is compiled
+	@mkdir -p $(BUILD)
+	$(Q)CCACHE_DISABLE=1 $(MAKE) --no-print-directory -Bn V=1 JOBS=1 CC=gcc programs tests firmware 2>/dev/null | \
+	    scripts/compile-commands >$(BUILD)/compile_commands.json.new
+	$(Q)mv $(BUILD)/compile_commands.json.new $(BUILD)/compile_commands.json

@@ -1,0 +1,27 @@
+/* afo: everything that runs on this machine, a sub-command each. */
+#include "sim_host/cli/program.h"
+#include "sim_host/programs/commands.h"
+
+static const struct program_command table[] = {
+    {"sim", afo_sim, "a walk, or a recording, in closed loop on an in-process bus"},
+    {"study", afo_study, "the paper's tables and figures, the laws, the observer, and more"},
+    {"faults", afo_faults, "inject faults into steady walks and judge what came of them"},
+    {"soak", afo_soak, "walk for days of simulated time and watch what must not change"},
+    {"replay", afo_replay, "a log through the control task, its frames compared bit by bit"},
+    {"walker", afo_walker, "the simulated walker and its four nodes on a CAN interface"},
+    {"host", afo_host, "the control task on a CAN interface"},
+    {"blackbox", afo_blackbox, "fetch the controller's black box over CAN, as a log"},
+    {"settings", afo_settings, "a subject's settings as the device keeps them in flash"},
+    {"eds", afo_eds, "data sheets of all nodes (EDS) and the DBC of the bus"},
+    {"pil", afo_pil, "walk with the flashed object code on an emulated processor"},
+    {"slcan", afo_slcan, "the same over slcan on the emulated board's UART"},
+};
+
+int main(int argc, char **argv)
+{
+    static const struct program_commands commands = {
+        "command", "The ankle-foot orthosis: controller, simulated walker, studies and tools.",
+        table, sizeof table / sizeof table[0]};
+    program_check_output_at_exit();
+    return program_dispatch(&commands, argc, argv);
+}

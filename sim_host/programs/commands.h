@@ -1,0 +1,23 @@
+/* The sub-commands of afo, a file each. argv[0] is the whole name ("afo sim"); each returns enum
+ * exit_status (sim_host/cli/exit_status.h). */
+#ifndef SIM_HOST_PROGRAMS_COMMANDS_H
+#define SIM_HOST_PROGRAMS_COMMANDS_H
+
+int afo_sim(int argc, char **argv);
+int afo_walker(int argc, char **argv);
+int afo_host(int argc, char **argv);
+int afo_replay(int argc, char **argv);
+int afo_blackbox(int argc, char **argv);
+int afo_settings(int argc, char **argv);
+int afo_eds(int argc, char **argv);
+int afo_study(int argc, char **argv);
+int afo_faults(int argc, char **argv);
+int afo_soak(int argc, char **argv);
+int afo_pil(int argc, char **argv);
+int afo_slcan(int argc, char **argv);
+
+/* Two studies that are files here: a table for the controller, and maps of points. */
+int afo_study_table(int argc, char **argv);
+int afo_study_atlas(int argc, char **argv);
+
+#endif

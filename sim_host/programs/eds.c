@@ -1,0 +1,134 @@
+/* afo eds: writes the data sheets (EDS) of all nodes and the DBC of the bus from the
+ * tables the code itself uses. */
+#include <stdio.h>
+#include <string.h>
+
+#include "firmware/controller_node.h"
+#include "hal/bus/frame_table.h"
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/nodes/dbc_writer.h"
+#include "sim_host/nodes/drive_node.h"
+#include "sim_host/nodes/eds_writer.h"
+#include "sim_host/nodes/leg_sensor_node.h"
+#include "sim_host/programs/commands.h"
+#include "sim_host/subjects/subject.h"
+
+/* A bus on which nobody listens: the devices are only built, not run. */
+static enum can_result send_nowhere(void *context, const struct can_msg *message)
+{
+    (void)context;
+    (void)message;
+    return CAN_OK;
+}
+
+static const struct can_bus_ops nowhere_ops = {.send = send_nowhere};
+
+struct devices {
+    struct drive_node drive[SIDE_COUNT];
+    struct leg_sensor_node sensor[SIDE_COUNT];
+    struct controller_node controller;
+};
+
+static int build(struct devices *devices)
+{
+    const struct can_bus bus = {.ops = &nowhere_ops};
+    struct subject subject;
+    struct control_params params;
+    char message[SUBJECT_MESSAGE_MAX];
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        /* The paper's walker: 0.35 m of stroke, a 16-bit encoder on a 5 mm screw. */
+        const struct drive_node_config drive = {.side = (enum side)side,
+                                                .node_id = (uint8_t)(NODE_DRIVE_LEFT + side),
+                                                .counts_per_m = 13107200,
+                                                .stroke_m = 0.35,
+                                                .rated_force_N = 1.0,
+                                                .following_error_m = 0.1,
+                                                .unload_rate_m_per_s = 0.5};
+        const struct leg_sensor_node_config sensor = {
+            .side = (enum side)side, .node_id = (uint8_t)(NODE_SENSOR_LEFT + side)};
+        if (drive_node_init(&devices->drive[side], &drive, bus, 0) != 0 ||
+            leg_sensor_node_init(&devices->sensor[side], &sensor, bus, 0) != 0) {
+            return -1;
+        }
+    }
+    subject_default(&subject);
+    if (subject_control_params(&subject, &params, message) != 0) {
+        return -1;
+    }
+    return controller_node_init(&devices->controller, &params, 0.0F, false, bus);
+}
+
+static int write_one(const char *directory, const char *name, const struct co_device *device,
+                     const char *description)
+{
+    char path[OUTPUT_PATH_MAX];
+    char message[OUTPUT_PATH_MAX + 256];
+    struct output_file file;
+    memset(&file, 0, sizeof file);
+    if (snprintf(path, sizeof path, "%s/%s", directory, name) >= (int)sizeof path) {
+        return program_complain("the path of the directory is too long");
+    }
+    if (output_file_open(&file, path, message, sizeof message) != 0) {
+        return program_complain("%s", message);
+    }
+    const struct eds_text text = {name, description};
+    const bool written =
+        device == NULL ? dbc_write(file.stream) : eds_write(file.stream, device, &text);
+    if (output_file_commit(&file, message, sizeof message) != 0 || !written) {
+        return program_complain("%s", message);
+    }
+    return 0;
+}
+
+static error_t take_option(int key, char *text, struct argp_state *state)
+{
+    const char **directory = state->input;
+    if (key == ARGP_KEY_ARG && *directory == NULL) {
+        *directory = text;
+        return 0;
+    }
+    if (key == ARGP_KEY_ARG) {
+        option_refuse_argument(state, text);
+    }
+    if (key == ARGP_KEY_END && *directory == NULL) {
+        argp_error(state, "a directory must be given");
+    }
+    return key == ARGP_KEY_ARG || key == ARGP_KEY_END ? 0 : ARGP_ERR_UNKNOWN;
+}
+
+int afo_eds(int argc, char **argv)
+{
+    static const struct argp parser = {
+        0,
+        take_option,
+        "DIRECTORY",
+        "Writes drive-left.eds, drive-right.eds, sensor-left.eds, sensor-right.eds, "
+        "controller.eds and afo.dbc into DIRECTORY, from the object dictionaries and the frame "
+        "table.\v"
+        "Exit status: 0 written, 2 wrong usage or not written.",
+        0,
+        0,
+        0};
+    static struct devices devices;
+    const char *directory = NULL;
+    option_parse(&parser, argc, argv, &directory);
+    if (build(&devices) != 0) {
+        program_complain("the devices cannot be built");
+        return EXIT_USAGE;
+    }
+    if (write_one(directory, "drive-left.eds", &devices.drive[0].device, "SEA drive, left") != 0 ||
+        write_one(directory, "drive-right.eds", &devices.drive[1].device, "SEA drive, right") !=
+            0 ||
+        write_one(directory, "sensor-left.eds", &devices.sensor[0].device, "Leg sensor, left") !=
+            0 ||
+        write_one(directory, "sensor-right.eds", &devices.sensor[1].device, "Leg sensor, right") !=
+            0 ||
+        write_one(directory, "controller.eds", &devices.controller.device, "AFO controller") != 0 ||
+        write_one(directory, "afo.dbc", NULL, "") != 0) {
+        return EXIT_USAGE;
+    }
+    return EXIT_GOOD;
+}

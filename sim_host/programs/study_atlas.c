@@ -1,0 +1,144 @@
+/* afo study atlas: where a walker walks, point by point: the basin of attraction as a volume, the plane of
+ * push-off and stiffness. scripts/bench-atlas draws what it writes. Under mpirun: build/afo-mpi. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim_host/batch/atlas.h"
+#include "sim_host/batch/batch.h"
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/programs/commands.h"
+
+enum { KEY_POINTS = 0x100, KEY_R0, KEY_STRIDES, KEY_MASS_RATIO, KEY_THREADS, KEY_LANES };
+enum { MAP_BASIN = 0, MAP_PLANE = 1 };
+
+struct options {
+    int map; /* -1 = not told */
+    const char *path;
+    int points, strides, threads, lanes; /* points 0 = the map's default */
+    double push_m, mass_ratio;
+};
+
+static const struct argp_option option_list[] = {
+    {"points", KEY_POINTS, "N", 0, "points a side (basin 128, plane 200)", 0},
+    {"r0", KEY_R0, "M", 0, "basin: precompression, metres (0.05)", 0},
+    {"strides", KEY_STRIDES, "N", 0, "basin: strides that count as walking on, to 254 (60)", 0},
+    {"mass-ratio", KEY_MASS_RATIO, "X", 0,
+     "plane: m/M of the walker (0.01, the paper's; 0.0385 a 70 kg adult's)", 0},
+    {"threads", KEY_THREADS, "N", 0, "use so many threads (0: all processors)", 0},
+    {"lanes", KEY_LANES, "N", 0,
+     "vectors of 2, 4 or 8 numbers (0: the widest); no result depends on it", 0},
+    {0}};
+
+static void take_word(struct options *options, const char *text, struct argp_state *state)
+{
+    static const char *const maps[] = {"basin", "plane"};
+    if (options->map < 0) {
+        options->map = option_choice(state, "MAP", text, maps, 2, sizeof maps[0]);
+    } else if (options->path == NULL) {
+        options->path = text;
+    } else {
+        option_refuse_argument(state, text);
+    }
+}
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct options *options = (struct options *)state->input;
+    switch (key) {
+    case KEY_POINTS:
+        options->points = (int)option_whole(state, "--points", text, 2, 20000);
+        return 0;
+    case KEY_R0:
+        options->push_m = option_number(state, "--r0", text, 0.0, 10.0);
+        return 0;
+    case KEY_STRIDES:
+        options->strides = (int)option_whole(state, "--strides", text, 1, 254);
+        return 0;
+    case KEY_MASS_RATIO:
+        options->mass_ratio = option_number(state, "--mass-ratio", text, 0.0, 1.0);
+        return 0;
+    case KEY_THREADS:
+        options->threads = (int)option_whole(state, "--threads", text, 0, 256);
+        return 0;
+    case KEY_LANES:
+        options->lanes = (int)option_whole(state, "--lanes", text, 0, 8);
+        return 0;
+    case ARGP_KEY_ARG:
+        take_word(options, text, state);
+        return 0;
+    case ARGP_KEY_END:
+        if (options->path == NULL) {
+            argp_error(state, "which map, into which file? %s basin FILE, or plane FILE",
+                       program_name());
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static int run(struct chunks_job job, const struct options *options)
+{
+    job.threads = options->threads;
+    job.is_progress_shown = 1;
+    const enum chunks_status status = chunks_run(&job);
+    if (status == CHUNKS_DONE || status == CHUNKS_HELPED) {
+        return EXIT_GOOD;
+    }
+    program_complain("%s: %s%s%s", job.path, chunks_status_name(status),
+                     status == CHUNKS_NO_FILE ? ": " : "",
+                     status == CHUNKS_NO_FILE ? strerror(errno) : "");
+    return EXIT_BAD;
+}
+
+static int run_basin(const struct options *options)
+{
+    const int points = options->points > 0 ? options->points : 128;
+    struct atlas_basin basin = {1.0,
+                                0.01,
+                                1.0,
+                                100.0,
+                                9.80665,
+                                options->push_m,
+                                1e-6,
+                                {0.05, 2.0, points},
+                                {-0.8, 1.2, points},
+                                {-1.0, 4.0, points},
+                                options->strides};
+    return run(atlas_basin_job(&basin, options->path), options);
+}
+
+static int run_plane(const struct options *options)
+{
+    const int points = options->points > 0 ? options->points : 200;
+    struct atlas_plane plane = {options->mass_ratio, {0.005, 0.3, points}, {3.0, 30.0, points}};
+    return run(atlas_plane_job(&plane, options->path), options);
+}
+
+int afo_study_atlas(int argc, char **argv)
+{
+    static const struct argp parser = {
+        option_list,
+        take,
+        "basin FILE\nplane FILE",
+        "Computes one byte a point into FILE, which is resumed when it is there: interrupt at will.\v"
+        "basin: N^3 apexes of the paper's walker, forward speed 0.05 to 2 rad/s, swing angle -0.8 to "
+        "1.2 rad, swing rate -1 to 4 rad/s: whole strides before the fall, or 255. plane: N x N of r0/l "
+        "0.005 to 0.3 and k l/(M g) 3 to 30: 0 falls, 1 to 64 the period, 255 none.\n"
+        "Exit status: 0 done, 1 not (the file holds other work, or it was stopped), 2 usage.",
+        0,
+        0,
+        0};
+    struct options options = {.map = -1, .strides = 60, .push_m = 0.05, .mass_ratio = 0.01};
+
+    option_parse(&parser, argc, argv, &options);
+    if (batch_use_lanes(options.lanes) != BATCH_OK) {
+        program_complain(
+            "--lanes must be 2, 4 or 8, and this processor must have them; 0: the widest");
+        return EXIT_USAGE;
+    }
+    return options.map == MAP_BASIN ? run_basin(&options) : run_plane(&options);
+}
