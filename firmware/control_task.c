@@ -2,14 +2,12 @@
 
 #include <assert.h>
 
-#include "hal/bus/bytes.h"
+#include "firmware/input_digest.h"
 #include "hal/bus/frame_table.h"
 #include "hal/contract.h"
 #include "hal/devices/duplicate_id.h"
 
 static_assert(sizeof(real) == sizeof(float), "the flown controller is float32");
-
-enum { FORCE_STOP_TICKS = 50 };
 
 static void count(uint32_t *counter)
 {
@@ -52,8 +50,8 @@ int control_task_init(struct control_task *task, const struct control_task_confi
                                           config->walk_requested, config->bus);
     HAL_ASSERT(node == 0); /* the dictionary is a constant of the build */
     (void)node;
-    task->node.show_counters = show_counters;
-    task->node.show_context = task;
+    task->node.rules.show_counters = show_counters;
+    task->node.rules.show_context = task;
     task->config.params = &task->node.objects.params;
     return controller_init(&task->controller, task->config.params);
 }
@@ -89,7 +87,8 @@ static bool may_start(const struct control_task *task)
            task->now_ns >= (uint64_t)CONTROL_TASK_START_TICK * TICK_PERIOD_US * 1000u;
 }
 
-static void collect_input(struct control_task *task, struct controller_input *input)
+/* Pure: what this tick shows the controller. */
+static void collect_input(const struct control_task *task, struct controller_input *input)
 {
     *input = (struct controller_input){
         .tick = task->tick,
@@ -97,7 +96,8 @@ static void collect_input(struct control_task *task, struct controller_input *in
         .nodes_operational = network_all_operational(&task->network),
         .node_error = network_has_error(&task->network),
         .emergency_stop = task->emergency_stop,
-        .parameters_corrupt = controller_node_params_corrupt(&task->node),
+        .foreign_node = task->foreign,
+        .parameters_corrupt = task->node.guard.corrupt,
         .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
         .reset_requested = task->node.objects.reset_requested != 0,
         .zero_requested = task->node.objects.zero_requested != 0};
@@ -111,116 +111,69 @@ static void collect_input(struct control_task *task, struct controller_input *in
             (struct sea_measurement){drive.precompression_m, (enum drive_state)drive.state,
                                      drive.age_ticks,        (enum latch_state)drive.latch,
                                      drive.force_N,          drive.force_age_ticks};
-        if (input->nodes_operational && (reading->age_ticks != 0 || drive.age_ticks != 0)) {
-            count(&task->node.objects.counters.late_answers);
-        }
-        task->foreign =
-            task->foreign || drive.foreign || reading->duplicate_id_count >= DUPLICATE_ID_LIMIT;
+        input->foreign_node = input->foreign_node || drive.foreign ||
+                              reading->duplicate_id_count >= DUPLICATE_ID_LIMIT;
     }
-    input->foreign_node = task->foreign;
+}
+
+static void count_late_answers(struct controller_counters *counters,
+                               const struct controller_input *input)
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (input->nodes_operational &&
+            (input->leg[leg].age_ticks != 0 || input->sea[leg].age_ticks != 0)) {
+            count(&counters->late_answers);
+        }
+    }
 }
 
 /* Returns true when the bus took them all. */
 static bool send_commands(struct control_task *task)
 {
-    struct sea_drive_command wish[SIDE_COUNT];
+    struct sea_drive_command command[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const struct sea_request *command = &task->output.sea[leg];
-        wish[leg] = (struct sea_drive_command){command->precompression_m, command->enable,
-                                               command->latch_armed,
-                                               task->node.objects.reset_requested != 0};
+        const struct sea_request *request = &task->output.sea[leg];
+        command[leg] = (struct sea_drive_command){request->precompression_m, request->enable,
+                                                  request->latch_armed,
+                                                  task->node.objects.reset_requested != 0};
     }
-    const bool sent = sea_drives_command(&task->config.drives, wish, &task->config.bus) == CAN_OK;
+    const bool sent =
+        sea_drives_command(&task->config.drives, command, &task->config.bus) == CAN_OK;
     if (!sent) {
         count(&task->node.objects.counters.send_failures);
     }
     return sent;
 }
 
-/* A drive that still follows its target a while after the torque was to be off has not
- * understood its controlword: stopped (NMT) it unloads by itself (0x6007). */
-static void force_stop(struct control_task *task)
+static void stop_by_nmt(struct control_task *task, unsigned legs)
 {
-    const bool stops =
-        task->output.state == SUPERVISOR_UNLOADING || task->output.state == SUPERVISOR_FAULT;
-    bool off = true;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        struct sea_drive_reading drive = {.state = DRIVE_DISABLED};
-        if (stops) {
-            sea_drives_read(&task->config.drives, (enum side)leg, &drive);
-        }
-        const bool heard = drive.age_ticks <= FORCE_STOP_TICKS;
-        off = off && heard && (drive.state == DRIVE_DISABLED || drive.state == DRIVE_FAULT);
-        /* What a silent one said last may be of before it was switched off and on. */
-        const bool disobeys =
-            heard && task->output.state == SUPERVISOR_FAULT && drive.state == DRIVE_ENABLED;
-        /* One telegram that says otherwise does not outweigh the others. */
-        if (disobeys) {
-            task->disobeys[leg]++;
-        } else if (task->disobeys[leg] > 0) {
-            task->disobeys[leg]--;
-        }
-        if (task->disobeys[leg] >= FORCE_STOP_TICKS) {
-            task->disobeys[leg] = 0;
+        if ((legs & (1u << leg)) != 0) {
             count(&task->node.objects.counters.forced_stops);
             (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
         }
     }
-    if (off) {
-        task->powered_ticks = 0;
-    } else if (task->powered_ticks < CONTROL_TASK_POWER_TICKS) {
-        task->powered_ticks++;
-    }
     /* Whoever speaks with our identifiers is heard by the drives as we are: no command of
-     * ours could outdo theirs, and no answer be trusted. Stopped, a drive obeys no PDO. */
+     * ours could outdo theirs, and no answer is safe to use. Stopped, a drive obeys no PDO. */
     if (task->foreign) {
         count(&task->node.objects.counters.forced_stops);
         (void)network_stop_all(&task->network, &task->config.bus);
     }
 }
 
-/* Sets up the nodes one after the other, as they appear, and keeps the bits of
- * those that may be started. A node that is silent or boots again starts over; one that is
- * stopped answers no SDO, and waits. */
-static void configure_nodes(struct control_task *task)
+static void bring_nodes_up(struct control_task *task)
 {
-    struct node_setup *setup = &task->setup;
     if (!task->config.configure_nodes) {
-        task->configured = (1u << NETWORK_NODES) - 1u;
+        bring_up_skip(&task->bring_up);
         return;
     }
-    for (unsigned i = 0; i < NETWORK_NODES; i++) {
-        const struct network_node *node = &task->network.node[i];
-        const bool is_new = node->state == NMT_UNKNOWN || node->booted;
-        if (is_new) {
-            task->configured = (uint8_t)(task->configured & ~(1u << i));
-        }
-        if ((is_new || node->stop_pending) && setup->node == node->id) {
-            setup->node = 0;
-        }
-    }
-    network_clear_booted(&task->network);
-    for (unsigned i = 0; i < NETWORK_NODES && setup->node == 0; i++) {
-        const struct network_node *node = &task->network.node[i];
-        if (node->state != NMT_UNKNOWN && !node->stop_pending &&
-            (task->configured & (1u << i)) == 0) {
-            node_setup_start(setup, &task->config.setup, node->id, task->now_ns);
-            network_command(&task->config.bus, NMT_ENTER_PRE_OPERATIONAL, setup->node);
-        }
-    }
-    if (setup->node == 0 || setup->failure.verdict != SETUP_DONE) {
-        return;
-    }
-    const enum setup_verdict verdict = node_setup_poll(setup, &task->config.bus, task->now_ns);
-    if (verdict == SETUP_DONE) {
-        task->configured = (uint8_t)(task->configured | 1u << network_index(setup->node));
-        controller_node_setup_done(&task->node, setup->node);
-        setup->node = 0;
-    } else if (verdict < SETUP_DONE) {
-        controller_node_report_setup(&task->node, &setup->failure);
-        if (verdict == SETUP_SILENT) {
-            setup->node = 0; /* a frame may have been lost: from the start again */
-        }
+    struct controller_node *node = &task->node;
+    const struct bring_up_result result = bring_up_update(
+        &task->bring_up, &task->network, &task->config.setup, &task->config.bus, task->now_ns);
+    if (result.verdict == SETUP_DONE) {
+        telemetry_clear_refused_node(&node->objects, &node->device, result.node);
+    } else if (result.verdict < SETUP_DONE) {
+        telemetry_report_refused_node(&node->objects, &node->device, &task->bring_up.setup.failure);
     }
 }
 
@@ -231,15 +184,18 @@ static unsigned run_tick(struct control_task *task)
     task->sync_waits = 0;
     task->now_ns += TICK_PERIOD_US * UINT64_C(1000);
     task->emergency_stop = emergency_stop_is_pressed(&task->config.stop);
+    params_guard_scan(&task->node.guard, &task->node.objects.params, task->node.objects.params_crc);
     collect_input(task, &input);
+    count_late_answers(&task->node.objects.counters, &input);
+    task->foreign = input.foreign_node;
     controller_update(&task->controller, &input, &task->output);
     const bool sent = send_commands(task);
-    force_stop(task);
+    stop_by_nmt(task, drive_watch_update(&task->watch, &task->config.drives, task->output.state));
     task->node.objects.reset_requested = 0;
     task->node.objects.zero_requested = 0;
-    task->node.objects.input_digest = task->node.objects.input_digest * UINT32_C(16777619) + 1u;
-    configure_nodes(task);
-    network_update(&task->network, &task->config.bus, task->configured);
+    input_digest_end_tick(&task->node.objects.input_digest);
+    bring_nodes_up(task);
+    network_update(&task->network, &task->config.bus, task->bring_up.configured);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);
     task->foreign = false;
@@ -251,32 +207,21 @@ static unsigned run_tick(struct control_task *task)
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
 }
 
-/* A sum over the frames of a tick, so that their order within it does not count
- * (a controller may sort them into several queues), of a hash that any changed bit
- * changes: FNV-1a's step (isthe.com/chongo/tech/comp/fnv) over words. */
-static uint32_t frame_hash(const struct can_msg *message)
-{
-    const uint32_t prime = UINT32_C(16777619);
-    uint32_t hash = (UINT32_C(2166136261) ^ (message->id << 4 | message->length)) * prime;
-    hash = (hash ^ bytes_get_u32(message->data)) * prime;
-    return (hash ^ bytes_get_u32(message->data + 4)) * prime;
-}
-
-static void take_frame(struct control_task *task, const struct can_msg *message)
+static void deliver_frame(struct control_task *task, const struct can_msg *message)
 {
     const bool masters = frame_is_masters(message->id);
     task->foreign = task->foreign || masters;
     if (!masters && (leg_sensors_receive(&task->sensors, message) ||
                      sea_drives_receive(&task->config.drives, message) ||
                      network_receive(&task->network, message) ||
-                     node_setup_receive(&task->setup, message, task->now_ns) ||
+                     node_setup_receive(&task->bring_up.setup, message, task->now_ns) ||
                      controller_node_receive(&task->node, message, task->now_ns))) {
-        task->node.objects.input_digest += frame_hash(message);
+        input_digest_add(&task->node.objects.input_digest, message);
         return;
     }
     count(&task->node.objects.counters.foreign_frames);
     if (masters) {
-        task->node.objects.input_digest += frame_hash(message);
+        input_digest_add(&task->node.objects.input_digest, message);
     }
 }
 
@@ -296,7 +241,7 @@ unsigned control_task_poll(struct control_task *task)
                 progress |= CONTROL_TASK_BUS_ALIVE | run_tick(task);
             }
         } else {
-            take_frame(task, &message);
+            deliver_frame(task, &message);
         }
     }
     return progress;
@@ -304,7 +249,7 @@ unsigned control_task_poll(struct control_task *task)
 
 bool control_task_power_must_go(const struct control_task *task)
 {
-    return task->powered_ticks >= CONTROL_TASK_POWER_TICKS;
+    return drive_watch_power_must_go(&task->watch);
 }
 
 bool control_task_cycle_complete(const struct control_task *task)

@@ -17,11 +17,12 @@
 #include <stdint.h>
 
 #include "controller/controller.h"
+#include "firmware/bring_up.h"
 #include "firmware/controller_node.h"
+#include "firmware/drive_watch.h"
 #include "hal/bus/can_bus.h"
 #include "hal/canopen/network.h"
 #include "hal/devices/leg_sensors.h"
-#include "hal/devices/node_setup.h"
 #include "hal/devices/sea_drives.h"
 #include "hal/emergency_stop.h"
 
@@ -49,19 +50,17 @@ struct control_task_config {
 struct control_task {
     struct control_task_config config;
     struct network network;
-    struct node_setup setup;
+    struct bring_up bring_up; /* of the network's nodes */
+    struct drive_watch watch;
     struct leg_sensors sensors;
     struct controller_node node; /* commands, parameters and telemetry over CAN */
     struct controller controller;
     struct controller_output output; /* of the last tick */
     uint32_t tick;       /* number of the last own SYNC seen; 0 = none yet; wraps after 49 days */
     uint64_t now_ns;     /* since the task's start, in periods of SYNC; does not wrap */
-    uint8_t configured;  /* bit i: node i of the network is set up */
     uint16_t sync_waits; /* cycles the SYNC under way has been waited for; 0 = none is */
     bool foreign;        /* in this tick: another node sends with an identifier of ours */
-    uint16_t powered_ticks; /* while it stops: a drive is silent or under torque for so long */
-    uint8_t disobeys[SIDE_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
-    bool emergency_stop;          /* as used in the last tick, and as sent */
+    bool emergency_stop; /* as used in the last tick, and as sent */
 };
 
 /* Prepares the task; nothing is sent yet. *config is copied, what it points to
@@ -86,10 +85,8 @@ enum { CONTROL_TASK_START_TICK = 600 };
 unsigned control_task_poll(struct control_task *task);
 enum { CONTROL_TASK_POLL_FRAMES = 64 };
 
-/* True when the hardware must take the drives' power: in SUPERVISOR_UNLOADING and FAULT one has
- * been silent or under torque for longer than any unload by itself takes. */
+/* True when the hardware must take the drives' power (drive_watch.h). */
 bool control_task_power_must_go(const struct control_task *task);
-enum { CONTROL_TASK_POWER_TICKS = 500 };
 
 /* How many ticks the main's clock has missed since the start, for object 0x2020. Loop only. */
 static inline void control_task_show_missed(struct control_task *task, uint32_t missed_ticks)

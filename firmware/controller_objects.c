@@ -1,6 +1,5 @@
 /* Object dictionary of the controller. Indices never change their meaning. */
-#include "firmware/controller_node.h"
-#include "hal/canopen/co_pdo_objects.h"
+#include "firmware/controller_objects.h"
 
 #define OWNER struct controller_objects
 #define RO CO_READ
@@ -9,7 +8,7 @@
 #define TX CO_MAP_TX
 
 /* Ranges of REAL32 entries are in no table here: the validator of the parameters
- * checks them (controller_node.c), the same one that reads subject files. */
+ * checks them (write_rules.c), the same one that reads subject files. */
 enum param_sub {
     PARAM_SUB_COUNT = 0,
 #define PARAM_SUB(field, unit, minimum, maximum, meaning) PARAM_SUB_##field,

@@ -40,21 +40,21 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.objects.zero_requested)      \
     X(node.objects.state)               \
     X(node.objects.fault)               \
-    X(node.powered)                     \
-    X(node.sent_state)                  \
-    X(node.sent_fault)                  \
+    X(node.rules.powered)               \
+    X(node.telemetry.sent_state)        \
+    X(node.telemetry.sent_fault)        \
     X(node.device.emcy_count)           \
     X(node.device.comm.error_register)  \
     X(node.comm.tpdo[0].waiting)        \
     X(node.comm.tpdo[1].waiting)        \
-    X(configured)                       \
-    X(disobeys)                         \
+    X(bring_up.configured)              \
+    X(watch.disobeys)                   \
     X(emergency_stop)
 
 #define FIELD_SIZE(field) +sizeof(((struct control_task *)0)->field)
 enum {
     SNAPSHOT_BYTES = (int)CONTROLLER_BLOCK + sizeof(struct cia402_drives) +
-                     CONTROLLER_PARAMS_BYTES TASK_FIELDS(FIELD_SIZE)
+                     PARAMS_GUARD_OWN_BYTES TASK_FIELDS(FIELD_SIZE)
 };
 #undef FIELD_SIZE
 
@@ -102,8 +102,8 @@ size_t snapshot_save(const void *context, uint8_t *out, size_t capacity)
     out += CONTROLLER_BLOCK;
     copy(out, source->drives, sizeof *source->drives);
     out += sizeof *source->drives;
-    copy(out, &task->node.objects.params, CONTROLLER_PARAMS_BYTES);
-    out += CONTROLLER_PARAMS_BYTES;
+    copy(out, &task->node.objects.params, PARAMS_GUARD_OWN_BYTES);
+    out += PARAMS_GUARD_OWN_BYTES;
 #define SAVE(field)                                \
     memcpy(out, &task->field, sizeof task->field); \
     out += sizeof task->field;
@@ -124,8 +124,8 @@ int snapshot_restore(const struct snapshot_source *source, const uint8_t *bytes,
     bytes += CONTROLLER_BLOCK;
     memcpy(source->drives, bytes, sizeof *source->drives);
     bytes += sizeof *source->drives;
-    memcpy(&task->node.objects.params, bytes, CONTROLLER_PARAMS_BYTES);
-    bytes += CONTROLLER_PARAMS_BYTES;
+    memcpy(&task->node.objects.params, bytes, PARAMS_GUARD_OWN_BYTES);
+    bytes += PARAMS_GUARD_OWN_BYTES;
 #define RESTORE(field)                               \
     memcpy(&task->field, bytes, sizeof task->field); \
     bytes += sizeof task->field;

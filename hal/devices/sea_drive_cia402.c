@@ -168,15 +168,15 @@ static void age(void *context)
     }
 }
 
-/* The next controlword on the way from the reported state to the wish. */
-static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_command *wish)
+/* The next controlword on the way from the reported state to the commanded one. */
+static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_command *command)
 {
     const enum cia402_state state = state_of(axis->statusword);
     const bool was_resetting = axis->resetting;
     axis->resetting = false;
     if (state == CIA402_FAULT) {
         /* The reset acts on the rising edge: the bit must go away in between. */
-        axis->resetting = wish->clear_fault && !was_resetting;
+        axis->resetting = command->clear_fault && !was_resetting;
         return axis->resetting ? CONTROLWORD_FAULT_RESET : CONTROLWORD_DISABLE_VOLTAGE;
     }
     if (state == CIA402_QUICK_STOP) {
@@ -184,7 +184,7 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
          * before would let a loaded spring drive the motor. */
         return CONTROLWORD_QUICK_STOP;
     }
-    if (!wish->enable) {
+    if (!command->enable) {
         return state == CIA402_SWITCH_ON_DISABLED ? CONTROLWORD_DISABLE_VOLTAGE
                                                   : CONTROLWORD_SHUTDOWN;
     }
@@ -200,19 +200,19 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
 }
 
 static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg,
-                                         const struct sea_drive_command *wish,
+                                         const struct sea_drive_command *command,
                                          const struct can_bus *bus)
 {
     if (axis->age_ticks == UINT16_MAX) {
         return CAN_OK; /* whatever it is doing, it knows better than we */
     }
-    const uint16_t controlword = next_controlword(axis, wish);
-    const bool armed = wish->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
+    const uint16_t controlword = next_controlword(axis, command);
+    const bool armed = command->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
     return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
 }
 
-static enum can_result command(void *context, const struct sea_drive_command *wish,
-                               const struct can_bus *bus)
+static enum can_result send_commands(void *context, const struct sea_drive_command *command,
+                                     const struct can_bus *bus)
 {
     struct cia402_drives *drives = (struct cia402_drives *)context;
     struct can_msg targets = {.id = FRAME_DRIVE_TARGETS, .length = FRAME_BYTES_DRIVE_TARGETS};
@@ -222,10 +222,10 @@ static enum can_result command(void *context, const struct sea_drive_command *wi
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
         known = known && axis->age_ticks != UINT16_MAX;
-        const bool follows = wish[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
-        const int32_t target = follows
-                                   ? counts_from_metres(&axis->config, wish[leg].precompression_m)
-                                   : axis->position_counts;
+        const bool follows = command[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
+        const int32_t target =
+            follows ? counts_from_metres(&axis->config, command[leg].precompression_m)
+                    : axis->position_counts;
         bytes_put_u32(targets.data + 4 * leg, (uint32_t)target);
     }
     if (known) {
@@ -233,7 +233,7 @@ static enum can_result command(void *context, const struct sea_drive_command *wi
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const enum can_result result =
-            send_axis_command(&drives->axis[leg], (enum side)leg, &wish[leg], bus);
+            send_axis_command(&drives->axis[leg], (enum side)leg, &command[leg], bus);
         if (first_failure == CAN_OK) {
             first_failure = result;
         }
@@ -241,7 +241,7 @@ static enum can_result command(void *context, const struct sea_drive_command *wi
     return first_failure;
 }
 
-static const struct sea_drives_ops cia402_ops = {receive, read_axis, age, command};
+static const struct sea_drives_ops cia402_ops = {receive, read_axis, age, send_commands};
 
 struct sea_drives cia402_drives_interface(struct cia402_drives *drives)
 {

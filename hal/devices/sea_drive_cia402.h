@@ -32,7 +32,7 @@ struct cia402_axis {
     uint16_t age_ticks;
     uint16_t torque_age_ticks;
     struct sea_latch_sender sender; /* of controlword and outputs */
-    uint8_t duplicate_id_count;     /* different states more than cycles: sample_surplus.h */
+    uint8_t duplicate_id_count;     /* different states more than cycles: duplicate_id.h */
     bool resetting;                 /* the fault reset bit was set in the last controlword */
 };
 

@@ -38,7 +38,7 @@ bool replay_go_on_from_snapshot(struct replay *replay, unsigned long line)
                  line, (unsigned)bytes, snapshot_size(), (unsigned)replay->build_id);
         return false;
     }
-    if (controller_node_crc_of(&task->node.objects.params) != task->node.objects.params_crc) {
+    if (params_guard_crc(&task->node.objects.params) != task->node.objects.params_crc) {
         snprintf(replay->message, sizeof replay->message,
                  "line %lu: the gait branch of this subject and law is not that of the recording "
                  "(parameter CRC %08x)",

@@ -30,7 +30,7 @@ unsigned lock_step_expected(const struct control_task *task)
     unsigned expected = 0;
     for (unsigned i = 0; i < NETWORK_NODES; i++) {
         const struct network_node *node = &task->network.node[i];
-        const bool taken_out = node->stop_pending || task->setup.node == node->id;
+        const bool taken_out = node->stop_pending || task->bring_up.setup.node == node->id;
         if (may_answer(task, node) && !taken_out) {
             expected |= 1u << i;
         }
@@ -47,7 +47,7 @@ bool lock_step_answered(const struct control_task *task, unsigned expected)
             return false;
         }
     }
-    return !node_setup_is_waiting(&task->setup);
+    return !node_setup_is_waiting(&task->bring_up.setup);
 }
 
 bool lock_step_knows_all(const struct control_task *task)

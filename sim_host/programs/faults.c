@@ -11,127 +11,18 @@
 
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/experiment.h"
-#include "sim_host/cli/option.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/progress.h"
 #include "sim_host/faults/campaign.h"
+#include "sim_host/faults/fault_options.h"
 #include "sim_host/faults/summary.h"
 #include "sim_host/programs/commands.h"
-#include "sim_host/subjects/nearest.h"
 
-enum { PATH_BYTES = 1024, JOBS_MAX = 64, RUNS_MAX = 10000000, WAIT_US = 20000 };
+enum { PATH_BYTES = 1024, WAIT_US = 20000 };
 
 /* Of one processor, about. */
 #define RUN_S 0.022
-
-enum {
-    KEY_RUNS = 0x500,
-    KEY_JOBS,
-    KEY_SEED,
-    KEY_OUT,
-    KEY_RUN,
-    KEY_LOG,
-    KEY_TICKS,
-    KEY_MARKDOWN,
-    KEY_ONLY
-};
-
-struct options {
-    uint32_t runs, jobs, run;
-    uint64_t seed;
-    bool single, markdown;
-    const char *out, *log, *ticks, *only;
-    int argc;
-    char **argv;
-};
-
-static const struct argp_option option_list[] = {
-    {"runs", KEY_RUNS, "N", 0, "how many runs (default 500)", 0},
-    {"jobs", KEY_JOBS, "N", 0, "processes (default 1)", 0},
-    {"seed", KEY_SEED, "N", 0, "which campaign (default 1)", 0},
-    {"out", KEY_OUT, "DIR", 0, "keep results there; runs that are there are not made again", 0},
-    {"only", KEY_ONLY, "TEXT", 0,
-     "of those N only the runs whose first fault's name contains TEXT, such as \"foreign\"", 0},
-    {"markdown", KEY_MARKDOWN, 0, 0, "the table as Markdown", 0},
-    {"run", KEY_RUN, "I", 0, "run number I alone, and tell", 1},
-    {"log", KEY_LOG, "FILE", 0, "with --run: every frame, as candump -L writes it", 1},
-    {"csv", KEY_TICKS, "FILE", 0, "with --run: one line per tick (scripts/plot-fault draws it)", 1},
-    {0}};
-
-/* Whether kind's name has the text of --only in it. */
-static bool has_name(const struct options *options, uint32_t kind)
-{
-    return options->only == NULL || strstr(fault_kinds[kind].name, options->only) != NULL;
-}
-
-/* A text that no fault has would leave an empty table, which looks as if all were well. */
-static void check_only(const struct options *options)
-{
-    for (uint32_t kind = 0; kind < FAULT_KINDS; kind++) {
-        if (has_name(options, kind) && kind < options->runs) {
-            return;
-        }
-    }
-    const char *best = nearest_name(options->only, fault_kinds, FAULT_KINDS, sizeof fault_kinds[0]);
-    program_complain(
-        "--only: no fault of these %u runs has \"%s\" in its name%s%s; there are:", options->runs,
-        options->only, best != NULL ? "; nearest: " : "", best != NULL ? best : "");
-    for (uint32_t kind = 0; kind < FAULT_KINDS; kind++) {
-        fprintf(stderr, "  %s%s\n", fault_kinds[kind].name,
-                kind < options->runs ? "" : " (with more --runs)");
-    }
-    exit(EXIT_USAGE);
-}
-
-static error_t take(int key, char *text, struct argp_state *state)
-{
-    struct options *options = (struct options *)state->input;
-    switch (key) {
-    case KEY_RUNS:
-        options->runs = (uint32_t)option_whole(state, "--runs", text, 1, RUNS_MAX);
-        break;
-    case KEY_JOBS:
-        options->jobs = (uint32_t)option_whole(state, "--jobs", text, 1, JOBS_MAX);
-        break;
-    case KEY_SEED:
-        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
-        break;
-    case KEY_OUT:
-        options->out = text;
-        break;
-    case KEY_ONLY:
-        options->only = text;
-        break;
-    case KEY_MARKDOWN:
-        options->markdown = true;
-        break;
-    case KEY_RUN:
-        options->run = (uint32_t)option_whole(state, "--run", text, 0, RUNS_MAX - 1);
-        options->single = true;
-        break;
-    case KEY_LOG:
-        options->log = text;
-        break;
-    case KEY_TICKS:
-        options->ticks = text;
-        break;
-    case ARGP_KEY_ARG:
-        option_refuse_argument(state, text);
-        break;
-    case ARGP_KEY_END:
-        if (!options->single && (options->log != NULL || options->ticks != NULL)) {
-            argp_error(state, "--log and --csv need --run I");
-        }
-        if (!options->single && options->only != NULL) {
-            check_only(options);
-        }
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
 
 /* ---- one run alone ------------------------------------------------------------------- */
 
@@ -160,7 +51,7 @@ static bool commit_output(struct output_file *file)
 }
 
 /* What the table of --csv is a table of. */
-static int write_experiment(const struct options *options, const struct campaign_plan *plan,
+static int write_experiment(const struct fault_options *options, const struct campaign_plan *plan,
                             const struct output_file *table)
 {
     struct experiment experiment;
@@ -197,7 +88,7 @@ static int write_experiment(const struct options *options, const struct campaign
                : program_complain("%s", message);
 }
 
-static int run_alone(const struct options *options)
+static int run_alone(const struct fault_options *options)
 {
     struct campaign_plan plan;
     struct campaign_result result;
@@ -228,10 +119,11 @@ static void path_of(char *path, const char *directory, uint64_t seed, unsigned j
 }
 
 /* Takes what is in the directory, of any number of jobs, into results. */
-static void read_results(const struct options *options, struct campaign_result *results, bool *done)
+static void read_results(const struct fault_options *options, struct campaign_result *results,
+                         bool *done)
 {
     char line[256];
-    for (unsigned job = 0; job < JOBS_MAX; job++) {
+    for (unsigned job = 0; job < FAULT_JOBS_MAX; job++) {
         char path[PATH_BYTES];
         struct campaign_result result;
         path_of(path, options->out, options->seed, job);
@@ -249,12 +141,12 @@ static void read_results(const struct options *options, struct campaign_result *
 }
 
 /* Whether run i is asked for. */
-static bool is_wanted(const struct options *options, uint32_t i)
+static bool is_wanted(const struct fault_options *options, uint32_t i)
 {
-    return has_name(options, i % FAULT_KINDS);
+    return fault_options_want(options, i % FAULT_KINDS);
 }
 
-static int work(const struct options *options, struct campaign *campaign, unsigned job,
+static int work(const struct fault_options *options, struct campaign *campaign, unsigned job,
                 const bool *done, atomic_uint *finished)
 {
     char path[PATH_BYTES];
@@ -301,7 +193,7 @@ static int await_children(atomic_uint *finished, uint32_t wanted)
     return worst;
 }
 
-static uint32_t count_missing(const struct options *options, const bool *done)
+static uint32_t count_missing(const struct fault_options *options, const bool *done)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < options->runs; i++) {
@@ -311,7 +203,7 @@ static uint32_t count_missing(const struct options *options, const bool *done)
 }
 
 /* Children share the saved walks of the parent; a fork keeps their addresses. */
-static int run_many(const struct options *options, const bool *done)
+static int run_many(const struct fault_options *options, const bool *done)
 {
     const uint32_t missing = count_missing(options, done);
     if (missing == 0) {
@@ -342,7 +234,7 @@ static int run_many(const struct options *options, const bool *done)
 }
 
 /* Moves the results of the runs asked for to the front; how many they are. */
-static uint32_t keep_wanted(const struct options *options, struct campaign_result *results)
+static uint32_t keep_wanted(const struct fault_options *options, struct campaign_result *results)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < options->runs; i++) {
@@ -353,7 +245,7 @@ static uint32_t keep_wanted(const struct options *options, struct campaign_resul
     return count;
 }
 
-static int run_campaign(struct options *options)
+static int run_campaign(struct fault_options *options)
 {
     char scratch[] = "/tmp/afo-faults-XXXXXX";
     const bool keeps = options->out != NULL;
@@ -395,18 +287,8 @@ static int run_campaign(struct options *options)
 
 int afo_faults(int argc, char **argv)
 {
-    static const struct argp parser = {
-        option_list,
-        take,
-        0,
-        "Injects faults into steady walks of the simulated walker and judges by the plant what "
-        "came of them.\v"
-        "Exit status: 0 nothing unsafe or unnoticed, 1 something, 2 wrong usage.",
-        0,
-        0,
-        0};
-    struct options options = {.runs = 500, .jobs = 1, .seed = 1, .argc = argc, .argv = argv};
-    option_parse(&parser, argc, argv, &options);
+    struct fault_options options;
+    fault_options_parse(&options, argc, argv);
     const int status = options.single ? run_alone(&options) : run_campaign(&options);
     return program_output_done() == 0 ? status : EXIT_USAGE;
 }

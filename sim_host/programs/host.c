@@ -61,7 +61,7 @@ static struct can_bus recorded_bus(struct host *host)
     if (host->subject.protocol != DRIVE_PROTOCOL_CIA402) {
         return bus;
     }
-    black_box_start(&host->black_box, version_build_id(), controller_node_crc_of(&host->params));
+    black_box_start(&host->black_box, version_build_id(), params_guard_crc(&host->params));
     bus_recorder_init(&host->recorder, &bus, &host->black_box, &source);
     return bus_recorder_interface(&host->recorder);
 }

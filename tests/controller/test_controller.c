@@ -256,7 +256,7 @@ START_TEST(the_step_of_r0_is_bounded_without_the_parameters)
     }
     controller_of(rig)->law.steps += (uint32_t)_i;
     for (int i = 0; i < 3000 && controller_of(rig)->last_step.number == number; i++) {
-        rig->loop.rig.task.node.crc_at = 0; /* the checksum's round never ends */
+        rig->loop.rig.task.node.guard.at = 0; /* the checksum's round never ends */
         run(rig, 1);
     }
     ck_assert_uint_eq(controller_of(rig)->last_step.number, number + 1 + (uint32_t)_i);

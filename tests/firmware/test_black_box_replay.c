@@ -52,7 +52,7 @@ static void start(void)
     ck_assert_msg(loop_configure(&config, &subject, &params, 0.8, SENSORS_17BIT, 7, message) == 0,
                   "%s", message);
     config.wrap_bus = record;
-    black_box_start(&box, 0xB01D, controller_node_crc_of(&params));
+    black_box_start(&box, 0xB01D, params_guard_crc(&params));
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
     controller_node_attach(&loop.rig.task.node, NULL, NULL, &box, NULL);
     tool = sim_bus_port(&loop.bus, sim_bus_attach(&loop.bus, "tool", NULL, NULL));
@@ -101,12 +101,12 @@ END_TEST
 START_TEST(begun_in_a_set_up_it_replays_from_behind_it)
 {
     start();
-    for (int i = 0; i < 1000 && !loop.rig.task.setup.under_way; i++) {
+    for (int i = 0; i < 1000 && !loop.rig.task.bring_up.setup.under_way; i++) {
         loop_tick(&loop);
     }
-    ck_assert(loop.rig.task.setup.under_way);
+    ck_assert(loop.rig.task.bring_up.setup.under_way);
     const uint32_t begun = loop.rig.task.tick;
-    black_box_start(&box, 0xB01D, controller_node_crc_of(&params));
+    black_box_start(&box, 0xB01D, params_guard_crc(&params));
     run(1500);
     fetch(true);
     ck_assert_msg(replay_box() == REPLAY_EQUAL, "%s", replay.message);

@@ -404,9 +404,9 @@ START_TEST(the_power_must_go_when_a_drive_cannot_be_trusted)
             run_ticks(&b, 600, 0x0221);
             ck_assert_int_eq(b.task.output.state, SUPERVISOR_FAULT);
             ck_assert(!control_task_power_must_go(&b.task)); /* both are off */
-            for (int tick = 0; tick <= CONTROL_TASK_POWER_TICKS + 60; tick++) {
+            for (int tick = 0; tick <= DRIVE_WATCH_POWER_TICKS + 60; tick++) {
                 fake_bus_clear(&b.fake);
-                ck_assert(tick >= CONTROL_TASK_POWER_TICKS || !control_task_power_must_go(&b.task));
+                ck_assert(tick >= DRIVE_WATCH_POWER_TICKS || !control_task_power_must_go(&b.task));
                 put_heartbeats(&b);
                 put(&b, 0x181, 6, 0x0221);
                 if (!silent) {
@@ -522,13 +522,13 @@ START_TEST(a_node_that_boots_during_its_set_up_starts_over)
     start(&b);
     b.task.config.configure_nodes = true;
     run_setup(&b, 20, true);
-    ck_assert_uint_eq(b.task.setup.node, 1);
-    const unsigned step = b.task.setup.step;
+    ck_assert_uint_eq(b.task.bring_up.setup.node, 1);
+    const unsigned step = b.task.bring_up.setup.step;
     ck_assert_uint_gt(step, 0);
     put(&b, 0x701, 1, 0); /* boot-up */
     run_setup(&b, 1, true);
-    ck_assert_uint_eq(b.task.setup.node, 1);
-    ck_assert_uint_lt(b.task.setup.step, step);
+    ck_assert_uint_eq(b.task.bring_up.setup.node, 1);
+    ck_assert_uint_lt(b.task.bring_up.setup.step, step);
 }
 END_TEST
 
@@ -539,7 +539,7 @@ START_TEST(a_node_that_is_stopped_is_set_up_later)
     start(&b);
     b.task.config.configure_nodes = true;
     run_setup(&b, 2, true);
-    ck_assert_uint_eq(b.task.setup.node, 1);
+    ck_assert_uint_eq(b.task.bring_up.setup.node, 1);
     ck_assert_int_eq(network_stop_all(&b.task.network, &b.task.config.bus), CAN_OK);
     for (int tick = 1; tick < NETWORK_STOP_TICKS; tick++) {
         run_setup(&b, 1, false);
@@ -547,7 +547,7 @@ START_TEST(a_node_that_is_stopped_is_set_up_later)
     }
     ck_assert_uint_eq(b.task.node.objects.refused_node, 0); /* it was not silent: not asked */
     run_setup(&b, 2, false);
-    ck_assert_uint_eq(b.task.setup.node, 1);
+    ck_assert_uint_eq(b.task.bring_up.setup.node, 1);
     ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x601));
 }
 END_TEST

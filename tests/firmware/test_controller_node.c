@@ -21,6 +21,12 @@ static struct controller controller;
 static struct controller_output output;
 static uint64_t now_ns;
 
+static bool scan_params(void)
+{
+    params_guard_scan(&node.guard, &node.objects.params, node.objects.params_crc);
+    return node.guard.corrupt;
+}
+
 static void setup(void)
 {
     struct control_params params;
@@ -167,19 +173,19 @@ END_TEST
 /* A value that is written while the check runs is no fault; a bit that flips is. */
 START_TEST(writing_is_no_corruption)
 {
-    const int round =
-        (int)((sizeof(struct control_params) + sizeof(struct gait_branch)) / CONTROLLER_CRC_BYTES) +
-        2;
+    const int round = (int)((sizeof(struct control_params) + sizeof(struct gait_branch)) /
+                            PARAMS_GUARD_SCAN_BYTES) +
+                      2;
     for (int i = 0; i < 3 * round; i++) {
         if (i % 40 == 7) {
             ck_assert_uint_eq(write_float(PARAMS, 7, 0.01f + 1e-4f * (float)(i % 64)), 0);
         }
-        ck_assert(!controller_node_params_corrupt(&node));
+        ck_assert(!scan_params());
     }
     node.objects.params.kp_m_s_rad = 0.9f; /* not by a write */
     bool corrupt = false;
     for (int i = 0; i < 2 * round; i++) {
-        corrupt = controller_node_params_corrupt(&node);
+        corrupt = scan_params();
     }
     ck_assert(corrupt);
 }
@@ -299,7 +305,7 @@ END_TEST
 START_TEST(a_refused_node_is_told_until_it_is_set_up)
 {
     const struct setup_failure failure = {SETUP_DIFFERS, 2, 1, 0x6091, 1000, 2000};
-    controller_node_report_setup(&node, &failure);
+    telemetry_report_refused_node(&node.objects, &node.device, &failure);
     run(20);
     ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0x6320);
     ck_assert_uint_eq(emergency()->data[3], 2);
@@ -307,10 +313,10 @@ START_TEST(a_refused_node_is_told_until_it_is_set_up)
     ck_assert_uint_eq(read_u32(0x2031, 5), 1000);
     ck_assert_uint_eq(read_u32(0x2031, 6), 2000);
     fake_bus_clear(&fake);
-    controller_node_setup_done(&node, 1); /* another one */
+    telemetry_clear_refused_node(&node.objects, &node.device, 1); /* another one */
     run(20);
     ck_assert_ptr_null(emergency());
-    controller_node_setup_done(&node, 2);
+    telemetry_clear_refused_node(&node.objects, &node.device, 2);
     run(20);
     ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0x0000);
     ck_assert_uint_eq(node.objects.refused_node, 0);
@@ -363,8 +369,8 @@ START_TEST(counters_are_fetched_when_asked_for)
 {
     node.objects.counters.late_answers = 7;
     ck_assert_uint_eq(read_u32(0x2020, 6), 7);
-    node.show_counters = show_41;
-    node.show_context = &node;
+    node.rules.show_counters = show_41;
+    node.rules.show_context = &node;
     (void)read_u32(0x2001, 1); /* not by another object */
     ck_assert_uint_eq(node.objects.counters.late_answers, 7);
     ck_assert_uint_eq(read_u32(0x2020, 6), 41);

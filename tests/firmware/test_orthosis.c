@@ -124,7 +124,7 @@ START_TEST(what_is_saved_is_there_after_power_up)
 {
     deliver();
     power_up();
-    ck_assert_int_eq(device.hold, SUPERVISOR_FAULT_NONE);
+    ck_assert_int_eq(device.forced_fault, SUPERVISOR_FAULT_NONE);
     stand();
     const float before = kp();
     ck_assert_uint_eq(write_kp(0.05f), SDO_DONE);
@@ -167,7 +167,7 @@ START_TEST(what_was_not_changed_is_kept_as_well)
     ck_assert_uint_eq(write(0x1010, 1, SAVE, 4), SDO_DONE);
     ck_assert_ptr_ne(device.task.node.objects.params.branch, before);
     ck_assert_mem_eq(device.task.node.objects.params.branch, &branch, sizeof branch);
-    ck_assert(!controller_node_params_corrupt(&device.task.node));
+    ck_assert(!device.task.node.guard.corrupt);
     power_up();
     ck_assert(kp() == 0.05f);
     ck_assert(device.task.config.walk_requested);
@@ -189,7 +189,7 @@ START_TEST(only_at_standstill_and_with_the_signature)
     ck_assert_uint_eq(write(0x1010, 1, SAVE, 4), WRONG_STATE);
     ck_assert_uint_eq(write(0x1011, 1, LOAD, 4), WRONG_STATE);
     stand();
-    device.task.node.powered = true;
+    device.task.node.rules.powered = true;
     ck_assert_uint_eq(write(0x1010, 1, SAVE, 4), WRONG_STATE);
     ck_assert_uint_eq(memory.operations, operations); /* nothing was touched */
 }
@@ -206,7 +206,7 @@ START_TEST(forgotten_settings_leave_a_device_that_does_not_walk)
     ck_assert_uint_eq(write(0x1010, 1, SAVE, 4), WRONG_STATE); /* nobody's are not kept */
     power_up();
     ck_assert_int_eq(device.store_result, PARAM_STORE_EMPTY);
-    ck_assert_int_eq(device.hold, SUPERVISOR_FAULT_PARAMETERS);
+    ck_assert_int_eq(device.forced_fault, SUPERVISOR_FAULT_PARAMETERS);
 }
 END_TEST
 
@@ -228,14 +228,14 @@ START_TEST(power_may_fail_at_any_word)
         memory = memory_before;
         power_up();
         ck_assert(kp() == old_kp);
-        device.task.node.standstill = true;
+        device.task.node.rules.standstill = true;
         ck_assert_uint_eq(write_kp(0.05f), SDO_DONE);
         memory.power_fails_at = memory.operations + i;
         memory.torn = (enum nv_memory_torn)(i % 4);
         const uint32_t answer = write(0x1010, 1, SAVE, 4);
         nv_memory_power_up(&memory);
         power_up();
-        ck_assert_int_eq(device.hold, SUPERVISOR_FAULT_NONE);
+        ck_assert_int_eq(device.forced_fault, SUPERVISOR_FAULT_NONE);
         ck_assert(kp() == old_kp || kp() == 0.05f);
         old += kp() == old_kp;
         new += kp() == 0.05f;

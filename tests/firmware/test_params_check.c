@@ -9,13 +9,19 @@
 #include "tests/support/fake_bus.h"
 
 enum {
-    ROUND_TICKS =
-        2 * (int)(sizeof(struct control_params) + sizeof(struct gait_branch)) / CONTROLLER_CRC_BYTES
+    ROUND_TICKS = 2 * (int)(sizeof(struct control_params) + sizeof(struct gait_branch)) /
+                  PARAMS_GUARD_SCAN_BYTES
 };
 
 static struct fake_bus fake;
 static struct gait_branch branch = {.count = 7, .speed_min_rad_s = 0.2f};
 static struct controller_node node;
+
+static bool scan_params(void)
+{
+    params_guard_scan(&node.guard, &node.objects.params, node.objects.params_crc);
+    return node.guard.corrupt;
+}
 
 static void start(const struct gait_branch *with)
 {
@@ -31,7 +37,7 @@ static bool is_corrupt_after_a_round(void)
 {
     bool corrupt = false;
     for (int i = 0; i < ROUND_TICKS; i++) {
-        corrupt = controller_node_params_corrupt(&node);
+        corrupt = scan_params();
     }
     return corrupt;
 }
@@ -109,10 +115,10 @@ START_TEST(a_parameter_written_meanwhile_hides_no_changed_bit)
         ck_assert_int_eq(
             controller_node_init(&node, &settings.control, 0.4f, true, fake_bus_interface(&fake)),
             0);
-        (void)controller_node_params_corrupt(&node);
+        (void)scan_params();
         write_kp(0.05f);
         ck_assert(node.objects.params.kp_m_s_rad == 0.05f);
-        ck_assert_uint_eq(node.objects.params_crc, controller_node_crc_of(&node.objects.params));
+        ck_assert_uint_eq(node.objects.params_crc, params_guard_crc(&node.objects.params));
         ck_assert(!is_corrupt_after_a_round());
         flip(&node.objects.params.spring_stiffness_n_m, 1);
         ck_assert(is_corrupt_after_a_round());

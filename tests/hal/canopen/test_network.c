@@ -146,7 +146,7 @@ START_TEST(an_error_of_a_node_is_a_node_lost)
 END_TEST
 
 /* All at once, and not started again before it is over. */
-START_TEST(stopped_nodes_are_held_and_started_again)
+START_TEST(stopped_nodes_wait_and_are_started_again)
 {
     struct fake_bus fake;
     struct network network;
@@ -218,7 +218,7 @@ int main(void)
     tcase_add_test(tests, an_error_of_a_node_is_a_node_lost);
     tcase_add_test(tests, a_start_that_was_not_sent_is_sent_again);
     tcase_add_test(tests, nodes_have_their_index);
-    tcase_add_test(tests, stopped_nodes_are_held_and_started_again);
+    tcase_add_test(tests, stopped_nodes_wait_and_are_started_again);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

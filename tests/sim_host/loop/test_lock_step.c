@@ -88,14 +88,14 @@ START_TEST(a_node_that_is_being_set_up_answers_requests_only)
 {
     struct bench bench;
     setup(&bench);
-    bench.task.setup.node = NODE_DRIVE_LEFT;
+    bench.task.bring_up.setup.node = NODE_DRIVE_LEFT;
     ck_assert_uint_eq(lock_step_expected(&bench.task), ALL & ~DRIVE_LEFT);
     all_answer(&bench);
     ck_assert(lock_step_answered(&bench.task, ALL & ~DRIVE_LEFT));
     /* While a request is open its answer is waited for. */
-    bench.task.setup.under_way = true;
-    co_sdo_client_init(&bench.task.setup.client, NODE_DRIVE_LEFT, 1000);
-    co_sdo_client_read(&bench.task.setup.client, 0x1000, 0, 0);
+    bench.task.bring_up.setup.under_way = true;
+    co_sdo_client_init(&bench.task.bring_up.setup.client, NODE_DRIVE_LEFT, 1000);
+    co_sdo_client_read(&bench.task.bring_up.setup.client, 0x1000, 0, 0);
     ck_assert(!lock_step_answered(&bench.task, ALL & ~DRIVE_LEFT));
 }
 END_TEST

@@ -1,0 +1,89 @@
+/* The values that the controller's node shows and takes over CAN, and the tables that name
+ * them: its object dictionary (controller_objects.c). Indices never change their meaning.
+ */
+#ifndef FIRMWARE_CONTROLLER_OBJECTS_H
+#define FIRMWARE_CONTROLLER_OBJECTS_H
+
+#include <stdint.h>
+
+#include "controller/control_params.h"
+#include "hal/canopen/co_od.h"
+#include "hal/canopen/co_pdo_objects.h"
+#include "hal/storage/black_box.h"
+
+/* 0x2020: what was counted since the start; all saturate. */
+struct controller_counters {
+    /* The control task's. */
+    uint32_t syncs_sent;    /* not in the dictionary */
+    uint32_t syncs_refused; /* cycles whose SYNC the bus did not take: full or down */
+    uint32_t
+        send_failures; /* ticks with command frames that the bus did not take; those that a full queue
+                               gave up later are in tx_refused */
+    uint32_t error_frames;
+    uint32_t foreign_frames; /* received, nobody's */
+    uint32_t late_answers;   /* operational legs, answers missing when their tick was processed */
+    uint32_t forced_stops;   /* NMT stops: a drive stayed enabled, or a foreign node spoke */
+    uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
+    /* Shown when they are asked for: the tick, and what others count. */
+    uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
+};
+
+/* Values of the dictionary's entries 0x2000 and above. */
+struct controller_objects {
+    uint8_t command_count, state_count, step_count, record_count, param_count, counter_count;
+    uint8_t identity_count, setup_count;
+    /* 0x2000: commands */
+    float desired_speed_rad_s;
+    uint8_t walk_requested;
+    uint8_t reset_requested;
+    uint8_t zero_requested;
+    /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
+    uint8_t state;
+    uint8_t fault;
+    uint8_t zeroing;       /* enum zeroing_state */
+    uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
+    /* 0x2002: last step as in TPDO1 */
+    uint16_t step_measured;  /* 0.1 mrad/s */
+    uint16_t step_commanded; /* 0.1 mrad/s */
+    uint16_t step_r0;        /* 10 um */
+    uint8_t step_number;     /* modulo 256 */
+    uint8_t
+        step_side_fault; /* bit 7: right; bit 6: eq. (16) for the search; bits 0-5: latched fault */
+    /* 0x2003: the same step in full */
+    uint32_t record_number;
+    float record_measured_rad_s, record_commanded_rad_s, record_r0_m;
+    /* 0x2010: the parameters, in the order of CONTROL_PARAM_TABLE */
+    struct control_params params;
+    /* 0x2020: counters */
+    struct controller_counters counters;
+    /* 0x2030: identity */
+    char version[32];
+    uint32_t build_id;
+    uint32_t params_crc;
+    /* 0x2032: what the last crash left */
+    uint8_t crash_count, crash_cause; /* enum crash_cause; 0 = none, or seen */
+    struct co_domain crash_image;
+    /* 0x2040: the black box */
+    uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
+    uint32_t black_box_reason;
+    struct co_domain black_box_image; /* while it is frozen */
+    /* 0x2031: why a node was refused at start */
+    uint8_t refused_node, refused_sub, refused_verdict;
+    uint16_t refused_index;
+    uint32_t refused_expected, refused_found;
+};
+
+/* Of the communication area, what not every device has: storing (1 = it does) and the PDOs;
+ * it sends two and listens to none. */
+struct controller_comm {
+    uint8_t subs, store_count, restore_count;
+    uint32_t store, restore;
+    struct co_pdo tpdo[2];
+};
+
+extern const struct co_entry controller_object_table[];
+extern const uint16_t controller_object_count;
+extern const struct co_entry controller_comm_table[];
+extern const uint16_t controller_comm_count;
+
+#endif

@@ -1,0 +1,44 @@
+#include "firmware/drive_watch.h"
+
+/* One telegram that says otherwise does not outweigh the others. Returns true when the drive
+ * must be stopped. */
+static bool count_disobedience(uint8_t *ticks, bool disobeys)
+{
+    if (disobeys) {
+        (*ticks)++;
+    } else if (*ticks > 0) {
+        (*ticks)--;
+    }
+    if (*ticks < DRIVE_WATCH_STOP_TICKS) {
+        return false;
+    }
+    *ticks = 0;
+    return true;
+}
+
+unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
+                            enum supervisor_state state)
+{
+    const bool stops = state == SUPERVISOR_UNLOADING || state == SUPERVISOR_FAULT;
+    unsigned to_stop = 0;
+    bool off = true;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        struct sea_drive_reading drive = {.state = DRIVE_DISABLED};
+        if (stops) {
+            sea_drives_read(drives, (enum side)leg, &drive);
+        }
+        const bool heard = drive.age_ticks <= DRIVE_WATCH_STOP_TICKS;
+        off = off && heard && (drive.state == DRIVE_DISABLED || drive.state == DRIVE_FAULT);
+        /* What a silent one said last may be of before it was switched off and on. */
+        const bool disobeys = heard && state == SUPERVISOR_FAULT && drive.state == DRIVE_ENABLED;
+        if (count_disobedience(&watch->disobeys[leg], disobeys)) {
+            to_stop |= 1u << leg;
+        }
+    }
+    if (off) {
+        watch->powered_ticks = 0;
+    } else if (watch->powered_ticks < DRIVE_WATCH_POWER_TICKS) {
+        watch->powered_ticks++;
+    }
+    return to_stop;
+}

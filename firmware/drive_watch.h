@@ -1,0 +1,39 @@
+/* Watches that the drives give up their torque when the supervisor says so.
+ *
+ * Two measures, the second without the bus: a drive that still follows its target is stopped
+ * by NMT; when one stays silent or under torque, the hardware takes the drives' power.
+ */
+#ifndef FIRMWARE_DRIVE_WATCH_H
+#define FIRMWARE_DRIVE_WATCH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "controller/supervisor/supervisor.h"
+#include "hal/devices/sea_drives.h"
+
+enum {
+    DRIVE_WATCH_STOP_TICKS = 50,  /* enabled for so long in SUPERVISOR_FAULT */
+    DRIVE_WATCH_POWER_TICKS = 500 /* longer than any unload by itself takes */
+};
+
+struct drive_watch {
+    uint16_t powered_ticks; /* while it stops: a drive is silent or under torque for so long */
+    uint8_t disobeys[SIDE_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
+};
+
+/* Once a tick, with the supervisor's state. Returns the legs (bit 1 << side) whose drive must
+ * be stopped by NMT now: it still follows its target a while after the torque was to be off,
+ * so it has not understood its controlword; stopped it unloads by itself (0x6007).
+ * Loop only; O(1). */
+unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
+                            enum supervisor_state state);
+
+/* True when the hardware must take the drives' power: in SUPERVISOR_UNLOADING and FAULT one has
+ * been silent or under torque for DRIVE_WATCH_POWER_TICKS. O(1). */
+static inline bool drive_watch_power_must_go(const struct drive_watch *watch)
+{
+    return watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS;
+}
+
+#endif

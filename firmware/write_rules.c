@@ -1,0 +1,170 @@
+#include "firmware/write_rules.h"
+
+#include <stddef.h>
+
+#include "firmware/params_guard.h"
+#include "hal/bus/bytes.h"
+#include "hal/canopen/co_defs.h"
+
+enum {
+    INDEX_STORE = 0x1010,
+    INDEX_RESTORE = 0x1011,
+    INDEX_COMMANDS = 0x2000,
+    INDEX_PARAMS = 0x2010,
+    INDEX_COUNTERS = 0x2020,
+    INDEX_CRASH = 0x2032,
+    INDEX_BLACK_BOX = 0x2040
+};
+
+/* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
+ * what is read there: it does so on command. */
+#define SIGNATURE_SAVE UINT32_C(0x65766173)
+#define SIGNATURE_LOAD UINT32_C(0x64616F6C)
+#define ON_COMMAND UINT32_C(1)
+
+/* Parameters that may change while a spring may be loaded: the law's, not the body's. */
+static bool may_change_live(unsigned parameter)
+{
+    const size_t offset = control_param_descriptors[parameter].offset;
+    return offset == offsetof(struct control_params, kp_m_s_rad) ||
+           offset == offsetof(struct control_params, speed_ramp_rad_s) ||
+           offset == offsetof(struct control_params, r0_min_m) ||
+           offset == offsetof(struct control_params, r0_max_m) ||
+           offset == offsetof(struct control_params, r0_change_max_m);
+}
+
+static uint32_t check_range(float value, float minimum, float maximum)
+{
+    if (value >= minimum && value <= maximum) {
+        return CO_ABORT_NONE;
+    }
+    if (value > maximum) {
+        return CO_ABORT_TOO_HIGH;
+    }
+    return value < minimum ? CO_ABORT_TOO_LOW : CO_ABORT_VALUE; /* the last: not a number */
+}
+
+static uint32_t check_parameter(struct write_rules *rules, unsigned parameter, float value)
+{
+    const struct control_param_descriptor *d = &control_param_descriptors[parameter];
+    const uint32_t verdict = check_range(value, d->minimum, d->maximum);
+    if (verdict != CO_ABORT_NONE) {
+        return verdict;
+    }
+    if (rules->powered && !may_change_live(parameter)) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    /* Tried in place, between two ticks: a copy of all is more than the stack has to spare. */
+    float *field = (float *)((char *)&rules->objects->params + d->offset);
+    const float before = *field;
+    *field = value;
+    const int verdict_of_all = control_params_validate(&rules->objects->params);
+    *field = before;
+    return verdict_of_all == CONTROL_PARAMS_OK ? CO_ABORT_NONE : CO_ABORT_VALUE;
+}
+
+static uint32_t keep_settings(const struct write_rules *rules, const struct co_entry *entry,
+                              const uint8_t *bytes)
+{
+    const bool save = entry->index == INDEX_STORE;
+    if (rules->settings_store == NULL ||
+        bytes_get_u32(bytes) != (save ? SIGNATURE_SAVE : SIGNATURE_LOAD)) {
+        return CO_ABORT_NOT_STORED;
+    }
+    if (rules->powered || !rules->standstill) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    return save ? rules->settings_store->save_settings(rules->settings_store_context)
+                : rules->settings_store->forget_settings(rules->settings_store_context);
+}
+
+uint32_t write_rules_writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                             unsigned length)
+{
+    struct write_rules *rules = (struct write_rules *)context;
+    if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
+        return keep_settings(rules, entry, bytes);
+    }
+    if (entry->index == INDEX_CRASH) {
+        return rules->crash == NULL ? CO_ABORT_DEVICE_STATE : CO_ABORT_NONE;
+    }
+    if (entry->index == INDEX_BLACK_BOX) {
+        return rules->black_box == NULL || bytes[0] == BLACK_BOX_CLOSING ? CO_ABORT_DEVICE_STATE
+                                                                         : CO_ABORT_NONE;
+    }
+    if (entry->type != CO_REAL32 || length != sizeof(float)) {
+        return CO_ABORT_NONE; /* the dictionary's own limits decide */
+    }
+    const float value = bytes_get_f32(bytes);
+    if (entry->index == INDEX_PARAMS && entry->sub >= 1 && entry->sub <= CONTROL_PARAM_COUNT) {
+        const uint32_t verdict = check_parameter(rules, entry->sub - 1u, value);
+        if (verdict == CO_ABORT_NONE) { /* that the value is stored once more changes nothing */
+            params_guard_change(&rules->objects->params, &rules->objects->params_crc,
+                                control_param_descriptors[entry->sub - 1u].offset, value);
+        }
+        return verdict;
+    }
+    if (entry->index == INDEX_COMMANDS) {
+        float low_rad_s, high_rad_s;
+        control_params_speeds(&rules->objects->params, &low_rad_s, &high_rad_s);
+        return check_range(value, low_rad_s, high_rad_s);
+    }
+    return CO_ABORT_NONE;
+}
+
+static void show_settings_store(const struct write_rules *rules)
+{
+    rules->comm->store = rules->comm->restore = rules->settings_store != NULL ? ON_COMMAND : 0;
+}
+
+/* The record is shown as long as nobody has said that it was seen. */
+static void show_crash(const struct write_rules *rules)
+{
+    struct controller_objects *objects = rules->objects;
+    const struct crash_record *record = rules->crash;
+    const bool left = record != NULL && crash_record_is_valid(record);
+    objects->crash_cause = left ? (uint8_t)record->cause : (uint8_t)CRASH_NONE;
+    objects->crash_image.bytes = (const uint8_t *)record;
+    objects->crash_image.length = left ? sizeof *record : 0;
+}
+
+void write_rules_written(void *context, const struct co_entry *entry)
+{
+    struct write_rules *rules = (struct write_rules *)context;
+    struct controller_objects *objects = rules->objects;
+    if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
+        show_settings_store(rules);
+    } else if (entry->index == INDEX_CRASH) {
+        crash_record_acknowledge(rules->crash);
+        show_crash(rules);
+    } else if (entry->index == INDEX_BLACK_BOX && objects->black_box_state == BLACK_BOX_FROZEN) {
+        black_box_freeze(rules->black_box, 0);
+    } else if (entry->index == INDEX_BLACK_BOX) {
+        black_box_start(rules->black_box, objects->build_id, objects->params_crc);
+    }
+}
+
+/* Counters are fetched now; the image may be read while nothing writes it any more. */
+void write_rules_reading(void *context, const struct co_entry *entry)
+{
+    struct write_rules *rules = (struct write_rules *)context;
+    struct controller_objects *objects = rules->objects;
+    if (entry->index == INDEX_COUNTERS && rules->show_counters != NULL) {
+        rules->show_counters(rules->show_context);
+    }
+    if (entry->index != INDEX_BLACK_BOX || rules->black_box == NULL) {
+        return;
+    }
+    const struct black_box_header *header = &rules->black_box->header;
+    objects->black_box_state = (uint8_t)header->state;
+    objects->black_box_reason = header->reason;
+    objects->black_box_image.bytes = (const uint8_t *)rules->black_box;
+    objects->black_box_image.length =
+        header->state == (uint32_t)BLACK_BOX_FROZEN ? sizeof *rules->black_box : 0;
+}
+
+void write_rules_show_attached(const struct write_rules *rules)
+{
+    show_settings_store(rules);
+    show_crash(rules);
+}

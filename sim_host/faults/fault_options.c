@@ -1,0 +1,126 @@
+#include "sim_host/faults/fault_options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/faults/fault_kinds.h"
+#include "sim_host/subjects/nearest.h"
+
+enum {
+    KEY_RUNS = 0x500,
+    KEY_JOBS,
+    KEY_SEED,
+    KEY_OUT,
+    KEY_RUN,
+    KEY_LOG,
+    KEY_TICKS,
+    KEY_MARKDOWN,
+    KEY_ONLY
+};
+
+static const struct argp_option option_list[] = {
+    {"runs", KEY_RUNS, "N", 0, "how many runs (default 500)", 0},
+    {"jobs", KEY_JOBS, "N", 0, "processes (default 1)", 0},
+    {"seed", KEY_SEED, "N", 0, "which campaign (default 1)", 0},
+    {"out", KEY_OUT, "DIR", 0, "keep results there; runs that are there are not made again", 0},
+    {"only", KEY_ONLY, "TEXT", 0,
+     "of those N only the runs whose first fault's name contains TEXT, such as \"foreign\"", 0},
+    {"markdown", KEY_MARKDOWN, 0, 0, "the table as Markdown", 0},
+    {"run", KEY_RUN, "I", 0, "run number I alone, and tell", 1},
+    {"log", KEY_LOG, "FILE", 0, "with --run: every frame, as candump -L writes it", 1},
+    {"csv", KEY_TICKS, "FILE", 0, "with --run: one line per tick (scripts/plot-fault draws it)", 1},
+    {0}};
+
+bool fault_options_want(const struct fault_options *options, uint32_t kind)
+{
+    return options->only == NULL || strstr(fault_kinds[kind].name, options->only) != NULL;
+}
+
+/* A text that no fault has would leave an empty table, which looks as if all were well. */
+static void check_only(const struct fault_options *options)
+{
+    for (uint32_t kind = 0; kind < FAULT_KINDS; kind++) {
+        if (fault_options_want(options, kind) && kind < options->runs) {
+            return;
+        }
+    }
+    const char *best = nearest_name(options->only, fault_kinds, FAULT_KINDS, sizeof fault_kinds[0]);
+    program_complain(
+        "--only: no fault of these %u runs has \"%s\" in its name%s%s; there are:", options->runs,
+        options->only, best != NULL ? "; nearest: " : "", best != NULL ? best : "");
+    for (uint32_t kind = 0; kind < FAULT_KINDS; kind++) {
+        fprintf(stderr, "  %s%s\n", fault_kinds[kind].name,
+                kind < options->runs ? "" : " (with more --runs)");
+    }
+    exit(EXIT_USAGE);
+}
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct fault_options *options = (struct fault_options *)state->input;
+    switch (key) {
+    case KEY_RUNS:
+        options->runs = (uint32_t)option_whole(state, "--runs", text, 1, FAULT_RUNS_MAX);
+        break;
+    case KEY_JOBS:
+        options->jobs = (uint32_t)option_whole(state, "--jobs", text, 1, FAULT_JOBS_MAX);
+        break;
+    case KEY_SEED:
+        options->seed = option_whole(state, "--seed", text, 0, UINT64_MAX);
+        break;
+    case KEY_OUT:
+        options->out = text;
+        break;
+    case KEY_ONLY:
+        options->only = text;
+        break;
+    case KEY_MARKDOWN:
+        options->markdown = true;
+        break;
+    case KEY_RUN:
+        options->run = (uint32_t)option_whole(state, "--run", text, 0, FAULT_RUNS_MAX - 1);
+        options->single = true;
+        break;
+    case KEY_LOG:
+        options->log = text;
+        break;
+    case KEY_TICKS:
+        options->ticks = text;
+        break;
+    case ARGP_KEY_ARG:
+        option_refuse_argument(state, text);
+        break;
+    case ARGP_KEY_END:
+        if (!options->single && (options->log != NULL || options->ticks != NULL)) {
+            argp_error(state, "--log and --csv need --run I");
+        }
+        if (!options->single && options->only != NULL) {
+            check_only(options);
+        }
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+void fault_options_parse(struct fault_options *options, int argc, char **argv)
+{
+    static const struct argp parser = {
+        option_list,
+        take,
+        0,
+        "Injects faults into steady walks of the simulated walker and judges by the plant what "
+        "came of them.\v"
+        "Exit status: 0 nothing unsafe or unnoticed, 1 something, 2 wrong usage.",
+        0,
+        0,
+        0};
+    *options =
+        (struct fault_options){.runs = 500, .jobs = 1, .seed = 1, .argc = argc, .argv = argv};
+    option_parse(&parser, argc, argv, options);
+}
