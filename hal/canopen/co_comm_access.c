@@ -1,8 +1,8 @@
-#include "hal/canopen/co_comm_access.h"
-
+/* Rules for writing communication objects. */
 #include <string.h>
 
 #include "hal/bus/bytes.h"
+#include "hal/canopen/co_device_internal.h"
 
 enum {
     RPDO_COMMUNICATION = 0x1400,

@@ -22,6 +22,13 @@ static inline uint64_t co_device_sooner(uint64_t a, uint64_t b)
 /* Sends a frame of up to 8 bytes; a refusal is counted. */
 bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data, unsigned length);
 
+/* Hooks of the device's SDO server: communication objects are handled here, the rest
+ * is passed to the profile. context is the struct co_device. */
+uint32_t co_comm_writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                         unsigned length);
+void co_comm_written(void *context, const struct co_entry *entry);
+void co_comm_reading(void *context, const struct co_entry *entry);
+
 void co_device_take_rpdo(struct co_device *device, unsigned number, const struct can_msg *message,
                          uint64_t now_ns);
 void co_device_take_sync(struct co_device *device, uint64_t now_ns);

@@ -5,7 +5,7 @@
 
 #include "model/stride.h"
 #include "model/trig.h"
-#include "sim_host/batch/choice.h"
+#include "sim_host/batch/choice_internal.h"
 #include "sim_host/batch/parallel_for.h"
 
 /* A walker in its own units, and the way back. */
@@ -274,4 +274,23 @@ enum batch_error batch_run_threads(const struct batch_settings *settings,
 enum batch_error batch_run(const struct batch_settings *settings, const struct batch_job *job)
 {
     return batch_run_threads(settings, job, 1);
+}
+
+const char *batch_error_name(enum batch_error error)
+{
+    switch (error) {
+    case BATCH_OK:
+        return "no error";
+    case BATCH_BAD_ACCURACY:
+        return "accuracy must be 1e-12 to 1e-4";
+    case BATCH_BAD_WALKER:
+        return "a walker's parameter is outside its limits (model/walker.h)";
+    case BATCH_BAD_INDEX:
+        return "an item names a walker that was not given";
+    case BATCH_OUT_OF_MEMORY:
+        return "out of memory: run fewer walkers at a time";
+    case BATCH_NO_SUCH_VECTORS:
+        return "this processor has no vectors of that width";
+    }
+    return "unknown error";
 }

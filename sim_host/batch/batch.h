@@ -14,6 +14,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "sim_host/batch/batch_settings.h"
+#include "sim_host/batch/choice.h"
+
 struct batch_walker {
     double hip_mass_kg, leg_mass_kg, leg_length_m, ankle_stiffness_N_m, gravity_m_s2;
 };
@@ -45,29 +48,6 @@ struct batch_item {
 struct batch_slopes {
     double by_apex[3][3]; /* [i][j]: d next[i] / d apex[j] */
     double by_push[3];    /* d next[i] / d r0 */
-};
-
-enum batch_error {
-    BATCH_OK = 0,
-    BATCH_BAD_ACCURACY = -1, /* outside BATCH_ACCURACY_LOW..HIGH */
-    BATCH_BAD_WALKER = -2,   /* a parameter outside model/walker.h's limits */
-    BATCH_BAD_INDEX = -3,    /* an item's walker is none of those given */
-    BATCH_OUT_OF_MEMORY = -4,
-    BATCH_NO_SUCH_VECTORS = -5 /* this processor or build has not that instruction set */
-};
-
-/* Largest error of a stride's next apex (rad/s, rad, for the paper's walker) that the settings aim at. */
-#define BATCH_ACCURACY_LOW 1e-12
-#define BATCH_ACCURACY_HIGH 1e-4
-#define BATCH_ACCURACY_DEFAULT 1e-9
-
-struct batch_settings {
-    double accuracy; /* BATCH_ACCURACY_LOW..HIGH; 0: the default */
-    int want_times;  /* also the double support's duration; costs about a tenth */
-    /* Strides from just before one heel strike to just before the next, by way of the apex: an item's apex[] then
-     * holds stance rate, swing angle (0 to pi/2; the stance angle is its negative) and swing rate there.
-     * Level ground and no derivatives, else the item's fault is STRIDE_BAD_INPUT. */
-    int from_strike;
 };
 
 /* Called for each item after each stride, and once with fault != 0 when it fails; from the thread that runs
@@ -105,24 +85,5 @@ enum batch_error batch_run_threads(const struct batch_settings *settings,
 
 /* What went wrong, and what to do about it. A static string, never NULL. */
 const char *batch_error_name(enum batch_error error);
-
-/* Vectors in use: "2 lanes", "4 lanes (AVX2)", "8 lanes (AVX-512)". The widest the processor has, unless
- * batch_use_lanes chose another. Static string. */
-const char *batch_lanes_name(void);
-
-/* For tests and comparisons: vectors of 2, 4 or 8 from here on, for the whole program; 0: the widest.
- * Not while a job runs. Returns BATCH_OK or BATCH_NO_SUCH_VECTORS. */
-enum batch_error batch_use_lanes(int lanes);
-
-/* For the measurement behind batch.c's table of methods: order and tolerance used from here on whatever the accuracy
- * (order 0: back to the table). Not while a job runs. order 4..28; tolerance of a step's last term. */
-void batch_use_method(int order, double log2_tolerance);
-
-/* Flops that a stride's power series take at least, of one lane: multiplications and additions of the recurrence and of
- * two evaluations. order 0: of the settings' accuracy. Event landing and push-off come on top (a fifth). */
-double batch_series_flops(const struct batch_settings *settings);
-
-/* Measured peak of one core with the vectors in use, flops per second, without fused operations. Takes 0.2 s. */
-double batch_peak_flops(void);
 
 #endif

@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <time.h>
 
+#include "sim_host/batch/choice_internal.h"
+
 /* Order and tolerance per accuracy: the cheapest of those measured (scripts/bench-method). */
 struct method {
     double accuracy;
@@ -66,25 +68,6 @@ void batch_use_method(int order, double log2_tolerance)
 {
     chosen.order = order;
     chosen.log2_tolerance = log2_tolerance;
-}
-
-const char *batch_error_name(enum batch_error error)
-{
-    switch (error) {
-    case BATCH_OK:
-        return "no error";
-    case BATCH_BAD_ACCURACY:
-        return "accuracy must be 1e-12 to 1e-4";
-    case BATCH_BAD_WALKER:
-        return "a walker's parameter is outside its limits (model/walker.h)";
-    case BATCH_BAD_INDEX:
-        return "an item names a walker that was not given";
-    case BATCH_OUT_OF_MEMORY:
-        return "out of memory: run fewer walkers at a time";
-    case BATCH_NO_SUCH_VECTORS:
-        return "this processor has no vectors of that width";
-    }
-    return "unknown error";
 }
 
 int choice_precision(const struct batch_settings *settings, struct block_precision *precision)

@@ -1,15 +1,27 @@
-/* Which vectors and which method the engine uses. Private to sim_host/batch. */
+/* Which vectors and which method the batch engine uses: the widest and the cheapest, unless a test chooses
+ * others. */
 #ifndef SIM_HOST_BATCH_CHOICE_H
 #define SIM_HOST_BATCH_CHOICE_H
 
-#include "sim_host/batch/batch.h"
-#include "sim_host/batch/block.h"
+#include "sim_host/batch/batch_settings.h"
 
-/* Lanes in use, and the function that takes a block through a stride with them. */
-int choice_lanes(void);
-block_stride_fn *choice_stride(void);
+/* Vectors in use: "2 lanes", "4 lanes (AVX2)", "8 lanes (AVX-512)". The widest the processor has, unless
+ * batch_use_lanes chose another. Static string. */
+const char *batch_lanes_name(void);
 
-/* Order and tolerance for the accuracy asked for; 0 when that is out of range. want_slopes is left alone. */
-int choice_precision(const struct batch_settings *settings, struct block_precision *precision);
+/* For tests and comparisons: vectors of 2, 4 or 8 from here on, for the whole program; 0: the widest.
+ * Not while a job runs. Returns BATCH_OK or BATCH_NO_SUCH_VECTORS. */
+enum batch_error batch_use_lanes(int lanes);
+
+/* For the measurement behind batch.c's table of methods: order and tolerance used from here on whatever the accuracy
+ * (order 0: back to the table). Not while a job runs. order 4..28; tolerance of a step's last term. */
+void batch_use_method(int order, double log2_tolerance);
+
+/* Flops that a stride's power series take at least, of one lane: multiplications and additions of the recurrence and of
+ * two evaluations. order 0: of the settings' accuracy. Event landing and push-off come on top (a fifth). */
+double batch_series_flops(const struct batch_settings *settings);
+
+/* Measured peak of one core with the vectors in use, flops per second, without fused operations. Takes 0.2 s. */
+double batch_peak_flops(void);
 
 #endif

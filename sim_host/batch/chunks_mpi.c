@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "sim_host/batch/chunks_file.h"
+#include "sim_host/batch/chunks_internal.h"
 
 int chunks_ranks(void)
 {

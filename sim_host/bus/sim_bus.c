@@ -26,12 +26,6 @@ double sim_bus_load(const struct sim_bus *bus)
     return bus->now_ns == 0 ? 0.0 : (double)bus->busy_ns / (double)bus->now_ns;
 }
 
-void sim_bus_set_tap(struct sim_bus *bus, sim_bus_tap tap, void *context)
-{
-    bus->tap = tap;
-    bus->tap_context = context;
-}
-
 void sim_bus_set_fault_hook(struct sim_bus *bus, sim_bus_fault_hook hook, void *context)
 {
     bus->fault_hook = hook;
@@ -44,20 +38,6 @@ void sim_bus_measure_response(struct sim_bus *bus, struct sim_bus_response *resp
     if (response != NULL) {
         memset(response, 0, sizeof *response);
     }
-}
-
-void sim_bus_report(struct sim_bus *bus, enum sim_bus_event_kind kind,
-                    const struct sim_bus_port *port, const struct can_msg *message)
-{
-    if (bus->tap == NULL) {
-        return;
-    }
-    struct sim_bus_event event = {
-        .kind = kind, .time_ns = bus->now_ns, .port = port->index, .fault = bus->fault.kind};
-    if (message != NULL) {
-        event.message = *message;
-    }
-    bus->tap(bus->tap_context, &event);
 }
 
 /* What the port would send now: the head of its queue or its babble. */

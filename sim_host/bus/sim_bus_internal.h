@@ -41,6 +41,7 @@ void sim_bus_transmit_succeeded(struct sim_bus_port *port);
 void sim_bus_receive_succeeded(struct sim_bus_port *port);
 void sim_bus_count_recessive(struct sim_bus *bus, uint32_t sequences, uint32_t *wake);
 
+/* Tells the tap, if there is one. message may be NULL. */
 void sim_bus_report(struct sim_bus *bus, enum sim_bus_event_kind kind,
                     const struct sim_bus_port *port, const struct can_msg *message);
 

@@ -235,8 +235,8 @@ static void set_deadline(struct oracle *oracle, const struct campaign_plan *plan
 /* A foreign node that only collides has changed the bus, but said nothing. */
 static bool came_through(const struct injector *injector, const struct campaign_plan *plan)
 {
-    return plan->count == 2 || !injector_is_foreign(plan->shot[0].kind) ||
-           injector_intrusions(injector) > 0;
+    return plan->count == 2 || !fault_kind_is_foreign(plan->shot[0].kind) ||
+           injector_foreign_frames(injector) > 0;
 }
 
 void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, FILE *log,

@@ -104,4 +104,7 @@ struct fault_kind_info {
 };
 extern const struct fault_kind_info fault_kinds[FAULT_KINDS];
 
+/* Whether a foreign node sends in this kind of fault. */
+bool fault_kind_is_foreign(enum fault_kind kind);
+
 #endif

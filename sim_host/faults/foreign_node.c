@@ -1,15 +1,8 @@
-/* A foreign node: it speaks with identifiers of this bus, by a clock of its own.
- *
- * At one instant with the rightful sender it collides (both see a bit error); at any other
- * its frames come through. So it is given rhythms as a second controller, a tool left in a
- * script, or a gateway has them: the bus's period at a fixed phase, the same with a clock
- * that is off, faster, slower, single frames in irregular distances, one frame alone.
- * Driven to bus-off it comes back by itself, as most controllers are set up to.
- */
+#include "sim_host/faults/foreign_node.h"
+
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
-#include "sim_host/faults/injector_internal.h"
 
 enum rhythm { FIXED_PHASE, DRIFTING, FAST, SLOW, SPORADIC, ONCE, RHYTHMS };
 
@@ -17,35 +10,25 @@ static const double TICK_NS = 1e6;
 static const double CLOCK_OFF = 0.01;
 static const double PI = 3.14159265358979323846;
 
-bool injector_is_foreign(enum fault_kind kind)
-{
-    return kind >= FAULT_FOREIGN_SENSOR && kind <= FAULT_FOREIGN_NMT;
-}
-
-static double between(struct shot_state *state, double low, double high)
-{
-    return low + (high - low) * injector_random(&state->rng);
-}
-
 void foreign_node_begin(struct shot_state *state, uint64_t now_ns)
 {
-    if (!injector_is_foreign(state->shot.kind)) {
+    if (!fault_kind_is_foreign(state->shot.kind)) {
         return;
     }
     const unsigned rhythm = (unsigned)(injector_random(&state->rng) * (double)RHYTHMS);
     double period_ns = TICK_NS;
     switch (rhythm) {
     case DRIFTING:
-        period_ns *= 1.0 + between(state, -CLOCK_OFF, CLOCK_OFF);
+        period_ns *= 1.0 + injector_between(state, -CLOCK_OFF, CLOCK_OFF);
         break;
     case FAST:
-        period_ns *= between(state, 0.15, 1.0);
+        period_ns *= injector_between(state, 0.15, 1.0);
         break;
     case SLOW:
-        period_ns *= between(state, 1.0, 20.0);
+        period_ns *= injector_between(state, 1.0, 20.0);
         break;
     case SPORADIC:
-        period_ns *= between(state, 5.0, 100.0);
+        period_ns *= injector_between(state, 5.0, 100.0);
         break;
     case ONCE:
         period_ns = 1e15;
@@ -55,10 +38,10 @@ void foreign_node_begin(struct shot_state *state, uint64_t now_ns)
     }
     state->sporadic = rhythm == SPORADIC;
     state->period_ns = (uint64_t)period_ns;
-    state->next_ns = now_ns + (uint64_t)between(state, 0.0, TICK_NS - 1.0);
+    state->next_ns = now_ns + (uint64_t)injector_between(state, 0.0, TICK_NS - 1.0);
 }
 
-/* ---- what it says --------------------------------------------------------------- */
+/* ---- what it sends --------------------------------------------------------------- */
 
 static int32_t counts_of(const struct loop *loop, double metres)
 {

@@ -1,41 +1,14 @@
 #include "sim_host/faults/injector.h"
 
 #include "hal/bus/frame_table.h"
+#include "sim_host/faults/foreign_node.h"
 #include "sim_host/faults/injector_internal.h"
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
-double injector_random(uint64_t *state)
-{
-    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-enum side injector_side(const struct fault_shot *shot)
-{
-    return shot->node < WALKER_DRIVE_RIGHT ? SIDE_LEFT : SIDE_RIGHT;
-}
-
-bool injector_is_drive(const struct fault_shot *shot)
-{
-    return shot->node == WALKER_DRIVE_LEFT || shot->node == WALKER_DRIVE_RIGHT;
-}
-
-uint32_t injector_by_side(const struct fault_shot *shot, uint32_t left)
-{
-    return left + (uint32_t)injector_side(shot);
-}
-
-uint32_t injector_node_id(const struct fault_shot *shot)
-{
-    return injector_by_side(shot, injector_is_drive(shot) ? NODE_DRIVE_LEFT : NODE_SENSOR_LEFT);
-}
-
 bool injector_prepare(struct loop *loop)
 {
-    return sim_bus_attach(&loop->bus, "intruder", NULL, NULL) == INJECTOR_PORT_FOREIGN;
+    return sim_bus_attach(&loop->bus, "foreign node", NULL, NULL) == INJECTOR_PORT_FOREIGN;
 }
 
 static struct sim_bus_fault on_frame(void *context, const struct can_msg *message, unsigned sender,
@@ -58,7 +31,7 @@ static uint32_t foreign_node_frames(const struct loop *loop)
     return loop->bus.ports[INJECTOR_PORT_FOREIGN].status.tx_frames;
 }
 
-uint32_t injector_intrusions(const struct injector *injector)
+uint32_t injector_foreign_frames(const struct injector *injector)
 {
     return foreign_node_frames(injector->loop) - injector->foreign_node_frames;
 }

@@ -5,11 +5,6 @@
 #include "hal/canopen/co_defs.h"
 #include "sim_host/faults/injector_internal.h"
 
-static double between(struct shot_state *state, double low, double high)
-{
-    return low + (high - low) * injector_random(&state->rng);
-}
-
 /* Twelve uniform numbers: a bell of standard deviation 1, without a library. */
 static double noise(struct shot_state *state)
 {
@@ -173,7 +168,7 @@ static void start_plant(struct shot_state *state, struct loop *loop)
         plant_set_spring_scale(plant, injector_side(shot), shot->magnitude);
         break;
     case FAULT_PUSH:
-        plant_push(plant, shot->magnitude * weight, between(state, -0.2, 0.2) * weight);
+        plant_push(plant, shot->magnitude * weight, injector_between(state, -0.2, 0.2) * weight);
         break;
     case FAULT_SLIP:
         plant->walk.params.friction = shot->magnitude;

@@ -1,10 +1,45 @@
-/* The inside of a drive node, public only so that its owner can allocate it. */
+/* The structs of a drive node: its configuration, what its axis measures and shall do, and its inside,
+ * which is public only so that its owner can allocate it. */
 #ifndef SIM_HOST_NODES_DRIVE_NODE_TYPE_H
 #define SIM_HOST_NODES_DRIVE_NODE_TYPE_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "hal/canopen/co_device.h"
 #include "hal/canopen/co_pdo_objects.h"
-#include "sim_host/nodes/drive_node.h"
+#include "model/side.h"
+
+struct drive_node_config {
+    enum side side;                /* which half of RPDO 0x201 */
+    uint8_t node_id;               /* 1..127 */
+    uint32_t counts_per_m;         /* motor counts per metre of spring, > 0 */
+    int32_t zero_counts;           /* count at the unloaded spring */
+    bool inverted;                 /* counts and torque fall when the spring is compressed */
+    double stroke_m;               /* position limits 0x607D: 0..stroke, > 0 */
+    double max_speed_m_per_s;      /* 0x6080: fastest demand; 0: the demand may jump */
+    double rated_force_N;          /* 1000 per mille of 0x6077; by the gear: 0x6076; > 0 */
+    double following_error_m;      /* 0x6065, > 0; for longer than 100 ms it is a fault */
+    double unload_rate_m_per_s;    /* bounded rate of the safe reactions, > 0 */
+    double temperature_limit_degC; /* above: fault 0x4310; 0: none */
+    double dc_link_minimum_V;      /* below while enabled: fault 0x3220; 0: none */
+};
+
+struct drive_axis_feedback {
+    double position_m; /* motor, metres of spring; 0 = unloaded */
+    double velocity_m_per_s;
+    double force_N; /* of the motor */
+    double temperature_degC;
+    double dc_link_V;
+    bool latch_holds; /* the latch carries the spring's output */
+};
+
+struct drive_axis_command {
+    bool powered; /* position loop closed; false: no torque */
+    bool brake;   /* holding brake wanted, 0x60FE bit 0 */
+    bool latch_armed;
+    double target_m; /* position demand at the end of the period */
+};
 
 /* States of the CiA 402 machine, numbered for object 0x2110 and tests. */
 enum drive_machine {

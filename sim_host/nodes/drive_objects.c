@@ -1,6 +1,6 @@
 /* Object dictionary of the SEA drive (CiA 402-2 / IEC 61800-7-201 for 0x6000 and
  * above; 0x2100 to 0x2110 are the maker's). */
-#include "sim_host/nodes/drive_node.h"
+#include "sim_host/nodes/drive_node_type.h"
 
 #define OWNER struct drive_objects
 #define RO CO_READ

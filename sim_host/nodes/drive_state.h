@@ -2,7 +2,7 @@
 #ifndef SIM_HOST_NODES_DRIVE_STATE_H
 #define SIM_HOST_NODES_DRIVE_STATE_H
 
-#include "sim_host/nodes/drive_node.h"
+#include "sim_host/nodes/drive_node_type.h"
 
 /* Start of the device: torque off, switch on disabled. */
 void drive_state_power_on(struct drive_node *node);

@@ -187,11 +187,6 @@ void plant_free(struct plant *plant)
     recording_free(&plant->recording);
 }
 
-double plant_now_s(const struct plant *plant)
-{
-    return (double)plant->tick * plant->config.tick_s;
-}
-
 void plant_set_command(struct plant *plant, enum side side, const struct sea_command *command)
 {
     sea_set_command(&plant->sea[side], command, plant_now_s(plant));

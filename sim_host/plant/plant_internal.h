@@ -1,13 +1,16 @@
-/* What the parts of plant.c share; nobody else includes this. */
+/* What the files of the plant share; not for its users. */
 #ifndef SIM_HOST_PLANT_PLANT_INTERNAL_H
 #define SIM_HOST_PLANT_PLANT_INTERNAL_H
 
 #include "sim_host/plant/plant.h"
 
 /* Time of the SYNC the plant stands at. */
-double plant_now_s(const struct plant *plant);
+static inline double plant_now_s(const struct plant *plant)
+{
+    return (double)plant->tick * plant->config.tick_s;
+}
 
-/* One tick of a recorded wearer: the person moves on, the SEAs work against the
+/* One tick of a recorded person: the person moves on, the SEAs work against the
  * recorded ankles. */
 void plant_advance_recorded_person(struct plant *plant);
 

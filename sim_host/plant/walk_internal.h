@@ -31,9 +31,11 @@ void walk_ankle_spring(const struct walk *walk, const struct sea *sea, struct wa
  * the first event, which is handled. Returns the time that passed. */
 double walk_step_once(struct walk_run *run, double step_s);
 
-/* Transitions. */
+/* Transitions: the swing foot lands, now; the trailing foot leaves the ground, now. */
 void walk_heel_strike(struct walk_run *run);
 void walk_leave_ground(struct walk_run *run);
+
+/* Records; these change nothing but phase, fault, events and the current step. */
 void walk_fail(struct walk *walk, enum walk_fault fault);
 void walk_record_apex(struct walk *walk, double time_s, const struct walker3_state *state);
 void walk_post(struct walk *walk, enum walk_event_kind kind, enum side side, double time_s,

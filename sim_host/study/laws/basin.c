@@ -162,7 +162,8 @@ static bool find_viability_kernel(struct basin *basin)
 static bool run(struct basin *basin, enum law_case law_case, double speed, FILE *csv)
 {
     const int chunks = (basin->samples + CHUNK - 1) / CHUNK;
-    const struct pool_jobs jobs = {0, chunks, basin->options->threads, basin, compute, laws_take};
+    const struct pool_jobs jobs = {0,     chunks,  basin->options->threads,
+                                   basin, compute, laws_count_part};
     basin->law_case = law_case;
     basin->speed_rad_s = speed * laws_speed_unit(basin->options);
     for (int k = 0; k < chunks; k++) {

@@ -84,7 +84,7 @@ static bool walk_all(const struct study *study, const char *name, const struct t
     struct walking walking = {study, value, *bench, speed * laws_speed_unit(study->options),
                               malloc((size_t)study->walks * sizeof *walking.walked)};
     const struct pool_jobs jobs = {0,        study->walks, study->options->threads,
-                                   &walking, walk_once,    laws_take};
+                                   &walking, walk_once,    laws_count_part};
     long steps = 0;
     int falls = 0;
     double sum = 0.0;

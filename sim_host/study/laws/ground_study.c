@@ -120,7 +120,7 @@ static int run(struct study *study)
     }
     const int operators = study->options->chain ? 0 : LAW_CASES * CELLS;
     const struct pool_jobs jobs = {0,     operators,        study->options->threads,
-                                   study, compute_operator, laws_take};
+                                   study, compute_operator, laws_count_part};
     int status = pool_run(&jobs) == 1 ? 0 : -1;
     for (int i = 0; i < operators; i++) {
         if (study->cell[i / CELLS][i % CELLS].failed) {

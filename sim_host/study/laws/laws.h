@@ -59,7 +59,11 @@ struct viability_range laws_viability_range(const struct laws_options *options, 
 struct law_setup law_case_setup(const struct laws_options *options, enum law_case law_case);
 
 /* For pools whose results stay where they were computed. */
-int laws_take(void *context, int i);
+int laws_count_part(void *context, int i);
+
+/* Around a study: shows how many of its parts are done. */
+void laws_progress_begin(void);
+void laws_progress_end(void);
 
 /* rad/s of this subject for one of the paper's walker: sqrt(g/l) over the paper's. */
 double laws_speed_unit(const struct laws_options *options);

@@ -17,21 +17,6 @@ static const struct {
 } grids[] = {{2, 120}, {4, 120}, {8, 120}};
 enum { GRIDS = sizeof grids / sizeof grids[0] };
 
-struct viability_range laws_viability_range(const struct laws_options *options, int fineness,
-                                            int pushes)
-{
-    const struct control_params *params = &options->bench.params;
-    return (struct viability_range){.legs_low_rad = 0.03,
-                                    .legs_high_rad = 2.4,
-                                    .rate_low = 0.0,
-                                    .rate_high = 0.6,
-                                    .r0_low_m = (double)params->r0_min_m,
-                                    .r0_high_m = (double)params->r0_max_m,
-                                    .legs = 100 * fineness,
-                                    .rates = 60 * fineness,
-                                    .pushes = pushes};
-}
-
 /* Asks both sets about the box's states. */
 static void survival(const struct laws_options *options, const struct viability_grid *grid,
                      const unsigned char *outer, const unsigned char *inner, int rounds, FILE *csv)

@@ -107,8 +107,12 @@ int laws_push(const struct laws_options *options)
     FILE *csv =
         laws_csv(&study->options, "push",
                  "law,speed_rad_s,direction,phase,share_of_m_sqrt_gl,impulse_Ns", &file, &failed);
-    const struct pool_jobs jobs = {
-        0, LAW_CASES * SPEEDS * DIRECTIONS * PHASES, options->threads, study, compute, laws_take};
+    const struct pool_jobs jobs = {0,
+                                   LAW_CASES * SPEEDS * DIRECTIONS * PHASES,
+                                   options->threads,
+                                   study,
+                                   compute,
+                                   laws_count_part};
     failed = failed || pool_run(&jobs) != 1;
     printf(
         "  in units of total mass times sqrt(g l), %.4g N s here; phases 1/16, 3/16 .. 15/16 from "

@@ -279,7 +279,7 @@ int session_run(const struct laws_options *options, const struct session_config 
     }
     struct chain_jobs all = {options, configs, results};
     const int threads = count < options->threads ? count : options->threads;
-    const struct pool_jobs jobs = {0, count, threads, &all, compute_chain, laws_take};
+    const struct pool_jobs jobs = {0, count, threads, &all, compute_chain, laws_count_part};
     int status = pool_run(&jobs) == 1 ? 0 : -1;
     for (int i = 0; i < count; i++) {
         status = results[i].failed ? -1 : status;

@@ -99,7 +99,7 @@ int laws_timing(const struct laws_options *options)
         timing->options = options;
         timing->samples = options->samples > 0 ? options->samples : DEFAULT_SAMPLES;
         const struct pool_jobs jobs = {0,      SPEEDS * TIMES, options->threads,
-                                       timing, compute,        laws_take};
+                                       timing, compute,        laws_count_part};
         failed = pool_run(&jobs) != 1;
         print(timing, csv);
     }

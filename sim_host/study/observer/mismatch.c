@@ -1,7 +1,9 @@
-#include <stdio.h>
-#include <string.h>
+#include "sim_host/study/observer/mismatch.h"
 
-#include "sim_host/study/observer/observe.h"
+#include <stdio.h>
+
+#include "sim_host/study/observer/observe_case.h"
+#include "sim_host/study/observer/observed_walk.h"
 
 #define MISMATCH_SPEED_RAD_S 0.6
 /* Metres of ground, for a leg of 1 m. */
@@ -116,7 +118,7 @@ static int run_all(enum law_mode law, int steps, int settle)
         const struct observe_case want = {MISMATCH_SPEED_RAD_S, SENSORS_17BIT, 1.0, 0.002, 1, law};
         struct loop_config config;
         struct observed_walk w;
-        if (observe_configure(&want, &config, message) != 0) {
+        if (observe_case_configure(&want, &config, message) != 0) {
             fprintf(stderr, "afo study observe: %s\n", message);
             return 1;
         }
@@ -147,7 +149,7 @@ static int run_all(enum law_mode law, int steps, int settle)
     return 0;
 }
 
-int observe_mismatch(int steps, int settle)
+int mismatch_run(int steps, int settle)
 {
     const int status = run_all(LAW_PROPORTIONAL, steps, settle);
     printf("\n");

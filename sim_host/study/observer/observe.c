@@ -1,5 +1,4 @@
-#include "sim_host/study/observer/observe.h"
-
+/* `afo study observe`: how well the controller knows the gait, and what its errors cost the law. */
 #include <argp.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,6 +7,9 @@
 #include "sim_host/cli/walk_options.h"
 #include "sim_host/study/noisy_map.h"
 #include "sim_host/study/observer/commands.h"
+#include "sim_host/study/observer/mismatch.h"
+#include "sim_host/study/observer/observe_case.h"
+#include "sim_host/study/observer/observed_walk.h"
 
 enum { SETTLE_STEPS = 100, MAP_STRIDES = 2000 };
 
@@ -46,28 +48,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     default:
         return ARGP_ERR_UNKNOWN;
     }
-}
-
-int observe_configure(const struct observe_case *want, struct loop_config *config, char *message)
-{
-    struct walk_options options;
-    struct subject subject;
-    struct control_params params;
-    double speed;
-    walk_options_init(&options);
-    options.speed_rad_s = want->speed_rad_s;
-    options.law_given = true;
-    options.law = want->law;
-    if (walk_options_resolve(&options, &subject, &params, &speed, message) != 0 ||
-        loop_configure(config, &subject, &params, speed, want->sensors, want->seed, message) != 0) {
-        return -1;
-    }
-    for (int side = 0; side < SIDE_COUNT; side++) {
-        config->plant.sensors[side].latency_s = want->latency_s;
-        config->plant.sensors[side].angle_noise_counts = want->noise_counts;
-    }
-    config->params.sensor_latency_s = (real)want->latency_s;
-    return 0;
 }
 
 /* Also two fields of the CSV line, spread and strides to the fall, one of them empty.
@@ -113,7 +93,7 @@ static int print_case(const struct observe_case *want, const char *name, int ste
     char message[LOOP_MESSAGE_MAX];
     /* The walk reaches its speed by a ramp of 0.005 rad/s a step from 0.407. */
     const int settle = SETTLE_STEPS + (int)(fabs(want->speed_rad_s - 0.407) / 0.005);
-    if (observe_configure(want, &config, message) != 0 ||
+    if (observe_case_configure(want, &config, message) != 0 ||
         observed_walk_run(&config, settle + steps, settle, &w, message) != 0) {
         fprintf(stderr, "afo study observe: %s\n", message);
         return 1;
@@ -195,7 +175,7 @@ int command_observe(int argc, char **argv)
     char message[OUTPUT_PATH_MAX + 256];
     option_parse(&parser, argc, argv, &options);
     if (options.mismatch) {
-        return observe_mismatch(options.steps, SETTLE_STEPS);
+        return mismatch_run(options.steps, SETTLE_STEPS);
     }
     if (output_file_open(&csv, options.csv_path, message, sizeof message) != 0) {
         fprintf(stderr, "afo study observe: %s\n", message);

@@ -1,6 +1,7 @@
-/* The file behind chunks.h, and the queue of what is missing in it. Private to sim_host/batch. */
-#ifndef SIM_HOST_BATCH_CHUNKS_FILE_H
-#define SIM_HOST_BATCH_CHUNKS_FILE_H
+/* What the files of chunks.h share: the results file, the queue of what is missing in it, and the run
+ * among the ranks of mpirun. Private to sim_host/batch. */
+#ifndef SIM_HOST_BATCH_CHUNKS_INTERNAL_H
+#define SIM_HOST_BATCH_CHUNKS_INTERNAL_H
 
 #include <pthread.h>
 
