@@ -11,7 +11,7 @@ cantools = pytest.importorskip("cantools")
 
 FILES = ROOT / "hal" / "canopen" / "eds"
 NODES = {"drive-left": 1, "drive-right": 2, "sensor-left": 3, "sensor-right": 4, "controller": 16}
-ROW = re.compile(r"X\((\w+), (0x[0-9A-F]+), (\d+), (\d+), (\d+), (\d+), ([A-Z])\)")
+ROW = re.compile(r"X\((\w+), (0x[0-9A-F]+), (\d+), (FRAME_TICKS\(\d+\)|\d+), (FRAME_TICKS\(\d+\)|\d+), (\d+), ([A-Z])\)")
 SIGNED = {2, 3, 4, 0x10}
 
 
@@ -21,7 +21,7 @@ def dbc():
 
 def frame_table():
     return {int(m[2], 16): m for m in
-            ROW.finditer((ROOT / "hal" / "frame_table.h").read_text())}
+            ROW.finditer((ROOT / "hal" / "bus" / "frame_table.h").read_text())}
 
 
 def test_the_files_are_what_the_code_says_now(tmp_path):
