@@ -20,14 +20,13 @@ static void read_settings(struct orthosis *orthosis, struct settings *settings,
     }
     if (orthosis->store_result != PARAM_STORE_OK || orthosis->settings_result != SETTINGS_OK) {
         settings_default(settings);
-        orthosis->hold = SUPERVISOR_FAULT_PARAMETERS;
+        orthosis->forced_fault = SUPERVISOR_FAULT_PARAMETERS;
     }
 }
 
 static void latch(struct orthosis *orthosis, enum supervisor_fault fault)
 {
-    orthosis->task.controller.supervisor.latched = fault;
-    orthosis->task.controller.supervisor.state = SUPERVISOR_FAULT;
+    supervisor_force_fault(&orthosis->task.controller.supervisor, fault);
 }
 
 /* ---- what is asked over the bus --------------------------------------------- */
@@ -53,7 +52,7 @@ static uint32_t save_settings(void *context)
         .walk_at_start = task->config.walk_requested ? 1u : 0u,
     };
 
-    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
+    if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
         return CO_ABORT_DEVICE_STATE;
     }
     orthosis->store_result = settings_save_parts(&parts, &orthosis->store, true);
@@ -68,7 +67,7 @@ static uint32_t forget_settings(void *context)
 {
     struct orthosis *orthosis = context;
 
-    orthosis->hold = SUPERVISOR_FAULT_PARAMETERS;
+    orthosis->forced_fault = SUPERVISOR_FAULT_PARAMETERS;
     return abort_code_of(param_store_forget(&orthosis->store, true));
 }
 
@@ -123,8 +122,8 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
     orthosis->permit = config->permit;
-    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
-        latch(orthosis, orthosis->hold);
+    if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
+        latch(orthosis, orthosis->forced_fault);
     } else if (config->restarted) {
         latch(orthosis, SUPERVISOR_FAULT_RESTARTED);
     }
@@ -152,8 +151,8 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     struct control_task *task = &orthosis->task;
     unsigned progress;
 
-    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
-        latch(orthosis, orthosis->hold);
+    if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
+        latch(orthosis, orthosis->forced_fault);
     }
     progress = control_task_poll(task);
     /* Until the first own SYNC came back no command was ever sent, nothing can

@@ -42,7 +42,7 @@ struct orthosis {
     struct bus_recorder recorder;
     struct watchdog_gate gate;
     const struct drive_power_enable *permit;
-    enum supervisor_fault hold; /* keeps this fault latched for good; NONE = does not */
+    enum supervisor_fault forced_fault; /* latched in every cycle; NONE = none is */
     uint16_t recovery_wait;
     uint32_t bus_recoveries; /* asked for; saturates */
 };

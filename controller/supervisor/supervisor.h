@@ -25,8 +25,7 @@
 #define supervisor_init REAL_SYMBOL(supervisor_init)
 #define supervisor_next REAL_SYMBOL(supervisor_next)
 #define supervisor_update REAL_SYMBOL(supervisor_update)
-#define supervisor_may_enable REAL_SYMBOL(supervisor_may_enable)
-#define supervisor_may_assist REAL_SYMBOL(supervisor_may_assist)
+#define supervisor_force_fault REAL_SYMBOL(supervisor_force_fault)
 #define supervisor_rows REAL_SYMBOL(supervisor_rows)
 #define supervisor_fault_name REAL_SYMBOL(supervisor_fault_name)
 
@@ -99,8 +98,8 @@ extern const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS];
 struct supervisor {
     enum supervisor_state state;
     enum supervisor_fault latched; /* the first fault since the last reset */
-    uint32_t since_tick;
-    uint32_t judged_tick; /* of the last supervisor_update that went through its rules */
+    uint32_t since_tick;           /* the state began; in INIT, the last tick without all nodes */
+    uint32_t updated_tick;         /* of the last supervisor_update that went through its rules */
 };
 
 /* Pure: where this table goes from `state` under `conditions` (IF_LATCHED among
@@ -113,17 +112,30 @@ void supervisor_init(struct supervisor *supervisor);
 /* One tick. conditions: bits of enum supervisor_condition (IF_LATCHED is set by
  * this function itself). fault: the reason when IF_FAULT is set. The first fault is
  * latched, in INIT only when it lasts (nodes are still missing); FAULT is never entered
- * without one. At most one transition a tick. Returns true when the state changed. */
+ * without one. In INIT the state's time begins anew while nodes are missing. At most one transition a tick. Returns true when the state changed. */
 bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t conditions,
                        enum supervisor_fault fault);
+
+/* Enters FAULT at once and latches `fault`, whatever the table says: for a fault that is known
+ * outside the control loop (no usable settings, a restart). since_tick is left as it is. A reset
+ * at standstill ends it as any fault; call it again every tick to make it last. fault: not
+ * SUPERVISOR_FAULT_NONE. Constant cost; loop only. */
+void supervisor_force_fault(struct supervisor *supervisor, enum supervisor_fault fault);
 
 /* "emergency stop" and so on; a static string, never NULL, for any value. */
 const char *supervisor_fault_name(enum supervisor_fault fault);
 
 /* True in the states in which drives may be under torque. */
-bool supervisor_may_enable(enum supervisor_state state);
+static inline bool supervisor_may_enable(enum supervisor_state state)
+{
+    return state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING ||
+           state == SUPERVISOR_UNLOADING;
+}
 
 /* True in the states in which springs may be loaded and latches armed. */
-bool supervisor_may_assist(enum supervisor_state state);
+static inline bool supervisor_may_assist(enum supervisor_state state)
+{
+    return state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING;
+}
 
 #endif

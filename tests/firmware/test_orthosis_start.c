@@ -145,7 +145,7 @@ START_TEST(kept_settings_are_the_ones_in_force)
     orthosis_init(&orthosis, &config);
     ck_assert_int_eq(orthosis.store_result, PARAM_STORE_OK);
     ck_assert_int_eq(orthosis.settings_result, SETTINGS_OK);
-    ck_assert_int_eq(orthosis.hold, SUPERVISOR_FAULT_NONE);
+    ck_assert_int_eq(orthosis.forced_fault, SUPERVISOR_FAULT_NONE);
     ck_assert(orthosis.task.node.objects.desired_speed_rad_s == 0.613f);
     ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 1);
     run(3);
