@@ -29,7 +29,7 @@ ARM_COLD := controller/laws/% controller/control_params% controller/estimator/ob
         model/ground%
 ARM_WARM := hal/storage/crc.c firmware/snapshot.c firmware/bus_recorder.c controller/estimator/apex_fusion.c controller/estimator/apex_fit.c controller/estimator/model_observer.c model/integrator% \
         model/timed_stride.c
-ARM_HOT := $(filter-out $(ARM_COLD),$(SRC_MODEL) $(SRC_CONTROLLER)) firmware/control_task.c \
+ARM_HOT := $(filter-out $(ARM_COLD),$(SRC_MODEL) $(SRC_CONTROLLER)) controller/laws/step_plan.c firmware/control_task.c \
         firmware/bus_recorder.c firmware/snapshot.c hal/storage/black_box.c hal/devices/leg_sensors.c \
         hal/devices/sea_drive_cia402.c hal/port_mps2/pil_bus.c hal/port_cortex_m/memory.c
 ARM_OPT = $(if $(filter $(ARM_WARM),$<),-O2,$(if $(filter $(ARM_HOT),$<),-O3,-Os))

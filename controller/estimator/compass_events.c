@@ -56,9 +56,10 @@ static real crossing_age_s(const struct compass_events *events, uint32_t tick)
     return seconds_since(tick, events->crossing_tick) + events->crossing_before_s;
 }
 
-struct compass_event compass_events_strike(struct compass_events *events,
-                                           const struct control_params *params,
-                                           const struct controller_input *input, enum side stance)
+struct compass_event compass_events_watch_strike(struct compass_events *events,
+                                                 const struct control_params *params,
+                                                 const struct controller_input *input,
+                                                 enum side stance)
 {
     const real seen = EXTENSION_SEEN_RATIO * params->leg_length_m;
     const struct leg_measurement *trailing = &input->leg[stance];
@@ -82,10 +83,10 @@ struct compass_event compass_events_strike(struct compass_events *events,
     return event;
 }
 
-struct compass_event compass_events_lift_off(struct compass_events *events,
-                                             const struct control_params *params,
-                                             const struct controller_input *input,
-                                             enum side leaving, uint32_t since_tick)
+struct compass_event compass_events_watch_lift_off(struct compass_events *events,
+                                                   const struct control_params *params,
+                                                   const struct controller_input *input,
+                                                   enum side leaving, uint32_t since_tick)
 {
     const real extension = input->leg[leaving].ankle_extension_m;
     const real seen = EXTENSION_SEEN_RATIO * params->leg_length_m;

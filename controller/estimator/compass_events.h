@@ -16,8 +16,8 @@
 #include "controller/signals.h"
 
 #define compass_events_begin_phase REAL_SYMBOL(compass_events_begin_phase)
-#define compass_events_strike REAL_SYMBOL(compass_events_strike)
-#define compass_events_lift_off REAL_SYMBOL(compass_events_lift_off)
+#define compass_events_watch_strike REAL_SYMBOL(compass_events_watch_strike)
+#define compass_events_watch_lift_off REAL_SYMBOL(compass_events_watch_lift_off)
 
 struct compass_events {
     real sum_rad; /* theta_s + theta_n at the last tick */
@@ -39,14 +39,15 @@ struct compass_event {
 void compass_events_begin_phase(struct compass_events *events, uint32_t tick);
 
 /* Single support of leg `stance`, every tick: has the other foot landed? */
-struct compass_event compass_events_strike(struct compass_events *events,
-                                           const struct control_params *params,
-                                           const struct controller_input *input, enum side stance);
+struct compass_event compass_events_watch_strike(struct compass_events *events,
+                                                 const struct control_params *params,
+                                                 const struct controller_input *input,
+                                                 enum side stance);
 
 /* Double support since since_tick, leg `leaving` trailing: has it left the ground? */
-struct compass_event compass_events_lift_off(struct compass_events *events,
-                                             const struct control_params *params,
-                                             const struct controller_input *input,
-                                             enum side leaving, uint32_t since_tick);
+struct compass_event compass_events_watch_lift_off(struct compass_events *events,
+                                                   const struct control_params *params,
+                                                   const struct controller_input *input,
+                                                   enum side leaving, uint32_t since_tick);
 
 #endif

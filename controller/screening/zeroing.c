@@ -27,7 +27,7 @@ static bool is_good(const struct leg_measurement *leg)
            real_is_finite(leg->ankle_extension_m);
 }
 
-static void collect(struct zeroing *zeroing, const struct leg_measurement leg[SIDE_COUNT])
+static void collect(struct zeroing *zeroing, const struct leg_measurement *leg)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         const real angle = leg[side].leg_angle_rad;
@@ -61,7 +61,7 @@ static enum zeroing_state verdict(const struct zeroing *zeroing)
     return zeroing->samples >= SAMPLES ? ZEROING_DONE : ZEROING_RUNNING;
 }
 
-void zeroing_update(struct zeroing *zeroing, const struct leg_measurement leg[SIDE_COUNT])
+void zeroing_update(struct zeroing *zeroing, const struct leg_measurement *leg)
 {
     if (zeroing->state != ZEROING_RUNNING) {
         return;

@@ -45,7 +45,7 @@ void zeroing_start(struct zeroing *zeroing);
 
 /* One tick's raw legs (no offset taken off). While not running, nothing happens.
  * Constant cost. */
-void zeroing_update(struct zeroing *zeroing, const struct leg_measurement leg[SIDE_COUNT]);
+void zeroing_update(struct zeroing *zeroing, const struct leg_measurement *leg);
 
 /* Gives up a run as ZEROING_MOVED; nothing else is changed. */
 void zeroing_stop(struct zeroing *zeroing);

@@ -1,18 +1,21 @@
 #include "sim_host/subjects/law_name.h"
 
+#include <stddef.h>
 #include <string.h>
 
-const struct law_name law_names[] = {
-    {"proportional", LAW_PROPORTIONAL}, {"open-loop", LAW_OPEN_LOOP},   {"dlqr", LAW_DLQR},
-    {"deadbeat", LAW_DEADBEAT},         {"predictive", LAW_PREDICTIVE}, {"recording", LAW_PERSON},
-    {NULL, LAW_PROPORTIONAL},
-};
+#define ENTRY(value, number, row, name) {name, value},
+static const struct {
+    const char *name;
+    enum law_mode law;
+} names[] = {LAW_TABLE(ENTRY)};
+#undef ENTRY
+#define LAWS (sizeof names / sizeof names[0])
 
 int law_from_name(const char *name, enum law_mode *law)
 {
-    for (const struct law_name *l = law_names; l->name != NULL; l++) {
-        if (strcmp(l->name, name) == 0) {
-            *law = l->law;
+    for (size_t i = 0; i < LAWS; i++) {
+        if (strcmp(names[i].name, name) == 0) {
+            *law = names[i].law;
             return 0;
         }
     }
@@ -21,9 +24,9 @@ int law_from_name(const char *name, enum law_mode *law)
 
 const char *law_name_of(enum law_mode law)
 {
-    for (const struct law_name *l = law_names; l->name != NULL; l++) {
-        if (l->law == law) {
-            return l->name;
+    for (size_t i = 0; i < LAWS; i++) {
+        if (names[i].law == law) {
+            return names[i].name;
         }
     }
     return "unknown";
@@ -31,5 +34,6 @@ const char *law_name_of(enum law_mode law)
 
 const char *law_names_allowed(void)
 {
-    return "proportional, open-loop, dlqr, deadbeat, predictive or person";
+    static const char list[] = LAW_NAMES;
+    return list + 2; /* behind the first comma */
 }

@@ -1,15 +1,12 @@
-/* The laws' names, as subject files and command lines spell them. */
+/* The laws' names, as subject files and command lines spell them: those of law_table.h. */
 #ifndef SIM_HOST_SUBJECTS_LAW_NAME_H
 #define SIM_HOST_SUBJECTS_LAW_NAME_H
 
-#include "controller/control_params.h"
+#include "controller/laws/law_table.h"
 
-/* All names with their law, ended by a NULL name. */
-struct law_name {
-    const char *name;
-    enum law_mode law;
-};
-extern const struct law_name law_names[];
+/* ", proportional, open-loop" and so on: a literal, for help texts. */
+#define LAW_NAMES_ONE(value, number, row, name) ", " name
+#define LAW_NAMES LAW_TABLE(LAW_NAMES_ONE)
 
 /* The law of that name: returns 0 and sets *law, or -1. */
 int law_from_name(const char *name, enum law_mode *law);

@@ -84,7 +84,7 @@ START_TEST(what_is_no_number_leaves_the_last_answer)
     params.open_loop_r0_m = params.start_r0_m;
     step_law_init(&law, &params);
     const real r0 = step(0.45, 0.45);
-    step_law_finish(&law);
+    step_law_finish(&law, &params);
     const bool whole =
         modes[_i] == LAW_DLQR || modes[_i] == LAW_DEADBEAT || modes[_i] == LAW_PREDICTIVE;
     const struct apex_estimate no_angle = {-0.45f, NAN, -0.5f, 1.0f};
@@ -122,7 +122,7 @@ END_TEST
 
 /* ---- the predictive law alone ------------------------------------------------------------- */
 
-static struct predictive_law search;
+static struct predictive_search search;
 
 /* From the steady gait of 0.45 rad/s a faster one is wanted; the motor stands at that gait's r0. */
 static struct predictive_request faster(void)
@@ -131,7 +131,7 @@ static struct predictive_request faster(void)
                                        params.leg_length_m, params.spring_stiffness_n_m,
                                        params.gravity_m_s2};
     struct gait_branch_point gait;
-    ck_assert_int_eq(predictive_law_init(&search, &body), 0);
+    ck_assert_int_eq(predictive_search_init(&search, &body), 0);
     (void)gait_branch_at(params.branch, 0.45f, &gait);
     return (struct predictive_request){
         .apex = {-0.45f, gait.swing_angle_rad, gait.swing_rate_rad_s},
@@ -150,7 +150,7 @@ static int search_on(void)
 {
     int units = 0;
     while (search.stage != PREDICTIVE_IDLE && units <= PREDICTIVE_UNITS) {
-        (void)predictive_law_work(&search, params.branch);
+        (void)predictive_search_work(&search, params.branch);
         units++;
     }
     ck_assert_int_le(units, PREDICTIVE_UNITS);
@@ -161,11 +161,11 @@ static int search_on(void)
 START_TEST(without_time_to_move_the_motor_stays)
 {
     struct predictive_request request = faster();
-    predictive_law_begin(&search, params.branch, &request);
+    predictive_search_begin(&search, params.branch, &request);
     (void)search_on();
     ck_assert(search.answered && search.r0_m > request.r0_from_m + 0.001f); /* in time it moves */
     request.report_delay_s = 1.0f;                                          /* a step lasts less */
-    predictive_law_begin(&search, params.branch, &request);
+    predictive_search_begin(&search, params.branch, &request);
     (void)search_on();
     ck_assert(search.answered && search.has_prediction);
     ck_assert(search.r0_m == request.r0_from_m);
@@ -177,13 +177,13 @@ END_TEST
 START_TEST(a_final_answer_stays)
 {
     const struct predictive_request request = faster();
-    predictive_law_begin(&search, params.branch, &request);
-    predictive_law_finish(&search); /* before any work: the caller's own */
+    predictive_search_begin(&search, params.branch, &request);
+    predictive_search_finish(&search); /* before any work: the caller's own */
     ck_assert_uint_eq(search.fallbacks, 1);
-    const struct predictive_law final = search;
+    const struct predictive_search final = search;
     for (int i = 0; i < 3; i++) {
-        ck_assert(!predictive_law_work(&search, params.branch));
-        predictive_law_finish(&search);
+        ck_assert(!predictive_search_work(&search, params.branch));
+        predictive_search_finish(&search);
     }
     ck_assert_mem_eq(&search, &final, sizeof final);
     ck_assert(search.r0_m == request.r0_first_m && !search.has_prediction);
@@ -194,12 +194,12 @@ END_TEST
 START_TEST(distrust_wears_off_where_nothing_was_foretold)
 {
     const struct predictive_request request = faster();
-    search.misprediction_count = PREDICTIVE_DISTRUST + 1;
-    for (int k = PREDICTIVE_DISTRUST; k >= -3; k--) {
-        ck_assert_int_eq(predictive_law_trusts_itself(&search), k + 1 < PREDICTIVE_DISTRUST);
-        predictive_law_begin(&search, params.branch, &request);
+    search.misprediction_count = PREDICTIVE_UNRELIABLE + 1;
+    for (int k = PREDICTIVE_UNRELIABLE; k >= -3; k--) {
+        ck_assert_int_eq(predictive_search_is_reliable(&search), k + 1 < PREDICTIVE_UNRELIABLE);
+        predictive_search_begin(&search, params.branch, &request);
         ck_assert_uint_eq(search.misprediction_count, k > 0 ? (unsigned)k : 0u);
-        predictive_law_finish(&search);
+        predictive_search_finish(&search);
     }
 }
 END_TEST

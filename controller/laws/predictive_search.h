@@ -5,7 +5,7 @@
  * some steady gait, and to travel from that gait to the wanted one. The stride up to heel strike is the
  * same for all candidates and computed once.
  *
- * Spread over the ticks after the apex: one call of predictive_law_work() does one unit (the stride to
+ * Spread over the ticks after the apex: one call of predictive_search_work() does one unit (the stride to
  * heel strike, or one candidate), at most PREDICTIVE_UNITS units a step. There is an answer from the
  * start, the caller's; it is replaced as better ones are found. Everything that bounds the work is
  * counted in integration steps, so its cost does not depend on the machine, nor do its bits. Candidates
@@ -17,29 +17,29 @@
  *
  * What the walker does beyond the model (a slope, a wrong mass) is learned as the mean difference of
  * measured and predicted apex and added to predictions. When they disagree too often nevertheless,
- * the law steps back (PREDICTIVE_DISTRUST) and eq. (16) alone walks until predictions, still made
+ * the law steps back (PREDICTIVE_UNRELIABLE) and eq. (16) alone walks until predictions, still made
  * for the push-offs that happen, come true again.
  */
-#ifndef CONTROLLER_LAWS_PREDICTIVE_LAW_H
-#define CONTROLLER_LAWS_PREDICTIVE_LAW_H
+#ifndef CONTROLLER_LAWS_PREDICTIVE_SEARCH_H
+#define CONTROLLER_LAWS_PREDICTIVE_SEARCH_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "controller/laws/gait_branch.h"
 
-#define predictive_law_init REAL_SYMBOL(predictive_law_init)
-#define predictive_law_begin REAL_SYMBOL(predictive_law_begin)
-#define predictive_law_work REAL_SYMBOL(predictive_law_work)
-#define predictive_law_finish REAL_SYMBOL(predictive_law_finish)
-#define predictive_law_trusts_itself REAL_SYMBOL(predictive_law_trusts_itself)
+#define predictive_search_init REAL_SYMBOL(predictive_search_init)
+#define predictive_search_begin REAL_SYMBOL(predictive_search_begin)
+#define predictive_search_work REAL_SYMBOL(predictive_search_work)
+#define predictive_search_finish REAL_SYMBOL(predictive_search_finish)
+#define predictive_search_is_reliable REAL_SYMBOL(predictive_search_is_reliable)
 
 enum {
     PREDICTIVE_COARSE = 16, /* candidates over the whole range, closer together where r0 is small */
     PREDICTIVE_ROUNDS =
         4, /* of refinement: both sides of the best, then the vertex of the parabola */
     PREDICTIVE_UNITS = 2 + PREDICTIVE_COARSE + 3 * PREDICTIVE_ROUNDS, /* bound of units a step */
-    PREDICTIVE_DISTRUST = 12
+    PREDICTIVE_UNRELIABLE = 12
 };
 
 enum predictive_stage {
@@ -63,7 +63,7 @@ struct predictive_request {
     real report_delay_s, tick_s; /* age of the apex at the first unit of work; time a unit takes */
 };
 
-struct predictive_law {
+struct predictive_search {
     struct walker walker;
     enum predictive_stage stage;
     struct predictive_request request;
@@ -88,22 +88,22 @@ struct predictive_law {
 };
 
 /* Prepares the law for a walker. Returns 0, or -1 when the walker's parameters are out of range. */
-int predictive_law_init(struct predictive_law *law, const struct walker_params *params);
+int predictive_search_init(struct predictive_search *search, const struct walker_params *params);
 
 /* A new apex: compares it with the last prediction and sets up the search. */
-void predictive_law_begin(struct predictive_law *law, const struct gait_branch *branch,
-                          const struct predictive_request *request);
+void predictive_search_begin(struct predictive_search *search, const struct gait_branch *branch,
+                             const struct predictive_request *request);
 
-/* One unit of work; nothing when the answer is final. Returns true when law->r0_m is worth following: once
+/* One unit of work; nothing when the answer is final. Returns true when search->r0_m is worth following: once
  * the range has been searched, at each improvement after that, and when it has become final
- * (law->stage == PREDICTIVE_IDLE). Cost bound: 21 RK4 steps of single support or 11 of double and
+ * (search->stage == PREDICTIVE_IDLE). Cost bound: 21 RK4 steps of single support or 11 of double and
  * 19 of single support, one landing each, and one gait_branch_distance(). */
-bool predictive_law_work(struct predictive_law *law, const struct gait_branch *branch);
+bool predictive_search_work(struct predictive_search *search, const struct gait_branch *branch);
 
 /* Time is up: the answer that stands becomes final. If it came from a candidate, its prediction stands, too. */
-void predictive_law_finish(struct predictive_law *law);
+void predictive_search_finish(struct predictive_search *search);
 
 /* False while predictions and measured apexes disagree too often. */
-bool predictive_law_trusts_itself(const struct predictive_law *law);
+bool predictive_search_is_reliable(const struct predictive_search *search);
 
 #endif
