@@ -1,11 +1,13 @@
 /* Every number that tunes the controller, in one struct, validated once.
  *
- * The fields of the table are `real`, the speed table's `real` or 32-bit counts (in float
- * no padding: the same bytes in flash and under a checksum everywhere); the gait branch is
- * only pointed to and kept and checked by itself. CONTROL_PARAM_TABLE is the single list of names, units and ranges: the
- * subject file's reader, the validator and the object dictionary share it.
- * Ranges are what the law and the arithmetic bear, from a 1 kg table-top walker
- * to a 150 kg person; a person's own limits are set inside them.
+ * CONTROL_PARAM_TABLE is the single list of names, units and ranges. The subject file's reader,
+ * the validator and the object dictionary are made from it. Its fields are `real`, those of the
+ * speed table `real` or 32-bit counts: in float there is no padding, so the bytes in flash and
+ * under a checksum are the same everywhere. The gait branch is only pointed to; it is stored and
+ * checked by itself.
+ *
+ * The ranges are what laws and arithmetic can work with, from a 1 kg table-top walker to a 150 kg
+ * person. A person's own limits are set inside them.
  */
 #ifndef CONTROLLER_CONTROL_PARAMS_H
 #define CONTROLLER_CONTROL_PARAMS_H
@@ -25,8 +27,8 @@
 #define control_param_descriptors REAL_SYMBOL(control_param_descriptors)
 
 /* "; 0 proportional" and so on, for a parameter's meaning. */
-#define LAW_CHOICE(value, number, row, name) "; " #number " " name
-#define BODY_CHOICE(value, number, row, name) "; " #number " " name
+#define LAW_CHOICE(value, number, id, name) "; " #number " " name
+#define BODY_CHOICE(value, number, id, name) "; " #number " " name
 
 /*  X(field, unit, minimum, maximum, meaning) */
 #define CONTROL_PARAM_TABLE(X)                                                                   \

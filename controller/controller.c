@@ -56,8 +56,8 @@ static void sense(struct controller *controller, const struct controller_input *
 
 /* ---- screen ----------------------------------------------------------------------- */
 
-/* A compass' legs take turns, however irregularly it walks; a person's that seem not to
- * are irregular (step_monitor.h). */
+/* A compass walker's legs always take turns. A person's may seem not to: then the steps are
+ * irregular (step_monitor.h). */
 static bool legs_disagree(const struct controller *controller)
 {
     return controller->step_monitor.same_side &&
@@ -100,8 +100,8 @@ static void enter_state(struct controller *controller, const struct controller_i
         controller->observing = true;
         break;
     case SUPERVISOR_UNLOADING:
-        /* In test mode the first spring is loaded at once: never again by itself, behind
-         * somebody who has stopped or lies there. */
+        /* In test mode the first spring is loaded at once. It must not happen again by itself
+         * when the walker has stopped or fallen: that takes a new request. */
         controller->request_spent = control_params_test_mode(params);
         springs_stop(&controller->springs, values);
         break;

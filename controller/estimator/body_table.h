@@ -13,18 +13,16 @@
 #include "model/real.h"
 #include "model/side.h"
 
-#define body_compass REAL_SYMBOL(body_compass)
-#define body_person REAL_SYMBOL(body_person)
 #define body_of REAL_SYMBOL(body_of)
 
-/*  X(enum value, number, row, name) */
-#define BODY_TABLE(X)                                  \
-    X(BODY_COMPASS, 0, body_compass, "compass walker") \
-    X(BODY_PERSON, 1, body_person, "person")
+/*  X(enum value, number, row of this file, name) */
+#define BODY_TABLE(X)                             \
+    X(BODY_COMPASS, 0, compass, "compass walker") \
+    X(BODY_PERSON, 1, person, "person")
 /* The largest number of the table, as a literal: the parameter's range. */
 #define BODY_LARGEST 1.0
 
-#define BODY_ENUM(value, number, row, name) value = number,
+#define BODY_ENUM(value, number, id, name) value = number,
 enum body_kind { BODY_TABLE(BODY_ENUM) };
 #undef BODY_ENUM
 
@@ -50,8 +48,10 @@ struct body {
 /* The row of a parameter's value; of no row's value: the compass walker's. Never NULL. Pure. */
 const struct body *body_of(real number);
 
-#define BODY_ROW(value, number, row, name) extern const struct body row;
-BODY_TABLE(BODY_ROW)
-#undef BODY_ROW
+/* The row of a body: each body's file defines its own, `const struct body BODY_ROW(person)`. */
+#define BODY_ROW(id) REAL_SYMBOL(body_##id)
+#define BODY_EXTERN(value, number, id, name) extern const struct body BODY_ROW(id);
+BODY_TABLE(BODY_EXTERN)
+#undef BODY_EXTERN
 
 #endif

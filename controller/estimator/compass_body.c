@@ -106,7 +106,7 @@ static bool strike_near(const struct body_state *body, const struct gait_state *
            (gait->phase == PHASE_SINGLE_SUPPORT && gait->stance_past_apex);
 }
 
-const struct body body_compass = {
+const struct body BODY_ROW(compass) = {
     .update = update,
     .pass_apex = pass_apex,
     .is_step = NULL,

@@ -4,7 +4,7 @@
  * support has passed to the leading leg. */
 #define NO_PUSH_OFF_S REAL(0.03)
 
-/* A loaded spring that has not let go this long after the crossing was not armed. */
+/* A loaded spring that was not released this long after the crossing was not armed. */
 #define RELEASE_WAIT_S REAL(0.15)
 
 /* A crossing this short before the extension was seen is the heel strike itself. */
@@ -13,7 +13,7 @@
 /* Extension that has stopped growing for this long has reached its end. */
 #define EXTENSION_SETTLED_S REAL(0.02)
 
-/* Shares of the leg length: an extension that counts as one, and how close to
+/* Ratios of the leg length: an extension that counts as one, and how close to
  * the spring's rest length the ankle counts as fully extended. */
 #define EXTENSION_SEEN_RATIO REAL(0.001)
 #define EXTENSION_DONE_RATIO REAL(0.0002)

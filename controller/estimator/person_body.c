@@ -45,7 +45,7 @@ static bool strike_near(const struct body_state *body, const struct gait_state *
            swing->waiting.kind == LEG_EVENT_STRIKE;
 }
 
-const struct body body_person = {
+const struct body BODY_ROW(person) = {
     .update = update,
     .pass_apex = NULL,
     .is_step = is_step,

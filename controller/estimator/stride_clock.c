@@ -7,7 +7,7 @@
 
 void stride_clock_strike(struct stride_clock *clock, const struct gait_event *strike)
 {
-    const int side = strike->side;
+    const enum side side = strike->side;
     const real stride_s = seconds_since(strike->tick, clock->leg[side].strike_tick) -
                           strike->before_tick_s + clock->leg[side].strike_before_s;
     const real mean = clock->stride_s;

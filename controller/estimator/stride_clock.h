@@ -1,4 +1,4 @@
-/* The stride's clock: how long strides last, and which share of its stride each leg has gone by.
+/* The stride's clock: how long strides last, and how much of its stride each leg has gone by.
  *
  * A stride goes from a heel strike to the next one of the same leg. Both legs go at one pace, so
  * one running mean of the stride time serves both.

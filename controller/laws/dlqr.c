@@ -10,4 +10,4 @@ static real step(struct step_law *law, const struct control_params *params, cons
     return state_feedback_r0(&gait, gait.lqr_gain, departure);
 }
 
-const struct law law_dlqr = {.step = step, .needs_branch = true, .has_own_gains = true};
+const struct law LAW_ROW(dlqr) = {.step = step, .needs_branch = true, .has_own_gains = true};

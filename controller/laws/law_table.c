@@ -2,14 +2,14 @@
 
 #include <stddef.h>
 
-#define LAW_ENTRY(value, number, row, name) {(real)(number), &(row)},
+#define LAW_ENTRY(value, number, id, name) {(real)(number), &LAW_ROW(id)},
 static const struct {
     real number;
     const struct law *row;
 } entries[] = {LAW_TABLE(LAW_ENTRY)};
 #undef LAW_ENTRY
 
-#define LAW_IN_RANGE(value, number, row, name) \
+#define LAW_IN_RANGE(value, number, id, name) \
     _Static_assert((number) <= (int)LAW_LARGEST, "LAW_LARGEST is the largest number");
 LAW_TABLE(LAW_IN_RANGE)
 #undef LAW_IN_RANGE

@@ -14,31 +14,25 @@
 #include "model/real.h"
 
 #define law_of REAL_SYMBOL(law_of)
-#define law_proportional REAL_SYMBOL(law_proportional)
-#define law_open_loop REAL_SYMBOL(law_open_loop)
-#define law_dlqr REAL_SYMBOL(law_dlqr)
-#define law_deadbeat REAL_SYMBOL(law_deadbeat)
-#define law_predictive REAL_SYMBOL(law_predictive)
-#define law_person REAL_SYMBOL(law_person)
 
-/*  X(enum value, number, row, name)
+/*  X(enum value, number, row of this file, name)
  *   0  paper eq. (16)
  *   1  constant r0, approached by a ramp from the start gait
  *   2  whole apex state, least quadratic cost of the linearised map
  *   3  whole apex state, the linearised map's eigenvalues all zero
  *   4  search with the return map on board: predictive_search.h
  *   8  for a person: prescribed r0, v* = their own running mean */
-#define LAW_TABLE(X)                                         \
-    X(LAW_PROPORTIONAL, 0, law_proportional, "proportional") \
-    X(LAW_OPEN_LOOP, 1, law_open_loop, "open-loop")          \
-    X(LAW_DLQR, 2, law_dlqr, "dlqr")                         \
-    X(LAW_DEADBEAT, 3, law_deadbeat, "deadbeat")             \
-    X(LAW_PREDICTIVE, 4, law_predictive, "predictive")       \
-    X(LAW_PERSON, 8, law_person, "person")
+#define LAW_TABLE(X)                                     \
+    X(LAW_PROPORTIONAL, 0, proportional, "proportional") \
+    X(LAW_OPEN_LOOP, 1, open_loop, "open-loop")          \
+    X(LAW_DLQR, 2, dlqr, "dlqr")                         \
+    X(LAW_DEADBEAT, 3, deadbeat, "deadbeat")             \
+    X(LAW_PREDICTIVE, 4, predictive, "predictive")       \
+    X(LAW_PERSON, 8, person, "person")
 /* The largest number of the table, as a literal: the parameter's range. */
 #define LAW_LARGEST 8.0
 
-#define LAW_ENUM(value, number, row, name) value = number,
+#define LAW_ENUM(value, number, id, name) value = number,
 enum law_mode { LAW_TABLE(LAW_ENUM) };
 #undef LAW_ENUM
 
@@ -55,7 +49,7 @@ struct law {
                  real desired_rad_s);
     /* Once a tick while the answer is not final; true when it has changed. NULL: final at once. */
     bool (*work)(struct step_law *law, const struct control_params *params);
-    /* The push-off cannot wait: makes the answer final. NULL with `work`. */
+    /* The push-off cannot wait: makes the answer final. NULL where `work` is. */
     void (*finish)(struct step_law *law);
     bool needs_branch;       /* params->branch, and the swing leg's part of the apex state */
     bool has_own_gains;      /* those of the branch: kp_m_s_rad does nothing */
@@ -65,8 +59,10 @@ struct law {
 /* The row of a parameter's value; NULL for a number that is no law's. Pure, one pass. */
 const struct law *law_of(real number);
 
-#define LAW_ROW(value, number, row, name) extern const struct law row;
-LAW_TABLE(LAW_ROW)
-#undef LAW_ROW
+/* The row of a law: each law's file defines its own, `const struct law LAW_ROW(dlqr)`. */
+#define LAW_ROW(id) REAL_SYMBOL(law_##id)
+#define LAW_EXTERN(value, number, id, name) extern const struct law LAW_ROW(id);
+LAW_TABLE(LAW_EXTERN)
+#undef LAW_EXTERN
 
 #endif

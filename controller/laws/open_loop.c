@@ -12,4 +12,4 @@ static real step(struct step_law *law, const struct control_params *params, cons
     return r0_m;
 }
 
-const struct law law_open_loop = {.step = step};
+const struct law LAW_ROW(open_loop) = {.step = step};

@@ -17,4 +17,4 @@ static real step(struct step_law *law, const struct control_params *params, cons
     return params->start_r0_m - params->kp_m_s_rad * (law->command_rad_s - measured_rad_s);
 }
 
-const struct law law_person = {.step = step};
+const struct law LAW_ROW(person) = {.step = step};

@@ -72,7 +72,7 @@ static void finish(struct step_law *law)
     copy_answer(law);
 }
 
-const struct law law_predictive = {
+const struct law LAW_ROW(predictive) = {
     .init = init,
     .step = step,
     .work = work,

@@ -1,8 +1,8 @@
 #include "controller/laws/predictive_search.h"
 
-/* Integration steps in units of sqrt(l/g): 40 ms and 30 ms on a leg of 1 m, an error of at most 3e-5 in the
- * next apex of the gaits up to 1 rad/s. Phases of at most 21, 19 and 11 steps; steady gaits take 12, 9
- * and 6. */
+/* Integration steps in units of sqrt(l/g): 40 ms and 30 ms on a leg of 1 m. The error in the next
+ * apex is at most 3e-5 in gaits up to 1 rad/s. Phases have at most 21, 19 and 11 steps; steady
+ * gaits take 12, 9 and 6. */
 #define SINGLE_STEP_UNITS REAL(0.125)
 #define PUSH_STEP_UNITS REAL(0.094)
 #define STRIKE_LIMIT_STEPS REAL(20.5)
@@ -20,13 +20,14 @@
 #define BIAS_GAIN_RANDOM REAL(0.08) /* it has not: uneven ground, noise */
 #define MISPREDICTION_UNITS REAL(0.1)
 #define MISPREDICTIONS_MOST 30
-/* Uneven ground: a foothold higher by h than foretold takes about 2 h / l from the next apex' v^2 l / g. Ground that has
- * lately done so calls for an apex fast enough to bear it again and worse: the gain is tuned on footholds drawn within 10 mm
- * (sim_host/study/laws/ground_study.c), 3.4 mm call for all there is, 0.8 rad/s on a leg of 1 m. What noise,
- * a wrong mass and great jumps of the command leave unforetold stays below the share that is let pass. */
-#define TERRAIN_LET_PASS REAL(0.004)
-#define TERRAIN_KEPT REAL(0.97) /* from step to step */
-#define TERRAIN_GAIN REAL(24.0) /* v^2 l / g wanted, per what is kept */
+/* Uneven ground: a foothold higher by h than predicted takes about 2 h / l from the next apex'
+ * v^2 l / g. After that the law wants an apex fast enough for as much again and more. The gain is
+ * tuned on footholds drawn within 10 mm (sim_host/study/laws/ground_study.c): 3.4 mm lead to the
+ * largest speed, 0.8 rad/s on a leg of 1 m. Prediction errors from noise, a wrong mass and great
+ * jumps of the command stay below the first limit: they count as even ground. */
+#define TERRAIN_IGNORED REAL(0.004)
+#define TERRAIN_KEPT REAL(0.97) /* of the roughness, from step to step */
+#define TERRAIN_GAIN REAL(24.0) /* v^2 l / g wanted, per prediction error */
 #define TERRAIN_MOST REAL(0.065)
 
 int predictive_search_init(struct predictive_search *search, const struct walker_params *params)
@@ -38,7 +39,7 @@ int predictive_search_init(struct predictive_search *search, const struct walker
     return 0;
 }
 
-/* Not kept in *law: they hold a pointer, and the law's state must mean the same on every
+/* Not kept in *search: they contain a pointer, and the state must mean the same on every
  * machine. */
 static struct stride_settings settings_of(const struct predictive_search *search, real step_units,
                                           real limit_steps)
@@ -54,21 +55,21 @@ bool predictive_search_is_reliable(const struct predictive_search *search)
     return search->misprediction_count < PREDICTIVE_UNRELIABLE;
 }
 
-/* The energy at the apex that was not foretold. */
+/* Roughness from the energy at the apex that was not predicted. */
 static void follow_ground(struct predictive_search *search, const struct apex *measured)
 {
     const real now = measured->stance_rate_rad_s * search->walker.time_unit_s;
     const real predicted =
         (search->predicted.stance_rate_rad_s + search->bias[0]) * search->walker.time_unit_s;
     const real rough =
-        TERRAIN_GAIN * (real_abs(now * now - predicted * predicted) - TERRAIN_LET_PASS);
+        TERRAIN_GAIN * (real_abs(now * now - predicted * predicted) - TERRAIN_IGNORED);
     search->roughness *= TERRAIN_KEPT;
     if (rough > search->roughness) {
         search->roughness = rough < TERRAIN_MOST ? rough : TERRAIN_MOST;
     }
 }
 
-/* The measured apex against what was foretold for it. */
+/* The measured apex against its prediction. */
 static void learn(struct predictive_search *search, const struct apex *measured)
 {
     if (!search->has_prediction) {
@@ -166,17 +167,17 @@ static real try_candidate(struct predictive_search *search, const struct gait_br
 /* Candidates over the range, spaced by the square: the faster the gait the more r0 it bears. */
 static real spread_candidate(const struct predictive_search *search, int index)
 {
-    const real share = (real)index / (real)(PREDICTIVE_COARSE - 1);
+    const real part = (real)index / (real)(PREDICTIVE_COARSE - 1);
     return search->request.r0_low_m +
-           (search->request.r0_high_m - search->request.r0_low_m) * share * share;
+           (search->request.r0_high_m - search->request.r0_low_m) * part * part;
 }
 
 static real spread_gap(const struct predictive_search *search, real r0_m)
 {
     const real range = search->request.r0_high_m - search->request.r0_low_m;
     const real n = (real)(PREDICTIVE_COARSE - 1);
-    const real share = range > REAL(0.0) ? real_sqrt((r0_m - search->request.r0_low_m) / range) : n;
-    return range * (REAL(2.0) * share + REAL(1.0) / n) / n;
+    const real part = range > REAL(0.0) ? real_sqrt((r0_m - search->request.r0_low_m) / range) : n;
+    return range * (REAL(2.0) * part + REAL(1.0) / n) / n;
 }
 
 /* How far the motor gets, from rest to rest, in the time that is left. */
@@ -286,8 +287,8 @@ static bool refine(struct predictive_search *search, const struct gait_branch *b
     return search->r0_m != before_m;
 }
 
-/* The caller's answer knows nothing of the motor: the search may choose it only within reach. Where
- * it is the answer anyway it is foretold anyway. */
+/* The caller's answer ignores the motor's limits: the search may choose it only within reach. If it
+ * is the answer in any case (the search is not reliable now), its prediction is made in any case. */
 static bool first(struct predictive_search *search, const struct gait_branch *branch)
 {
     search->stage = PREDICTIVE_SPREAD;

@@ -1,24 +1,24 @@
-/* The push-off by looking ahead: a bounded search over r0 with the return map on board.
+/* The predictive law's search: a bounded search over r0 with the return map on board.
  *
- * From the estimated apex one stride is predicted for each candidate r0 (float return map, large
- * integration steps), and its end is judged by gait_branch_distance(): what it costs to be caught by
- * some steady gait, and to travel from that gait to the wanted one. The stride up to heel strike is the
- * same for all candidates and computed once.
+ * For each candidate r0 one stride is predicted from the estimated apex (return map in float, large
+ * integration steps). gait_branch_distance() gives the cost of the stride's end: to be caught by
+ * some steady gait, and to travel from that gait to the wanted one. The stride up to heel strike is
+ * the same for all candidates and computed once. Candidates that the motor cannot reach before the
+ * predicted heel strike are left out.
  *
- * Spread over the ticks after the apex: one call of predictive_search_work() does one unit (the stride to
- * heel strike, or one candidate), at most PREDICTIVE_UNITS units a step. There is an answer from the
- * start, the caller's; it is replaced as better ones are found. Everything that bounds the work is
- * counted in integration steps, so its cost does not depend on the machine, nor do its bits. Candidates
- * that the motor cannot reach before the predicted heel strike are left out.
+ * The work is spread over the ticks after the apex. One call of predictive_search_work() does one
+ * unit: the stride to heel strike, or one candidate. A step has at most PREDICTIVE_UNITS units.
+ * There is an answer from the start, the caller's; better ones replace it. All work is counted in
+ * integration steps, so neither its cost nor its bits depend on the machine.
  *
- * Where apexes have lately come out with other energies than foretold, the ground is uneven, and the next
- * foothold may take as much again: the law then wants no apex slower than bears that, up to terrain_speed_rad_s, even
- * where less is asked for, and comes back within tens of steps of even ground.
+ * Uneven ground shows in apexes with another energy than predicted. The next foothold may take as
+ * much again. So the law then wants a minimum apex speed, up to terrain_speed_rad_s, even where
+ * less is asked for. On even ground this ends within tens of steps.
  *
- * What the walker does beyond the model (a slope, a wrong mass) is learned as the mean difference of
- * measured and predicted apex and added to predictions. When they disagree too often nevertheless,
- * the law steps back (PREDICTIVE_UNRELIABLE) and eq. (16) alone walks until predictions, still made
- * for the push-offs that happen, come true again.
+ * The mean difference of measured and predicted apex (from a slope, a wrong mass) is learned and
+ * added to the predictions. If they are wrong too often nevertheless (PREDICTIVE_UNRELIABLE), the
+ * search gives no answers and eq. (16) walks alone. Predictions are still made, for the push-offs
+ * that happen, and the search resumes when they are right again.
  */
 #ifndef CONTROLLER_LAWS_PREDICTIVE_SEARCH_H
 #define CONTROLLER_LAWS_PREDICTIVE_SEARCH_H
@@ -54,7 +54,7 @@ enum predictive_stage {
 struct predictive_request {
     struct apex apex;         /* as estimated */
     real target_speed_rad_s;  /* forward apex speed wanted */
-    real terrain_speed_rad_s; /* and on uneven ground at most this, if it is more */
+    real terrain_speed_rad_s; /* minimum wanted on uneven ground, at most this */
     real r0_first_m;          /* the answer to begin with; stands if nothing better is found */
     real r0_low_m, r0_high_m; /* where candidates may lie */
     /* The motor, which stands at r0_from_m, must be at r0 before heel strike. It can start when the range
@@ -80,8 +80,8 @@ struct predictive_search {
     struct apex predicted; /* next apex, without bias; valid if has_prediction */
     bool has_prediction;   /* predicted belongs to the push-off that was given last */
     real bias[3];          /* measured minus predicted apex, filtered */
-    real last_error;       /* of the foretold stance rate, rad/s */
-    real roughness;        /* v^2 l / g that the ground has lately called for; 0 = even */
+    real last_error;       /* of the predicted stance rate, rad/s */
+    real roughness;        /* v^2 l / g wanted because of the ground; 0 = even */
     uint8_t
         misprediction_count;   /* counts up by 3 on a wrong prediction, down by 1 on a right one */
     uint32_t steps, fallbacks; /* answers given, and of these by the caller's first answer */

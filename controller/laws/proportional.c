@@ -11,4 +11,4 @@ real proportional_step(struct step_law *law, const struct control_params *params
     return feed_forward_m - params->kp_m_s_rad * (law->command_rad_s - measured_rad_s);
 }
 
-const struct law law_proportional = {.step = proportional_step};
+const struct law LAW_ROW(proportional) = {.step = proportional_step};

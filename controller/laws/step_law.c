@@ -6,7 +6,7 @@
 static const struct law *row_of(const struct control_params *params)
 {
     const struct law *row = law_of(params->law);
-    return row != NULL ? row : &law_proportional;
+    return row != NULL ? row : &LAW_ROW(proportional);
 }
 
 void step_law_init(struct step_law *law, const struct control_params *params)

@@ -21,14 +21,14 @@ enum { STUCK_TICKS = 100 };
 enum { STANDSTILL_TICKS = 500 };
 #define STANDSTILL_RAD REAL(0.02)
 
-/* The motor off its reference, three ticks late on the bus: a share of the leg. The
+/* The motor off its reference, three ticks late on the bus, in leg lengths. The
  * drives overshoot by up to 0.06 of it while they load. */
 enum { FOLLOW_CONTRADICTIONS = 25, OFF_CONTRADICTIONS = 250, COMMAND_DELAY = 3 };
 #define FOLLOW_RATIO REAL(0.1)
 #define OFF_RATIO REAL(0.01)
 
-/* The spring's force is checked when its motor has stood for so long within a
- * share of the leg: then neither inertia nor damping takes part. Friction does
+/* The spring's force is checked when its motor has moved less than this (in leg lengths) for so
+ * long: then neither inertia nor damping takes part. Friction does
  * (1 to 2 % of the force at full stroke), and a spring has its tolerance. Two samples of
  * the slow PDO in a row must contradict. */
 enum { MOTOR_STILL_TICKS = 20, FORCE_CONTRADICTIONS = 2, FORCE_AGE_MAX_TICKS = 350 };

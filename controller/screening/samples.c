@@ -9,7 +9,7 @@
 #define ANKLE_RATE_RATIO REAL(6.0)
 /* A motor, in limits of its own reference. */
 #define MOTOR_RATE_RATIO REAL(2.0)
-/* Noise of a sample: rad, and share of the leg's length. */
+/* Noise of a sample: rad, and in leg lengths. */
 #define ANGLE_NOISE_RAD REAL(0.02)
 #define LENGTH_NOISE_RATIO REAL(0.005)
 

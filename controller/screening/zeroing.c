@@ -38,11 +38,11 @@ static void collect(struct zeroing *zeroing, const struct leg_measurement *leg)
             zeroing->greatest_rad[side] = angle;
         }
         /* As means: sums of thousands would lose the float's last digits. */
-        const real share = REAL(1.0) / (real)(zeroing->samples + 1);
+        const real weight = REAL(1.0) / (real)(zeroing->samples + 1);
         real *mean = &zeroing->mean.angle_rad[side];
         real *ankle = &zeroing->mean.ankle_m[side];
-        *mean += share * (angle - *mean);
-        *ankle += share * (leg[side].ankle_extension_m - *ankle);
+        *mean += weight * (angle - *mean);
+        *ankle += weight * (leg[side].ankle_extension_m - *ankle);
     }
     zeroing->samples++;
 }

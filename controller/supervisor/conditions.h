@@ -26,7 +26,7 @@ struct conditions_view {
     bool request_spent;              /* the walk that was requested has ended: ask anew */
 };
 
-/* Bits of enum supervisor_condition that hold in this tick, but for IF_LATCHED, which the
+/* Bits of enum supervisor_condition that are true in this tick, but for IF_LATCHED, which the
  * supervisor sets itself. *supervisor: as the last tick left it. fault: the tick's, or
  * SUPERVISOR_FAULT_NONE. Pure, constant cost. */
 uint16_t conditions_find(const struct supervisor *supervisor, const struct conditions_view *view,

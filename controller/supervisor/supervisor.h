@@ -5,14 +5,14 @@
  * that matches decides; stop rules stand before state rules.
  *
  *   INIT -> SELF_TEST -> STANDBY -> ENGAGING -> WALKING -> UNLOADING -> STANDBY
- *   any fault: a powered spring is unloaded first (UNLOADING), then torque goes
- *   off and FAULT is latched until a reset at standstill.
- *   In INIT nodes may be missing for as long as they like; once they are there, what is
- *   wrong then (a drive in fault from power-up on) is a fault after a while.
+ *   Any fault: a powered spring is unloaded first (UNLOADING), then torque goes off and
+ *   FAULT is latched until a reset at standstill.
+ *   In INIT nodes may be missing without a limit of time. Once they are all there, what is
+ *   wrong (a drive in fault since power-up) becomes a fault after unload_timeout_s.
  *
- * Engaging: with engage_steps = 0 (the bench: a hand holds the walker, which has no
- * push-off of its own) the first spring is loaded at once and the first apex counts;
- * otherwise the drives stand at zero spring until so many steady steps have been seen.
+ * Engaging: in test mode (engage_steps = 0: a hand supports a walker without a push-off of its
+ * own) the first spring is loaded at once and the first apex counts. Otherwise the drives stay
+ * at zero spring until so many steady steps have been seen.
  */
 #ifndef CONTROLLER_SUPERVISOR_SUPERVISOR_H
 #define CONTROLLER_SUPERVISOR_SUPERVISOR_H
@@ -67,8 +67,8 @@ enum supervisor_fault {
 
 /* Conditions, one bit each. */
 enum supervisor_condition {
-    SUPERVISOR_IF_FAULT = 1 << 0,     /* some fault condition holds now */
-    SUPERVISOR_IF_NODES = 1 << 1,     /* all nodes operational, or one tells of an error */
+    SUPERVISOR_IF_FAULT = 1 << 0,     /* some fault condition is true now */
+    SUPERVISOR_IF_NODES = 1 << 1,     /* all nodes operational, or one reports an error */
     SUPERVISOR_IF_PLAUSIBLE = 1 << 2, /* no fault, all values fresh, springs slack */
     SUPERVISOR_IF_WALK_REQUESTED = 1 << 3,
     SUPERVISOR_IF_ENABLED = 1 << 4,  /* both drives report enabled */
@@ -84,7 +84,7 @@ enum supervisor_condition {
 };
 
 /* From any state of `from` (bit mask of 1 << state): if all of `require` and
- * none of `forbid` hold, go to `to`. */
+ * none of `forbid` are true, go to `to`. */
 struct supervisor_row {
     uint16_t from;
     uint16_t require;

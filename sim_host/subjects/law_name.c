@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define ENTRY(value, number, row, name) {name, value},
+#define ENTRY(value, number, id, name) {name, value},
 static const struct {
     const char *name;
     enum law_mode law;

@@ -5,7 +5,7 @@
 #include "controller/laws/law_table.h"
 
 /* ", proportional, open-loop" and so on: a literal, for help texts. */
-#define LAW_NAMES_ONE(value, number, row, name) ", " name
+#define LAW_NAMES_ONE(value, number, id, name) ", " name
 #define LAW_NAMES LAW_TABLE(LAW_NAMES_ONE)
 
 /* The law of that name: returns 0 and sets *law, or -1. */

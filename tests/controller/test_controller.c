@@ -110,7 +110,7 @@ START_TEST(the_bench_does_not_load_again_by_itself)
 }
 END_TEST
 
-START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
+START_TEST(a_person_is_engaged_step_by_step_and_let_go)
 {
     struct rig *rig = start(0.45, 4);
     walk(rig, 4);
@@ -123,7 +123,7 @@ START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
               controller_of(rig)->plan.assist_level < REAL(0.5));
     walk(rig, 22);
     assert_close((double)controller_of(rig)->plan.assist_level, 1.0, 0.0, 0.0);
-    double least = 1.0; /* share of the push-off that is still the wearer's */
+    double least = 1.0; /* share of the push-off that is still the person's */
     for (int i = 0; i < 2000; i++) {
         injector_tick(&rig->injector);
         least = rig->loop.own_push.share < least ? rig->loop.own_push.share : least;
@@ -164,7 +164,7 @@ START_TEST(an_unsteady_step_does_not_raise_the_share)
 }
 END_TEST
 
-/* A wearer whose steps turn irregular: two unsteady ones in a row. */
+/* A person whose steps turn irregular: two unsteady ones in a row. */
 START_TEST(irregular_steps_withdraw_the_assistance)
 {
     struct rig *rig = start(0.45, 4);
@@ -299,7 +299,7 @@ int main(void)
     tcase_add_test(tests, bad_parameters_are_refused);
     tcase_add_test(tests, the_bench_walks_and_stops_when_asked);
     tcase_add_test(tests, the_bench_does_not_load_again_by_itself);
-    tcase_add_test(tests, a_wearer_is_engaged_step_by_step_and_let_go);
+    tcase_add_test(tests, a_person_is_engaged_step_by_step_and_let_go);
     tcase_add_test(tests, an_unsteady_step_does_not_raise_the_share);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);

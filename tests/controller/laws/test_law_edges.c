@@ -1,4 +1,4 @@
-/* The law for a wearer against its formula in double (step_law.h), and every law where the apex
+/* The law for a person against its formula in double (step_law.h), and every law where the apex
  * is no number, its walker is none, or nobody can walk as asked. */
 #include <math.h>
 
@@ -24,7 +24,7 @@ static real step(double speed_rad_s, double desired_rad_s)
 }
 
 /* r0 = r0* - kp (m - v), m the mean of the steps before: of all, then over about the last 16. */
-START_TEST(a_wearer_keeps_their_own_speed)
+START_TEST(a_person_keeps_their_own_speed)
 {
     params.law = (real)LAW_PERSON;
     params.start_r0_m = 0.04f;
@@ -47,7 +47,7 @@ START_TEST(a_wearer_keeps_their_own_speed)
 }
 END_TEST
 
-START_TEST(a_wearers_push_off_keeps_to_the_limits)
+START_TEST(a_persons_push_off_keeps_to_the_limits)
 {
     params.law = (real)LAW_PERSON;
     params.start_r0_m = 0.04f;
@@ -66,7 +66,7 @@ START_TEST(a_wearers_push_off_keeps_to_the_limits)
 END_TEST
 
 /* A first apex that was no number is not the mean of anything. */
-START_TEST(a_wearers_mean_begins_with_a_number)
+START_TEST(a_persons_mean_begins_with_a_number)
 {
     params.law = (real)LAW_PERSON;
     step_law_init(&law, &params);
@@ -209,9 +209,9 @@ int main(void)
     Suite *suite = suite_create("law edges");
     TCase *tests = tcase_create("all");
     tcase_add_checked_fixture(tests, setup, NULL);
-    tcase_add_test(tests, a_wearer_keeps_their_own_speed);
-    tcase_add_test(tests, a_wearers_push_off_keeps_to_the_limits);
-    tcase_add_test(tests, a_wearers_mean_begins_with_a_number);
+    tcase_add_test(tests, a_person_keeps_their_own_speed);
+    tcase_add_test(tests, a_persons_push_off_keeps_to_the_limits);
+    tcase_add_test(tests, a_persons_mean_begins_with_a_number);
     tcase_add_loop_test(tests, what_is_no_number_leaves_the_last_answer, 0, 6);
     tcase_add_test(tests, without_a_model_the_predictive_law_is_eq_16);
     tcase_add_test(tests, without_time_to_move_the_motor_stays);
