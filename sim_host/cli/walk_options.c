@@ -99,8 +99,9 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_LAW:
         options->law_given = true;
         if (law_from_name(text, &options->law) != 0 || options->law == LAW_OPEN_LOOP) {
-            argp_error(state, "--law: \"%s\" is not allowed here; the laws are %s (%s takes %s)",
-                       text, law_names_allowed(), law_name_of(LAW_OPEN_LOOP), "--open-loop");
+            char allowed[LAW_NAMES_TEXT_MAX]; /* no law at all has an option of its own */
+            law_names_but(LAW_OPEN_LOOP, allowed);
+            argp_error(state, "--law: \"%s\" is unknown, allowed is %s", text, allowed);
         }
         break;
     case KEY_SUBJECT:

@@ -1,6 +1,7 @@
 #include "sim_host/subjects/law_name.h"
 
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #define ENTRY(value, number, id, name) {name, value},
@@ -32,8 +33,14 @@ const char *law_name_of(enum law_mode law)
     return "unknown";
 }
 
-const char *law_names_allowed(void)
+void law_names_but(enum law_mode left_out, char *text)
 {
-    static const char list[] = LAW_NAMES;
-    return list + 2; /* behind the first comma */
+    size_t length = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < LAWS; i++) {
+        if (names[i].law != left_out) {
+            length += (size_t)snprintf(text + length, LAW_NAMES_TEXT_MAX - length, "%s%s",
+                                       length > 0 ? ", " : "", names[i].name);
+        }
+    }
 }

@@ -14,7 +14,9 @@ int law_from_name(const char *name, enum law_mode *law);
 /* The name of a law; "unknown" for a value that is none. A static string. */
 const char *law_name_of(enum law_mode law);
 
-/* "proportional, open-loop, ...", for messages. A static string. */
-const char *law_names_allowed(void);
+enum { LAW_NAMES_TEXT_MAX = sizeof(LAW_NAMES) };
+
+/* "proportional, dlqr, ...", for messages: all laws but one. text: LAW_NAMES_TEXT_MAX bytes. */
+void law_names_but(enum law_mode left_out, char *text);
 
 #endif
