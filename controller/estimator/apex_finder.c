@@ -24,8 +24,8 @@ static void continue_fit(struct apex_finder *finder, const struct angle_history 
     }
 }
 
-enum apex_sign apex_finder_watch(struct apex_finder *finder, const struct angle_history *history,
-                                 uint32_t samples, enum side side, real ahead_rad, uint32_t tick)
+static enum apex_sign watch_leg(struct apex_finder *finder, const struct angle_history *history,
+                                uint32_t samples, enum side side, real ahead_rad, uint32_t tick)
 {
     const real angle = angle_history_at(history, side, tick);
     if (angle > ahead_rad) {
@@ -49,6 +49,15 @@ enum apex_sign apex_finder_watch(struct apex_finder *finder, const struct angle_
     }
     finder->apex_pending[side] = false;
     return APEX_COLLECTED;
+}
+
+void apex_finder_watch(struct apex_finder *finder, const struct angle_history *history,
+                       uint32_t samples, real ahead_rad, uint32_t tick,
+                       enum apex_sign sign[SIDE_COUNT])
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        sign[side] = watch_leg(finder, history, samples, (enum side)side, ahead_rad, tick);
+    }
 }
 
 /* Stages of an apex's work, one a tick; between the fits and the report lie the steps

@@ -59,11 +59,12 @@ enum apex_sign {
     APEX_COLLECTED = 2 /* the window around the last crossing is full */
 };
 
-/* One tick of one leg; it must have been more than ahead_rad ahead for its fall through 0 to
- * count. samples: how many ticks the history holds; with less than a window of them before, a
- * crossing makes no apex. Constant cost. */
-enum apex_sign apex_finder_watch(struct apex_finder *finder, const struct angle_history *history,
-                                 uint32_t samples, enum side side, real ahead_rad, uint32_t tick);
+/* One tick, of both legs: sign[side]. A leg must have been more than ahead_rad ahead for its fall
+ * through 0 to count. samples: how many ticks the history holds; with less than a window of them
+ * before, a crossing makes no apex. Constant cost. */
+void apex_finder_watch(struct apex_finder *finder, const struct angle_history *history,
+                       uint32_t samples, real ahead_rad, uint32_t tick,
+                       enum apex_sign sign[SIDE_COUNT]);
 
 /* Begins the work on that crossing: the fit, and the model's way back. */
 void apex_finder_begin(struct apex_finder *finder, const struct model_observer *model,

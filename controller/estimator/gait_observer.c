@@ -12,22 +12,25 @@ void gait_observer_init(struct gait_observer *observer, const struct control_par
     }
 }
 
-/* One leg's fall through the vertical: a step's apex, when the body says so. */
-static void watch_apex(struct gait_observer *observer, const struct control_params *params,
-                       const struct body *body, enum side side, uint32_t tick)
+/* A leg's fall through the vertical is a step's apex, when the body says so. */
+static void watch_apexes(struct gait_observer *observer, const struct control_params *params,
+                         const struct body *body, uint32_t tick)
 {
     const real hysteresis_rad = params->angle_hysteresis_rad, least_rad = body->ahead_least_rad;
-    const real ahead_rad = hysteresis_rad < least_rad ? least_rad : hysteresis_rad;
-    const enum apex_sign sign = apex_finder_watch(&observer->apex, &observer->history,
-                                                  observer->samples, side, ahead_rad, tick);
-    if (sign == APEX_CROSSED) {
-        if (body->pass_apex != NULL) {
-            body->pass_apex(&observer->body, &observer->state, side, tick);
+    enum apex_sign sign[SIDE_COUNT];
+    apex_finder_watch(&observer->apex, &observer->history, observer->samples,
+                      hysteresis_rad < least_rad ? least_rad : hysteresis_rad, tick, sign);
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        const enum side side = (enum side)i;
+        if (sign[i] == APEX_CROSSED) {
+            if (body->pass_apex != NULL) {
+                body->pass_apex(&observer->body, &observer->state, side, tick);
+            }
+            observer->state.stance_past_apex = true;
+        } else if (sign[i] == APEX_COLLECTED &&
+                   (body->is_step == NULL || body->is_step(&observer->body, side))) {
+            apex_finder_begin(&observer->apex, &observer->model, side, tick);
         }
-        observer->state.stance_past_apex = true;
-    } else if (sign == APEX_COLLECTED &&
-               (body->is_step == NULL || body->is_step(&observer->body, side))) {
-        apex_finder_begin(&observer->apex, &observer->model, side, tick);
     }
 }
 
@@ -68,10 +71,7 @@ void gait_observer_update(struct gait_observer *observer, const struct control_p
         walking_speed_apex(&observer->speed, observer->apex.work.centre_tick,
                            -gait->apex.stance_rate_rad_s);
     }
-    watch_apex(observer, params, body, SIDE_LEFT, tick);
-    watch_apex(observer, params, body, SIDE_RIGHT, tick);
+    watch_apexes(observer, params, body, tick);
     gait->strike_near = body->strike_near(&observer->body, gait);
-    for (int side = 0; side < SIDE_COUNT; side++) {
-        gait->stride_share[side] = stride_clock_share(&observer->clock, (enum side)side, tick);
-    }
+    stride_clock_shares(&observer->clock, tick, gait->stride_share);
 }

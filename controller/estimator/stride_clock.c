@@ -20,7 +20,7 @@ void stride_clock_strike(struct stride_clock *clock, const struct gait_event *st
     clock->leg[side].strike_before_s = strike->before_tick_s;
 }
 
-real stride_clock_share(const struct stride_clock *clock, enum side side, uint32_t tick)
+static real share_of(const struct stride_clock *clock, enum side side, uint32_t tick)
 {
     if (!clock->leg[side].started || !(clock->stride_s > REAL(0.0))) {
         return REAL(-1.0);
@@ -29,4 +29,10 @@ real stride_clock_share(const struct stride_clock *clock, enum side side, uint32
         seconds_since(tick, clock->leg[side].strike_tick) + clock->leg[side].strike_before_s;
     return since_s > STRIDE_LONGEST_S ? REAL(-1.0)
                                       : real_clamp(since_s / clock->stride_s, REAL(0.0), REAL(1.0));
+}
+
+void stride_clock_shares(const struct stride_clock *clock, uint32_t tick, real share[SIDE_COUNT])
+{
+    share[SIDE_LEFT] = share_of(clock, SIDE_LEFT, tick);
+    share[SIDE_RIGHT] = share_of(clock, SIDE_RIGHT, tick);
 }

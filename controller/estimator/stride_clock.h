@@ -9,7 +9,7 @@
 #include "controller/signals.h"
 
 #define stride_clock_strike REAL_SYMBOL(stride_clock_strike)
-#define stride_clock_share REAL_SYMBOL(stride_clock_share)
+#define stride_clock_shares REAL_SYMBOL(stride_clock_shares)
 
 struct stride_clock { /* all zeros to begin with */
     struct {
@@ -23,7 +23,8 @@ struct stride_clock { /* all zeros to begin with */
 /* A heel strike: a stride of that leg has ended, the next begins. Constant cost. */
 void stride_clock_strike(struct stride_clock *clock, const struct gait_event *strike);
 
-/* Share of the stride gone by since the leg's heel strike, 0..1; -1 = not known. Pure. */
-real stride_clock_share(const struct stride_clock *clock, enum side side, uint32_t tick);
+/* Per leg the part of its stride gone by since its heel strike, 0..1; -1 = not known. Constant
+ * cost: two divisions. */
+void stride_clock_shares(const struct stride_clock *clock, uint32_t tick, real share[SIDE_COUNT]);
 
 #endif

@@ -2,24 +2,17 @@
 
 #include <stddef.h>
 
-#define LAW_ENTRY(value, number, id, name) {(real)(number), &LAW_ROW(id)},
-static const struct {
-    real number;
-    const struct law *row;
-} entries[] = {LAW_TABLE(LAW_ENTRY)};
+#define LAW_ENTRY(value, number, id, name) [value] = &LAW_ROW(id),
+static const struct law *const rows[] = {LAW_TABLE(LAW_ENTRY)}; /* NULL between the numbers */
 #undef LAW_ENTRY
-
-#define LAW_IN_RANGE(value, number, id, name) \
-    _Static_assert((number) <= (int)LAW_LARGEST, "LAW_LARGEST is the largest number");
-LAW_TABLE(LAW_IN_RANGE)
-#undef LAW_IN_RANGE
+_Static_assert(sizeof rows / sizeof rows[0] == (int)LAW_LARGEST + 1,
+               "LAW_LARGEST is the largest number");
 
 const struct law *law_of(real number)
 {
-    for (unsigned i = 0; i < sizeof entries / sizeof entries[0]; i++) {
-        if (number == entries[i].number) {
-            return entries[i].row;
-        }
+    if (!(number >= REAL(0.0) && number <= (real)LAW_LARGEST)) {
+        return NULL;
     }
-    return NULL;
+    const unsigned i = (unsigned)number;
+    return number == (real)i ? rows[i] : NULL;
 }

@@ -56,7 +56,8 @@ struct law {
     bool keeps_within_reach; /* of the motor: r0_change_max_m may be as large as r0_max_m */
 };
 
-/* The row of a parameter's value; NULL for a number that is no law's. Pure, one pass. */
+/* The row of a parameter's value; NULL for a number that is no law's. Pure, constant
+ * cost. */
 const struct law *law_of(real number);
 
 /* The row of a law: each law's file defines its own, `const struct law LAW_ROW(dlqr)`. */

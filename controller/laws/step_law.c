@@ -50,8 +50,11 @@ real step_law_update(struct step_law *law, const struct control_params *params,
 
 bool step_law_work(struct step_law *law, const struct control_params *params)
 {
+    if (law->is_final) {
+        return false;
+    }
     const struct law *row = row_of(params);
-    return !law->is_final && row->work != NULL && row->work(law, params);
+    return row->work != NULL && row->work(law, params);
 }
 
 void step_law_finish(struct step_law *law, const struct control_params *params)

@@ -10,7 +10,7 @@ enum { UNLOAD_LEAST_TICKS = 200 };
  * come back may still be unloading by itself. */
 enum { SELF_TEST_TIMES = 5 };
 
-static bool is_stepping(const struct conditions_view *view)
+static bool is_stepping(const struct conditions_view *view, bool standstill)
 {
     const struct step_monitor *steps = view->step_monitor;
     uint32_t longest = ticks_from_seconds(view->params->step_timeout_s);
@@ -19,8 +19,7 @@ static bool is_stepping(const struct conditions_view *view)
         longest = late;
     }
     /* Who stands still does not step, however short ago the last step was. */
-    return steps->seen && view->input->tick - steps->known_tick <= longest &&
-           !checks_standstill(view->checks);
+    return steps->seen && view->input->tick - steps->known_tick <= longest && !standstill;
 }
 
 static bool is_steady(const struct conditions_view *view)
@@ -74,7 +73,8 @@ uint16_t conditions_find(const struct supervisor *supervisor, const struct condi
 {
     const struct controller_input *input = view->input;
     const bool slack = checks_springs_slack(view->params, input);
-    const bool stepping = is_stepping(view);
+    const bool standstill = checks_standstill(view->checks);
+    const bool stepping = is_stepping(view, standstill);
     unsigned bits = 0;
     bits |= fault != SUPERVISOR_FAULT_NONE ? SUPERVISOR_IF_FAULT : 0u;
     /* A node that reports an error need not be waited for. */
@@ -90,6 +90,6 @@ uint16_t conditions_find(const struct supervisor *supervisor, const struct condi
     bits |= slack && references_back(supervisor, view) ? SUPERVISOR_IF_UNLOADED : 0u;
     bits |= is_overdue(supervisor, view) ? SUPERVISOR_IF_TIMEOUT : 0u;
     bits |= input->reset_requested ? SUPERVISOR_IF_RESET : 0u;
-    bits |= checks_standstill(view->checks) ? SUPERVISOR_IF_STANDSTILL : 0u;
+    bits |= standstill ? SUPERVISOR_IF_STANDSTILL : 0u;
     return (uint16_t)bits;
 }
