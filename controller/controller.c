@@ -45,13 +45,13 @@ static void subtract_offsets(const struct control_params *params, struct control
     values->leg[SIDE_RIGHT].ankle_extension_m -= params->ankle_zero_right_m;
 }
 
-/* *raw: the input in the legs' own zeros. */
+/* *values: the input in the legs' own zeros. */
 static void sense(struct controller *controller, const struct controller_input *input,
-                  struct controller_input *raw, struct controller_output *output)
+                  struct controller_input *values, struct controller_output *output)
 {
     find_offsets(controller, input, output);
-    *raw = *input;
-    subtract_offsets(controller->params, raw);
+    *values = *input;
+    subtract_offsets(controller->params, values);
 }
 
 /* ---- screen ----------------------------------------------------------------------- */
@@ -66,16 +66,12 @@ static bool legs_disagree(const struct controller *controller)
            body_of(controller->params->body)->legs_take_turns;
 }
 
-/* *values: those of *raw, with what replaces impossible ones. Returns the first thing that is
- * wrong. */
-static enum supervisor_fault screen(struct controller *controller,
-                                    const struct controller_input *raw,
-                                    struct controller_input *values)
+/* Replaces what is lost or impossible in *values. Returns the first thing that is wrong. */
+static enum supervisor_fault screen(struct controller *controller, struct controller_input *values)
 {
-    *values = *raw;
     samples_screen(&controller->samples, controller->params, values);
-    const struct checks_view view = {raw, values, &controller->samples,
-                                     controller->supervisor.state, controller->guard.last};
+    const struct checks_view view = {values, &controller->samples, controller->supervisor.state,
+                                     controller->guard.last};
     checks_update(&controller->checks, controller->params, &view);
     enum supervisor_fault fault = checks_find(&controller->checks, controller->params, &view);
     if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
@@ -184,11 +180,11 @@ static void guard(struct controller *controller, struct sea_request request[SIDE
 void controller_update(struct controller *controller, const struct controller_input *input,
                        struct controller_output *output)
 {
-    struct controller_input raw, values;
+    struct controller_input values;
     *output = (struct controller_output){0};
 
-    sense(controller, input, &raw, output);
-    const enum supervisor_fault fault = screen(controller, &raw, &values);
+    sense(controller, input, &values, output);
+    const enum supervisor_fault fault = screen(controller, &values);
     supervise(controller, &values, fault);
     estimate(controller, &values);
     const struct step_decision decision = decide(controller, &values);

@@ -61,17 +61,17 @@ static void watch_stillness(struct checks *checks, const struct checks_view *vie
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct leg_checks *leg = &checks->leg[side];
         const struct leg_samples *accepted = &view->samples->leg[side];
-        const struct leg_measurement *other = &view->raw->leg[1 - side];
-        const real angle = view->raw->leg[side].leg_angle_rad;
+        const uint16_t other_age_ticks = view->input->leg[1 - side].age_ticks;
+        const real angle = accepted->received_rad;
         if (!(real_abs(accepted->angle_rad - leg->standstill_ref_rad) <= STANDSTILL_RAD)) {
             leg->standstill_ref_rad = accepted->angle_rad;
             still = false;
         }
         if (angle != accepted->angle_rad || accepted->rate_rad != REAL(0.0)) {
             leg->still_ticks = 0;
-        } else if (other->age_ticks == 0) {
+        } else if (other_age_ticks == 0) {
             if (leg->still_ticks == 0) {
-                leg->other_angle_rad = other->leg_angle_rad;
+                leg->other_angle_rad = view->samples->leg[1 - side].received_rad;
             }
             leg->still_ticks = count_up(leg->still_ticks);
         }
@@ -200,21 +200,19 @@ static bool is_in_range(const struct control_params *params, const struct contro
 static enum supervisor_fault sample_fault(const struct control_params *params,
                                           const struct checks_view *view, int side)
 {
-    const struct controller_input *raw = view->raw;
+    const struct controller_input *input = view->input;
     const struct leg_samples *leg = &view->samples->leg[side];
     const enum supervisor_state state = view->state;
     const uint32_t age_max = ticks_from_seconds(params->sensor_age_max_s);
-    const struct sea_measurement *sea = &raw->sea[side];
-    if (raw->leg[side].age_ticks > age_max) {
+    const struct sea_measurement *sea = &input->sea[side];
+    if (input->leg[side].age_ticks > age_max) {
         return SUPERVISOR_FAULT_SENSOR_STALE;
     }
     if (sea->age_ticks > age_max ||
         (sea->force_age_ticks != AGE_NEVER && sea->force_age_ticks > FORCE_AGE_MAX_TICKS)) {
         return SUPERVISOR_FAULT_DRIVE_STALE;
     }
-    if (!real_is_finite(raw->leg[side].leg_angle_rad) ||
-        !real_is_finite(raw->leg[side].ankle_extension_m) ||
-        !real_is_finite(sea->precompression_m) || !real_is_finite(sea->force_N)) {
+    if (!leg->received_finite || !real_is_finite(sea->force_N)) {
         return SUPERVISOR_FAULT_NOT_FINITE;
     }
     /* Where nothing can be released a jump is no danger: somebody puts it on, or lifts

@@ -49,7 +49,6 @@ struct checks {
 
 /* What the rules look at in one tick. */
 struct checks_view {
-    const struct controller_input *raw;   /* as received, in the legs' own zeros */
     const struct controller_input *input; /* after samples_screen */
     const struct samples *samples;        /* after samples_screen */
     enum supervisor_state state;

@@ -82,6 +82,10 @@ void samples_screen(struct samples *samples, const struct control_params *params
         struct leg_samples *leg = &samples->leg[side];
         struct leg_measurement *sample = &input->leg[side];
         struct sea_measurement *sea = &input->sea[side];
+        leg->received_rad = sample->leg_angle_rad;
+        leg->received_finite = real_is_finite(sample->leg_angle_rad) &&
+                               real_is_finite(sample->ankle_extension_m) &&
+                               real_is_finite(sea->precompression_m);
         screen_angle(leg, sample, LEG_RATE_RATIO * unit);
         screen_length(&leg->extension_m, &leg->extension_rejected_ticks, &sample->ankle_extension_m,
                       sample->age_ticks == 0, ANKLE_RATE_RATIO * unit * length, noise);

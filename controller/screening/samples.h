@@ -14,7 +14,7 @@
 #define samples_init REAL_SYMBOL(samples_init)
 #define samples_screen REAL_SYMBOL(samples_screen)
 
-/* The last accepted samples of one leg. */
+/* The last accepted samples of one leg, and what was received in this tick. */
 struct leg_samples {
     real angle_rad;
     real rate_rad; /* the angle's change per tick */
@@ -23,6 +23,8 @@ struct leg_samples {
     uint16_t angle_rejected_ticks; /* ticks in a row without an accepted sample */
     uint16_t extension_rejected_ticks;
     uint16_t motor_rejected_ticks;
+    bool received_finite; /* angle, extension and motor position as received are numbers */
+    real received_rad;    /* the angle as received */
 };
 
 struct samples {

@@ -120,6 +120,28 @@ START_TEST(without_a_model_the_predictive_law_is_eq_16)
 }
 END_TEST
 
+/* A failing memory may change the law's number before the checksum comes round: a law without long
+ * work leaves the search alone, the answer can be made final, and no law at all means eq. (16). */
+START_TEST(a_number_that_changes_in_mid_search_ends_well)
+{
+    params.law = (real)LAW_PREDICTIVE;
+    params.r0_change_max_m = 0.5f;
+    step_law_init(&law, &params);
+    const real first = step(0.44, 0.45);
+    ck_assert(!law.is_final);
+    params.law = _i == 0 ? (real)LAW_PERSON : 6.5f;
+    ck_assert(!step_law_work(&law, &params));
+    step_law_finish(&law, &params);
+    ck_assert(law.is_final && law.r0_m == first);
+    if (_i != 0) {
+        const real got = step(0.44, 0.45);
+        const real want = speed_table_inverse(&params.table, law.command_rad_s) -
+                          params.kp_m_s_rad * (law.command_rad_s - 0.44f);
+        assert_close(got, want, 1e-7, 0);
+    }
+}
+END_TEST
+
 /* ---- the predictive law alone ------------------------------------------------------------- */
 
 static struct predictive_search search;
@@ -214,6 +236,7 @@ int main(void)
     tcase_add_test(tests, a_persons_mean_begins_with_a_number);
     tcase_add_loop_test(tests, what_is_no_number_leaves_the_last_answer, 0, 6);
     tcase_add_test(tests, without_a_model_the_predictive_law_is_eq_16);
+    tcase_add_loop_test(tests, a_number_that_changes_in_mid_search_ends_well, 0, 2);
     tcase_add_test(tests, without_time_to_move_the_motor_stays);
     tcase_add_test(tests, a_final_answer_stays);
     tcase_add_test(tests, distrust_wears_off_where_nothing_was_foretold);

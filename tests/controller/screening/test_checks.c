@@ -43,8 +43,7 @@ static void start(struct rig *rig, enum supervisor_state state)
 static enum supervisor_fault tick(struct rig *rig)
 {
     struct controller_input screened = rig->input;
-    const struct checks_view view = {&rig->input, &screened, &rig->samples, rig->state,
-                                     rig->command};
+    const struct checks_view view = {&screened, &rig->samples, rig->state, rig->command};
     samples_screen(&rig->samples, &rig->params, &screened);
     checks_update(&rig->checks, &rig->params, &view);
     return checks_find(&rig->checks, &rig->params, &view);
