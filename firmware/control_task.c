@@ -202,7 +202,7 @@ static unsigned run_tick(struct control_task *task)
     leg_sensors_age(&task->sensors);
     const struct supervisor *supervisor = &task->controller.supervisor;
     return CONTROL_TASK_TICKED | (sent ? (unsigned)CONTROL_TASK_COMMANDED : 0u) |
-           (supervisor->judged_tick == task->tick ? (unsigned)CONTROL_TASK_SUPERVISED : 0u) |
+           (supervisor->updated_tick == task->tick ? (unsigned)CONTROL_TASK_SUPERVISED : 0u) |
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
 }
 

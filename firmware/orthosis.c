@@ -26,8 +26,7 @@ static void read_settings(struct orthosis *orthosis, struct settings *settings,
 
 static void latch(struct orthosis *orthosis, enum supervisor_fault fault)
 {
-    orthosis->task.controller.supervisor.latched = fault;
-    orthosis->task.controller.supervisor.state = SUPERVISOR_FAULT;
+    supervisor_force_fault(&orthosis->task.controller.supervisor, fault);
 }
 
 /* ---- what is asked over the bus --------------------------------------------- */

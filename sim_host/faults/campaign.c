@@ -164,7 +164,8 @@ static int walk_scene(struct campaign *campaign, unsigned index)
         return -1;
     }
     injector_begin(&injector, loop, NULL, 0);
-    while (loop->tick < SETTLE_TICKS_MAX && loop->rig.task.controller.law.steps < spec->steps) {
+    while (loop->tick < SETTLE_TICKS_MAX &&
+           loop->rig.task.controller.plan.law.steps < spec->steps) {
         injector_tick(&injector);
     }
     if (loop->rig.task.output.state != SUPERVISOR_WALKING ||
