@@ -156,11 +156,13 @@ unsigned orthosis_poll(struct orthosis *orthosis)
         latch(orthosis, orthosis->forced_fault);
     }
     progress = control_task_poll(task);
-    /* Until the first own SYNC came back no command was ever sent, nothing can
-     * move, and a bus that is not there yet is no reason to restart. */
+    /* Until the first own SYNC came back no command was ever sent, nothing can move, and a
+     * bus that is not there yet is no reason to restart. Nor can a drive be reached then,
+     * whatever it does: it gets no power. (The tick wraps, the time does not.) */
+    const bool has_bus = task->now_ns != 0u;
     const bool fed =
-        watchdog_gate_report(&orthosis->gate, task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
-    if (fed && orthosis->drive_power != NULL && !control_task_power_must_go(task)) {
+        watchdog_gate_report(&orthosis->gate, has_bus ? progress : (uint32_t)WATCHDOG_ALL);
+    if (fed && has_bus && orthosis->drive_power != NULL && !control_task_power_must_go(task)) {
         drive_power_enable_toggle(orthosis->drive_power);
     }
     return progress;

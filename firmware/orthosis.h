@@ -57,8 +57,9 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
  * Loop only. */
 void orthosis_start_cycle(struct orthosis *orthosis);
 
-/* Runs what is due, records, feeds the watchdog when all made progress. Returns
- * what control_task_poll returns. Loop only. */
+/* Runs what is due, records, feeds the watchdog when all made progress, and with it lets the
+ * drives have power. Until the first own SYNC came back it feeds at every call, and they have
+ * none. Returns what control_task_poll returns. Loop only. */
 unsigned orthosis_poll(struct orthosis *orthosis);
 
 #endif

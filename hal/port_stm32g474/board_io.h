@@ -52,7 +52,7 @@ extern const struct watchdog iwdg_watchdog;
 /* Switches the pins and FDCAN1's clock on. Start-up only. */
 void board_io_init(void);
 
-/* PC1, push-pull: toggles with every feed of the watchdog while the drives may have power. */
+/* PC1, push-pull: toggles once a tick that feeds the watchdog, while the drives may have power. */
 extern const struct drive_power_enable pc1_drive_power_enable;
 
 /* PC0, pulled down: high only while the closed contact feeds it. */

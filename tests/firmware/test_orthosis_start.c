@@ -229,12 +229,53 @@ START_TEST(without_a_tick_it_is_not_fed)
         (void)orthosis_poll(&orthosis);
     }
     ck_assert_uint_eq(feeds, 15);
-    ck_assert_uint_eq(toggles, feeds); /* the drives' power is permitted by the same sign */
     config.drive_power = NULL;
     orthosis_init(&orthosis, &config);
     run(3);
-    ck_assert_uint_eq(toggles, 15);
     ck_assert_uint_eq(feeds, 18);
+}
+END_TEST
+
+/* On a bus that is dead no drive can be told to stop: the relay must fall, also after a restart. */
+START_TEST(without_a_bus_the_drives_get_no_power)
+{
+    keep(0.6f, 0);
+    for (int restart = 0; restart < 2; restart++) {
+        toggles = feeds = 0;
+        config.restarted = restart != 0;
+        orthosis_init(&orthosis, &config);
+        for (int i = 0; i < 3000; i++) {
+            orthosis_start_cycle(&orthosis);
+            (void)orthosis_poll(&orthosis);
+        }
+        ck_assert_uint_eq(feeds, 3000);
+        ck_assert_uint_eq(toggles, 0);
+        for (unsigned ticks = 1; ticks <= 10; ticks++) { /* once a tick, however often it polls */
+            run(1);
+            for (int i = 0; i < 7; i++) {
+                (void)orthosis_poll(&orthosis);
+            }
+            ck_assert_uint_eq(toggles, ticks);
+        }
+    }
+}
+END_TEST
+
+/* The number of the tick wraps after 49 days: that is no start. */
+START_TEST(the_wrap_of_the_tick_is_no_start)
+{
+    keep(0.6f, 0);
+    orthosis_init(&orthosis, &config);
+    run(1);
+    orthosis.task.tick = UINT32_MAX;
+    feeds = toggles = 0;
+    run(1);
+    ck_assert_uint_eq(orthosis.task.tick, 0);
+    for (int i = 0; i < 9; i++) {
+        (void)orthosis_poll(&orthosis);
+    }
+    ck_assert_uint_eq(feeds, 1);
+    ck_assert_uint_eq(toggles, 1);
 }
 END_TEST
 
@@ -276,6 +317,8 @@ int main(void)
     tcase_add_test(tests, after_a_crash_it_waits_for_a_reset);
     tcase_add_test(tests, the_record_of_a_crash_is_kept);
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
+    tcase_add_test(tests, without_a_bus_the_drives_get_no_power);
+    tcase_add_test(tests, the_wrap_of_the_tick_is_no_start);
     tcase_add_test(tests, a_bus_that_is_off_is_asked_back_now_and_then);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
