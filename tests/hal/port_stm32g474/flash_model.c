@@ -32,6 +32,14 @@ static bool power_fails(struct flash_model *model)
     return model->power_off;
 }
 
+/* Errata sheet ES0430 of the STM32G471 to G484, "Data cache might be corrupted during flash
+ * memory read-while-write operation": its workaround is to have the cache off meanwhile. */
+static void begin(struct flash_model *model)
+{
+    ck_assert_msg((model->acr & ACR_DCEN) == 0, "an operation began with the data cache on");
+    model->busy = model->busy_time;
+}
+
 static void erase(struct flash_model *model)
 {
     uint32_t page = (model->cr >> 3) & 0x7F;
@@ -51,7 +59,7 @@ static void erase(struct flash_model *model)
         model->word[page][i] = UINT64_MAX;
         model->state[page][i] = WORD_ERASED;
     }
-    model->busy = model->busy_time;
+    begin(model);
 }
 
 static void write_cr(struct flash_model *model, uint32_t value)
@@ -86,6 +94,8 @@ static void write_key(struct flash_model *model, uint32_t value)
 
 static void write_acr(struct flash_model *model, uint32_t value)
 {
+    ck_assert_msg((value & ACR_DCEN) == 0 || model->busy == 0 || (model->acr & ACR_DCEN) != 0,
+                  "the data cache was switched on during an operation");
     if ((value & ACR_DCRST) != 0) {
         ck_assert_msg((model->acr & ACR_DCEN) == 0 && (value & ACR_DCEN) == 0,
                       "the data cache was reset while on");
@@ -187,7 +197,7 @@ static void program(struct flash_model *model, uint32_t page, uint32_t index, ui
         model->word[page][index] = value;
         model->state[page][index] = WORD_WRITTEN;
     }
-    model->busy = model->busy_time;
+    begin(model);
 }
 
 static void memory_write(void *context, uint32_t offset, uint32_t value)

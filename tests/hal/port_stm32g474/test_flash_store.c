@@ -133,6 +133,19 @@ START_TEST(a_flash_that_stays_busy_is_given_up)
 }
 END_TEST
 
+/* What goes on may still read flash meanwhile: the data cache stays off until it is over. */
+START_TEST(an_operation_that_does_not_end_leaves_the_data_cache_off)
+{
+    model.busy_time = UINT32_MAX;
+    ck_assert_int_eq(write_word(0, 0, 1), NV_FAILED);
+    ck_assert_uint_eq(model.acr & (1u << 10), 0);
+    model.busy = 0;
+    model.busy_time = 20;
+    ck_assert_int_eq(write_word(0, 1, 1), NV_OK);
+    ck_assert_uint_eq(model.acr, 0x00040601u);
+}
+END_TEST
+
 START_TEST(a_locked_interface_fails)
 {
     model.keys = -1;
@@ -249,6 +262,7 @@ int main(void)
     tcase_add_test(tcase, an_old_error_does_not_block_an_erase);
     tcase_add_test(tcase, with_one_bank_nothing_is_touched);
     tcase_add_test(tcase, a_flash_that_stays_busy_is_given_up);
+    tcase_add_test(tcase, an_operation_that_does_not_end_leaves_the_data_cache_off);
     tcase_add_test(tcase, a_locked_interface_fails);
     tcase_add_test(tcase, a_torn_word_reads_as_corrupt_and_the_nmi_is_survived);
     tcase_add_test(tcase, the_driver_notices_even_when_no_nmi_comes);
