@@ -18,7 +18,8 @@ enum {
 enum clock_tree_result {
     CLOCK_TREE_OK = 0,          /* 170 MHz from the crystal, clock security on */
     CLOCK_TREE_NO_CRYSTAL = -1, /* runs on the 16 MHz RC oscillator (1 % off: no CAN) */
-    CLOCK_TREE_NO_PLL = -2      /* likewise; the crystal runs, the PLL does not lock */
+    CLOCK_TREE_NO_PLL = -2,     /* likewise; the crystal runs, the PLL does not lock */
+    CLOCK_TREE_NO_BOOST = -3    /* likewise; the regulator does not go into its boost mode */
 };
 
 /* Sets the clocks up after reset. On any failure the core stays on the RC
