@@ -11,10 +11,22 @@ static_assert((int)CONTROL_TASK_COMMANDED == (int)WATCHDOG_CONTROL &&
                   (int)CONTROL_TASK_SUPERVISED == (int)WATCHDOG_SUPERVISOR,
               "the task's signs of progress are the gate's");
 
-static void read_settings(struct orthosis *orthosis, struct settings *settings,
-                          const struct nv_store *nv)
+/* Crash after crash, and the bus never worked between: what is read may be the reason. */
+static bool must_not_read(const struct orthosis_config *config)
 {
-    orthosis->store_result = settings_load(settings, &orthosis->store, nv);
+    return config->streak != NULL &&
+           crash_streak_length(config->streak) >= (uint32_t)CRASH_STREAK_LIMIT;
+}
+
+static void read_settings(struct orthosis *orthosis, struct settings *settings,
+                          const struct orthosis_config *config)
+{
+    if (must_not_read(config)) {
+        param_store_attach(&orthosis->store, config->nv);
+        orthosis->store_result = PARAM_STORE_NOT_READ;
+    } else {
+        orthosis->store_result = settings_load(settings, &orthosis->store, config->nv);
+    }
     if (orthosis->store_result == PARAM_STORE_OK) {
         orthosis->settings_result = settings_check(settings);
     }
@@ -118,11 +130,16 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     struct settings settings;
 
     memset(orthosis, 0, sizeof *orthosis);
-    read_settings(orthosis, &settings, config->nv);
+    read_settings(orthosis, &settings, config);
     init_black_box(config, &settings);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
     orthosis->drive_power = config->drive_power;
+    orthosis->streak = config->streak;
+    if (config->streak != NULL) {
+        telemetry_report_crashes(&orthosis->task.node.objects, &orthosis->task.node.device,
+                                 crash_streak_length(config->streak));
+    }
     if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
         latch(orthosis, orthosis->forced_fault);
     } else if (config->restarted) {
@@ -160,6 +177,9 @@ unsigned orthosis_poll(struct orthosis *orthosis)
      * bus that is not there yet is no reason to restart. Nor can a drive be reached then,
      * whatever it does: it gets no power. (The tick wraps, the time does not.) */
     const bool has_bus = task->now_ns != 0u;
+    if (has_bus && orthosis->streak != NULL) {
+        crash_streak_end(orthosis->streak);
+    }
     const bool fed =
         watchdog_gate_report(&orthosis->gate, has_bus ? progress : (uint32_t)WATCHDOG_ALL);
     if (fed && has_bus && orthosis->drive_power != NULL && !control_task_power_must_go(task)) {

@@ -65,14 +65,19 @@ static bool is_newer(uint32_t a, uint32_t b)
     return a != b && (a - b) < 0x80000000U;
 }
 
+void param_store_attach(struct param_store *store, const struct nv_store *nv)
+{
+    memset(store, 0, sizeof *store);
+    store->nv = *nv;
+}
+
 enum param_store_result param_store_open(struct param_store *store, const struct nv_store *nv,
                                          uint16_t version, uint16_t payload_bytes)
 {
     bool found = false;
     struct bank_header best = {0};
 
-    memset(store, 0, sizeof *store);
-    store->nv = *nv;
+    param_store_attach(store, nv);
     store->version = version;
     store->payload_bytes = payload_bytes;
     if (words_of(payload_bytes) + PAYLOAD_WORD > nv->ops->bank_words(nv->context)) {

@@ -25,7 +25,8 @@ enum param_store_result {
     PARAM_STORE_VERSION = -2,   /* load: the newest copy has another format version or size */
     PARAM_STORE_MOVING = -3,    /* save: refused, not at standstill */
     PARAM_STORE_TOO_LARGE = -4, /* save or load: payload does not fit a bank */
-    PARAM_STORE_FAILED = -5     /* save: memory refused, or the copy does not read back */
+    PARAM_STORE_FAILED = -5,    /* save: memory refused, or the copy does not read back */
+    PARAM_STORE_NOT_READ = -6   /* load: the store is not opened, param_store_attach only */
 };
 
 struct param_store {
@@ -45,6 +46,9 @@ struct param_store {
  * PARAM_STORE_TOO_LARGE. */
 enum param_store_result param_store_open(struct param_store *store, const struct nv_store *nv,
                                          uint16_t version, uint16_t payload_bytes);
+
+/* Prepares a store without looking at the memory: it can only be forgotten. O(1). */
+void param_store_attach(struct param_store *store, const struct nv_store *nv);
 
 /* Copies `length` bytes of the newest valid payload from `offset` on to `out`.
  * Loop only; reads the words asked for. Returns PARAM_STORE_OK, PARAM_STORE_EMPTY

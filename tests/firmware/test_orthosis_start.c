@@ -13,7 +13,9 @@ static struct fake_bus fake;
 static struct black_box box;
 static struct orthosis orthosis;
 static struct orthosis_config config;
+static struct crash_streak streak;
 static unsigned feeds, toggles;
+static unsigned reads; /* of the memory */
 
 /* ---- The board ---------------------------------------------------------------------------- */
 
@@ -31,6 +33,7 @@ static uint8_t *word(uint32_t bank, uint32_t index)
 static enum nv_result read_word(void *context, uint32_t bank, uint32_t index, uint8_t *out)
 {
     (void)context;
+    reads++;
     memcpy(out, word(bank, index), NV_WORD_BYTES);
     return NV_OK;
 }
@@ -86,12 +89,14 @@ static void setup(void)
     fake_bus_init(&fake);
     memset(image, 0xFF, sizeof image);
     memset(&box, 0, sizeof box);
-    feeds = toggles = 0;
+    memset(&streak, 0, sizeof streak);
+    feeds = toggles = reads = 0;
     config = (struct orthosis_config){.bus = fake_bus_interface(&fake),
                                       .stop = {&stop_ops, NULL},
                                       .watchdog = &watchdog,
                                       .drive_power = &drive_power,
                                       .nv = &nv,
+                                      .streak = &streak,
                                       .black_box = &box};
 }
 
@@ -188,6 +193,61 @@ START_TEST(after_a_crash_it_waits_for_a_reset)
     ck_assert_int_eq(orthosis.task.output.fault, SUPERVISOR_FAULT_RESTARTED);
     run(2000);
     ck_assert_int_eq(state(), SUPERVISOR_FAULT); /* not by itself */
+}
+END_TEST
+
+/* Somebody must get at it whatever the memory does to it: crash by crash, no SYNC between. */
+START_TEST(the_settings_are_not_read_after_three_crashes_without_a_sync)
+{
+    keep(0.6f, 1);
+    config.restarted = true;
+    for (int crashes = 1; crashes <= 5; crashes++) {
+        crash_streak_add(&streak);
+        reads = 0;
+        orthosis_init(&orthosis, &config);
+        ck_assert_int_eq(reads == 0, crashes >= 3);
+        ck_assert_int_eq(orthosis.forced_fault,
+                         crashes >= 3 ? SUPERVISOR_FAULT_PARAMETERS : SUPERVISOR_FAULT_NONE);
+    }
+    ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 0);
+    ck_assert_uint_eq(orthosis.task.node.objects.crash_streak, 5);
+    const struct can_msg *emcy = NULL;
+    for (int i = 0; i < 50 && emcy == NULL; i++) { /* it says so, by itself */
+        run(1);
+        emcy = fake_bus_last(&fake, 0x090);
+        emcy = emcy != NULL && emcy->data[0] == 0x00 && emcy->data[1] == 0x61 ? emcy : NULL;
+    }
+    ck_assert_ptr_nonnull(emcy);
+    ck_assert_uint_eq(emcy->data[3], 5);
+    ck_assert_int_eq(state(), SUPERVISOR_FAULT);
+    for (int i = 0; i < 1000; i++) { /* and no reset request lifts it */
+        orthosis.task.node.objects.reset_requested = 1;
+        run(1);
+        ck_assert_int_eq(state(), SUPERVISOR_FAULT);
+    }
+    reads = 0; /* "load" erases without reading, so that the next start finds none */
+    const struct write_rules *rules = &orthosis.task.node.rules;
+    ck_assert_uint_eq(rules->settings_store->forget_settings(rules->settings_store_context), 0);
+    ck_assert_uint_eq(reads, 0);
+    ck_assert_uint_eq(image[0], 0xFF);
+}
+END_TEST
+
+START_TEST(a_sync_that_came_back_ends_the_streak)
+{
+    keep(0.6f, 0);
+    crash_streak_add(&streak);
+    crash_streak_add(&streak);
+    crash_streak_add(&streak);
+    orthosis_init(&orthosis, &config);
+    for (int i = 0; i < 9; i++) {
+        (void)orthosis_poll(&orthosis);
+    }
+    ck_assert_uint_eq(crash_streak_length(&streak), 3);
+    run(1);
+    ck_assert_uint_eq(crash_streak_length(&streak), 0);
+    orthosis_init(&orthosis, &config);
+    ck_assert_int_eq(orthosis.forced_fault, SUPERVISOR_FAULT_NONE);
 }
 END_TEST
 
@@ -315,6 +375,8 @@ int main(void)
     tcase_add_test(tests, settings_that_do_not_pass_are_not_used);
     tcase_add_test(tests, one_changed_bit_in_the_memory_is_noticed);
     tcase_add_test(tests, after_a_crash_it_waits_for_a_reset);
+    tcase_add_test(tests, the_settings_are_not_read_after_three_crashes_without_a_sync);
+    tcase_add_test(tests, a_sync_that_came_back_ends_the_streak);
     tcase_add_test(tests, the_record_of_a_crash_is_kept);
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
     tcase_add_test(tests, without_a_bus_the_drives_get_no_power);

@@ -1,8 +1,7 @@
 /* The orthosis on a NUCLEO-G474RE: FDCAN1 on PA11 and PA12, emergency stop on PC0. */
-#include <string.h>
-
 #include "firmware/boards/nucleo_g474re/can_filters.h"
 #include "firmware/orthosis.h"
+#include "firmware/version.h"
 #include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
 #include "hal/port_fdcan/fdcan.h"
@@ -27,6 +26,7 @@ static const struct fdcan_filter can_filters[] = {CAN_FILTERS(FILTER)};
 
 __attribute__((section(".blackbox"))) static struct black_box black_box;
 __attribute__((section(".noinit"))) struct crash_record crash_record;
+__attribute__((section(".noinit"))) struct crash_streak crash_streak;
 
 void fdcan1_handler(void);
 void tim2_handler(void);
@@ -66,6 +66,7 @@ bool board_survives(uint32_t exception)
 void board_last_will(struct crash_record *record)
 {
     fdcan_silence();
+    record->build_id = version_build_id();
     if (record->cause == (uint32_t)CRASH_NMI && clock_tree_crystal_failed()) {
         record->cause = CRASH_CLOCK_FAILED;
     }
@@ -76,17 +77,19 @@ uint32_t board_time_ms(void)
     return tim2_clock_now_ms(&timer);
 }
 
-/* Notes a reset by the watchdog, which leaves no record itself. Returns true when
- * the last run did not end well. */
+/* Notes a reset by the watchdog, which leaves no record itself; a record that nobody has
+ * seen yet is kept. Returns true when the last run did not end well. */
 static bool restarted(uint32_t reset_flags)
 {
-    if ((reset_flags & RCC_CSR_IWDGRSTF) != 0u && !crash_record_is_valid(&crash_record)) {
-        const uint32_t count = crash_record_count(&crash_record);
-        memset(&crash_record, 0, sizeof crash_record);
-        crash_record.cause = CRASH_WATCHDOG;
-        crash_record.count = count;
-        crash_record.detail = reset_flags;
-        crash_record_seal(&crash_record);
+    if ((reset_flags & RCC_CSR_IWDGRSTF) != 0u) {
+        crash_streak_add(&crash_streak);
+        if (!crash_record_is_valid(&crash_record)) {
+            crash_record_begin(&crash_record);
+            crash_record.cause = CRASH_WATCHDOG;
+            crash_record.build_id = version_build_id();
+            crash_record.detail = reset_flags;
+            crash_record_seal(&crash_record);
+        }
     }
     return crash_record_is_valid(&crash_record);
 }
@@ -130,6 +133,7 @@ int main(void)
         .nv = &nv,
         .black_box = &black_box,
         .crash = &crash_record,
+        .streak = &crash_streak,
         .restarted = restarted(reset_flags),
     };
 
