@@ -87,6 +87,15 @@ static uint32_t forget_settings(void *context)
 static const struct controller_settings_store_ops settings_store_ops = {save_settings,
                                                                         forget_settings};
 
+/* Saving and forgetting keep the loop for longer than half the watchdog's time. Each part is
+ * bounded and there is a bounded number of them, so a feed between two hides no hang. */
+static void feed_between(const void *context)
+{
+    const struct watchdog *watchdog = context;
+
+    watchdog->ops->feed(watchdog->context);
+}
+
 /* ---- start ------------------------------------------------------------------ */
 
 static void init_task(struct orthosis *orthosis, const struct settings *settings,
@@ -134,6 +143,8 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     init_black_box(config, &settings);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
+    orthosis->store.between = feed_between;
+    orthosis->store.between_context = config->watchdog;
     orthosis->drive_power = config->drive_power;
     orthosis->streak = config->streak;
     if (config->streak != NULL) {

@@ -38,7 +38,7 @@ uint64_t tim2_clock_now_ns(void *clock);
 uint32_t tim2_clock_now_ms(const struct tim2_clock *clock);
 
 enum {
-    WATCHDOG_TIMEOUT_MS = 120, /* saving keeps the loop for 80 ms; the drives wait 250 ms */
+    WATCHDOG_TIMEOUT_MS = 120, /* erasing two pages takes 49 ms; the drives wait 250 ms */
     WATCHDOG_POLLS = 2000000
 };
 

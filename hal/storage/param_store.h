@@ -17,7 +17,10 @@
 
 #include "hal/storage/nv_store.h"
 
-enum { PARAM_STORE_MAGIC = 0x4F464150 }; /* "PAFO" in memory order */
+enum {
+    PARAM_STORE_MAGIC = 0x4F464150, /* "PAFO" in memory order */
+    PARAM_STORE_PART_WORDS = 64
+};
 
 enum param_store_result {
     PARAM_STORE_OK = 0,
@@ -37,6 +40,10 @@ struct param_store {
     uint32_t active_bank;   /* where that copy is */
     uint32_t crc;           /* its CRC-32, 0 when there is none: the identity of the set */
     bool usable;            /* that copy has the right version and size */
+    /* Called between parts of saving and forgetting that each block for as long as one erase or
+     * PARAM_STORE_PART_WORDS words take: the watchdog is fed there. NULL = nobody is. */
+    void (*between)(const void *context);
+    const void *between_context;
     uint32_t corrupt_words; /* words that failed error correction while looking; saturates */
 };
 

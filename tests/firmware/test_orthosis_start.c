@@ -15,7 +15,8 @@ static struct orthosis orthosis;
 static struct orthosis_config config;
 static struct crash_streak streak;
 static unsigned feeds, toggles;
-static unsigned reads; /* of the memory */
+static unsigned reads;                    /* of the memory */
+static double now_ms, fed_ms, longest_ms; /* what erasing and writing take; between two feeds */
 
 /* ---- The board ---------------------------------------------------------------------------- */
 
@@ -47,6 +48,7 @@ static const uint8_t *map(void *context, uint32_t bank)
 static enum nv_result erase(void *context, uint32_t bank)
 {
     (void)context;
+    now_ms += 49; /* two pages at their longest, DS12288 */
     memset(word(bank, 0), 0xFF, (size_t)SETTINGS_IMAGE_WORDS * NV_WORD_BYTES);
     return NV_OK;
 }
@@ -54,6 +56,7 @@ static enum nv_result erase(void *context, uint32_t bank)
 static enum nv_result write_word(void *context, uint32_t bank, uint32_t index, const uint8_t *bytes)
 {
     (void)context;
+    now_ms += 0.0834;
     memcpy(word(bank, index), bytes, NV_WORD_BYTES);
     return NV_OK;
 }
@@ -62,6 +65,8 @@ static void feed(void *context)
 {
     (void)context;
     feeds++;
+    longest_ms = now_ms - fed_ms > longest_ms ? now_ms - fed_ms : longest_ms;
+    fed_ms = now_ms;
 }
 
 static void toggle(void *context)
@@ -339,6 +344,27 @@ START_TEST(the_wrap_of_the_tick_is_no_start)
 }
 END_TEST
 
+/* Of the watchdog's 120 ms at most half is used, whatever is asked for. */
+START_TEST(it_is_fed_while_settings_are_saved_and_forgotten)
+{
+    keep(0.6f, 0);
+    orthosis_init(&orthosis, &config);
+    run(1);
+    const struct write_rules *rules = &orthosis.task.node.rules;
+    for (int forget = 0; forget < 2; forget++) {
+        now_ms = fed_ms = longest_ms = 0;
+        const uint32_t verdict =
+            forget ? rules->settings_store->forget_settings(rules->settings_store_context)
+                   : rules->settings_store->save_settings(rules->settings_store_context);
+        ck_assert_uint_eq(verdict, 0);
+        ck_assert_double_gt(now_ms, 70);
+        run(1);
+        ck_assert_double_gt(longest_ms, 40);
+        ck_assert_double_le(longest_ms, 60);
+    }
+}
+END_TEST
+
 START_TEST(a_bus_that_is_off_is_asked_back_now_and_then)
 {
     keep(0.6f, 0);
@@ -381,6 +407,7 @@ int main(void)
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
     tcase_add_test(tests, without_a_bus_the_drives_get_no_power);
     tcase_add_test(tests, the_wrap_of_the_tick_is_no_start);
+    tcase_add_test(tests, it_is_fed_while_settings_are_saved_and_forgotten);
     tcase_add_test(tests, a_bus_that_is_off_is_asked_back_now_and_then);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
