@@ -12,6 +12,7 @@
 #include "hal/storage/crash_record.h"
 
 #define SCB_ICSR (*(volatile uint32_t *)0xE000ED04u)
+#define SCB_VTOR (*(volatile uint32_t *)0xE000ED08u)
 #define SCB_AIRCR (*(volatile uint32_t *)0xE000ED0Cu)
 #define SCB_CCR (*(volatile uint32_t *)0xE000ED14u)
 #define SCB_SHCSR (*(volatile uint32_t *)0xE000ED24u)
@@ -35,7 +36,8 @@ union vector {
 /* ---- The linker script's places ----------------------------------------------- */
 extern uint32_t handler_stack_bottom[], handler_stack_top[];
 extern uint32_t thread_stack_bottom[], thread_stack_top[];
-extern struct crash_record crash_record; /* both in memory that a reset does not clear */
+extern const union vector vector_table[]; /* the board's, at the beginning of its flash */
+extern struct crash_record crash_record;  /* both in memory that a reset does not clear */
 extern struct crash_streak crash_streak;
 
 /* ---- For the vector table --------------------------------------------------------

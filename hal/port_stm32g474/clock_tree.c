@@ -79,6 +79,13 @@ enum clock_tree_result clock_tree_init(void)
     return CLOCK_TREE_OK;
 }
 
+uint32_t clock_tree_hz(void)
+{
+    const uint32_t source = (mmio_read(RCC_CFGR) >> RCC_CFGR_SWS_POS) & RCC_CFGR_SW_MASK;
+
+    return source == RCC_CFGR_SW_PLL ? (uint32_t)CORE_HZ : (uint32_t)FALLBACK_HZ;
+}
+
 bool clock_tree_crystal_failed(void)
 {
     if ((mmio_read(RCC_CIFR) & RCC_CIFR_CSSF) == 0U) {

@@ -36,7 +36,6 @@ void timer0_handler(void)
     mps2_clock_interrupt(&timer);
 }
 
-extern const union vector vector_table[16 + MPS2_IRQ_COUNT];
 __attribute__((section(".vectors"), used)) const union vector vector_table[16 + MPS2_IRQ_COUNT] = {
     {.stack = handler_stack_top},
     {.handler = reset_handler},

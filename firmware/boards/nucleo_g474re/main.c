@@ -11,10 +11,7 @@
 #include "hal/port_stm32g474/idle.h"
 #include "hal/port_stm32g474/system_registers.h"
 
-enum {
-    EXCEPTION_NMI = 2,
-    RETRY_POLLS = 4000000 /* about a second on the RC oscillator */
-};
+enum { EXCEPTION_NMI = 2, RETRY_MS = 1000 };
 
 static struct orthosis orthosis;
 static struct fdcan can;
@@ -41,7 +38,6 @@ void tim2_handler(void)
     tim2_clock_interrupt(&timer);
 }
 
-extern const union vector vector_table[16 + IRQ_COUNT];
 __attribute__((section(".vectors"), used)) const union vector vector_table[16 + IRQ_COUNT] = {
     {.stack = handler_stack_top},
     {.handler = reset_handler},
@@ -98,7 +94,9 @@ static bool restarted(uint32_t reset_flags)
  * nothing, stay or go unloaded by themselves. Another try a second later. */
 static _Noreturn void give_up(enum crash_cause cause, uint32_t detail)
 {
-    for (volatile uint32_t poll = 0; poll < RETRY_POLLS; poll++) {
+    const uint32_t polls = clock_tree_wait_polls(clock_tree_hz(), RETRY_MS);
+
+    for (volatile uint32_t poll = 0; poll < polls; poll++) {
     }
     cortex_m4_crash(cause, detail);
 }

@@ -154,6 +154,17 @@ START_TEST(without_boost_mode_the_core_stays_on_the_rc_oscillator)
 }
 END_TEST
 
+/* A poll of an empty volatile loop takes 7.6 cycles: 4,000,000 of them took 1.9 s at 16 MHz. */
+START_TEST(a_wait_lasts_as_long_at_any_clock)
+{
+    ck_assert_uint_eq(clock_tree_hz(), 16000000);
+    assert_close(7.6 * clock_tree_wait_polls(clock_tree_hz(), 1000) / 16e6, 1.0, 0.01, 0);
+    ck_assert_int_eq(clock_tree_init(), CLOCK_TREE_OK);
+    ck_assert_uint_eq(clock_tree_hz(), core_clock());
+    assert_close(7.6 * clock_tree_wait_polls(clock_tree_hz(), 1000) / 170e6, 1.0, 0.01, 0);
+}
+END_TEST
+
 START_TEST(a_stopped_crystal_is_told_from_other_nmis)
 {
     ck_assert(!clock_tree_crystal_failed());
@@ -493,6 +504,7 @@ int main(void)
     tcase_add_loop_test(clocks,
                         without_crystal_pll_or_regulator_the_core_stays_on_the_rc_oscillator, 0, 3);
     tcase_add_test(clocks, without_boost_mode_the_core_stays_on_the_rc_oscillator);
+    tcase_add_test(clocks, a_wait_lasts_as_long_at_any_clock);
     tcase_add_test(clocks, a_stopped_crystal_is_told_from_other_nmis);
     tcase_add_test(clocks, the_reset_cause_is_taken_once);
     tcase_add_checked_fixture(timers, timer_setup, NULL);
