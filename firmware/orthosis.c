@@ -121,13 +121,15 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
                            config->crash);
 }
 
-/* What a crash cut short is kept until somebody has fetched it. */
+/* What a crash or another reset cut short is kept until somebody has fetched it. */
 static void init_black_box(const struct orthosis_config *config, const struct settings *settings)
 {
     struct black_box *box = config->black_box;
 
     if (black_box_is_valid(box) && config->restarted) {
         black_box_freeze(box, 1u << SUPERVISOR_FAULT_RESTARTED);
+    } else if (black_box_has_recording(box)) { /* by the pin, a debugger or a tool */
+        black_box_freeze(box, BLACK_BOX_REASON_RESET);
     }
     if (!black_box_is_valid(box) || box->header.state != (uint32_t)BLACK_BOX_FROZEN) {
         black_box_start(box, version_build_id(), params_guard_crc(&settings->control));

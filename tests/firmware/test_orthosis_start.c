@@ -271,6 +271,14 @@ START_TEST(the_record_of_a_crash_is_kept)
     config.restarted = false; /* and over the next power-on, as long as the memory lasts */
     orthosis_init(&orthosis, &config);
     ck_assert_uint_eq(box.header.state, BLACK_BOX_FROZEN);
+    black_box_start(&box, 0, 0);
+    config.restarted = false; /* a reset at the pin, in the middle of recording */
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_RECORDING); /* there was nothing in it yet */
+    run(50);
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_FROZEN);
+    ck_assert_uint_eq(box.header.reason, BLACK_BOX_REASON_RESET);
     box.header.magic ^= 1;
     config.restarted = true;
     orthosis_init(&orthosis, &config);
