@@ -11,8 +11,8 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PIL = ROOT / "build" / "afo"
-TICK_INSTRUCTIONS = 8000
-PREDICTIVE_TICK_INSTRUCTIONS = 40000
+TICK_INSTRUCTIONS = 12000
+PREDICTIVE_TICK_INSTRUCTIONS = 48000
 CLOCK_HZ = 170e6
 
 pytestmark = pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="qemu-system-arm is not installed")
