@@ -43,7 +43,7 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->counter_count = 12;
     objects->identity_count = 3;
     objects->setup_count = 6;
-    objects->crash_count = 2;
+    objects->crash_count = 3;
     objects->black_box_count = 3;
     objects->params = *params;
     objects->build_id = version_build_id();

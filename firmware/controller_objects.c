@@ -72,6 +72,7 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, crash_count, 0x2032, 0, CO_UNSIGNED8, FIXED, "Last crash"),
     CO_OBJECT(OWNER, crash_cause, 0x2032, 1, CO_UNSIGNED8, RW, 0, 0, "Cause, write 0: seen"),
     CO_ANY(OWNER, crash_image, 0x2032, 2, CO_DOMAIN, RO, "Record (hal/storage/crash_record.h)"),
+    CO_ANY(OWNER, crash_streak, 0x2032, 3, CO_UNSIGNED8, RO, "Crashes since a SYNC came back"),
     CO_ANY(OWNER, black_box_count, 0x2040, 0, CO_UNSIGNED8, FIXED, "Black box"),
     CO_OBJECT(OWNER, black_box_state, 0x2040, 1, CO_UNSIGNED8, RW, BLACK_BOX_RECORDING,
               BLACK_BOX_FROZEN, "State 1 records anew 2 closes 3 frozen"),

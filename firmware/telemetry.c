@@ -6,6 +6,7 @@
 #include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
 #include "hal/canopen/co_device.h"
+#include "hal/storage/crash_record.h"
 
 enum { TPDO_STEP = 0, TPDO_STATE = 1 };
 
@@ -92,6 +93,18 @@ void telemetry_update(struct telemetry *telemetry, struct controller_objects *ob
         co_device_trigger_tpdo(device, TPDO_STEP);
     }
     objects->zeroing = (uint8_t)output->zeroing;
+}
+
+void telemetry_report_crashes(struct controller_objects *objects, struct co_device *device,
+                              uint32_t streak)
+{
+    const uint8_t shown = streak < UINT8_MAX ? (uint8_t)streak : UINT8_MAX;
+    const uint8_t vendor[5] = {shown, 0, 0, 0, 0};
+
+    objects->crash_streak = shown;
+    if (streak >= (uint32_t)CRASH_STREAK_LIMIT) {
+        co_device_raise(device, CONTROLLER_EMCY_CRASHES, CO_ERROR_GENERIC, vendor);
+    }
 }
 
 void telemetry_report_refused_node(struct controller_objects *objects, struct co_device *device,

@@ -9,7 +9,7 @@
 #define HAL_DRIVE_POWER_ENABLE_H
 
 struct drive_power_enable_ops {
-    /* Turns the line over: once for every time the watchdog is fed. Loop only; O(1). */
+    /* Turns the line over: once a tick that feeds the watchdog. Loop only; O(1). */
     void (*toggle)(void *context);
 };
 

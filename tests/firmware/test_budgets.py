@@ -10,10 +10,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 ARM = ROOT / "build" / "arm"
 BOARDS = sorted(path.parent.name for path in (ROOT / "firmware/boards").glob("*/board.mk"))
 OBJECTS = ARM / "obj/cortex_m4f"
-FLASH_BYTES = 64 * 1024
-RAM_BYTES = 8 * 1024
+FLASH_BYTES = 128 * 1024
+RAM_BYTES = 16 * 1024
 STACK_BYTES = 2 * 1024
-TICK_INSTRUCTIONS = 8000
+TICK_INSTRUCTIONS = 12000
 
 
 def run(*command):
@@ -71,6 +71,8 @@ def test_the_stack_the_linker_gives_is_the_budget():
     script = (ROOT / "firmware/boards/sections.ld").read_text()
     thread = re.search(r"THREAD_STACK = (\d+) \+ 32;", script)
     assert int(thread.group(1)) == STACK_BYTES
+    assert int(re.search(r"FLASH_BUDGET = (\d+);", script).group(1)) == FLASH_BYTES
+    assert int(re.search(r"RAM_BUDGET = (\d+);", script).group(1)) == RAM_BYTES
 
 
 def test_what_must_not_be_in_the_image(board):
@@ -122,7 +124,10 @@ def test_the_stack_check_notices(tmp_path, change, says):
     assert says in result.stderr
 
 
-def test_the_budgets_command_has_these_limits():
+def test_the_budgets_command_and_the_page_have_these_limits():
     command = (ROOT / "scripts/budgets").read_text()
     limits = [int(n) for n in re.findall(r'": (\d+)[,}]', command)]
     assert limits == [FLASH_BYTES, RAM_BYTES, STACK_BYTES, TICK_INSTRUCTIONS]
+    page = (ROOT / "firmware/README.md").read_text()
+    rows = re.findall(r"^\| [a-zA-Z ,.()16]+ \| ([\d,]+)[ a-z]* \|$", page, re.MULTILINE)
+    assert [int(row.replace(",", "")) for row in rows] == limits

@@ -17,8 +17,8 @@ from afo import recording  # noqa: E402
 from made_gait import made_gait  # noqa: E402
 
 PIL = ROOT / "build" / "afo"
-TICK_INSTRUCTIONS = 8000
-PREDICTIVE_TICK_INSTRUCTIONS = 40000
+TICK_INSTRUCTIONS = 12000
+PREDICTIVE_TICK_INSTRUCTIONS = 48000
 CLOCK_HZ = 170e6
 
 pytestmark = pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="qemu-system-arm is not installed")
