@@ -22,7 +22,7 @@ static void drop_lost_nodes(struct bring_up *bring_up, struct network *network)
     network_clear_booted(network);
 }
 
-static void begin_next_node(struct bring_up *bring_up, const struct network *network,
+static void begin_next_node(struct bring_up *bring_up, struct network *network,
                             const struct node_setup_config *config, const struct can_bus *bus,
                             uint64_t now_ns)
 {
@@ -32,7 +32,7 @@ static void begin_next_node(struct bring_up *bring_up, const struct network *net
         if (node->state != NMT_UNKNOWN && !node->stop_pending &&
             (bring_up->configured & (1u << i)) == 0) {
             node_setup_start(setup, config, node->id, now_ns);
-            (void)network_command(bus, NMT_ENTER_PRE_OPERATIONAL, setup->node);
+            (void)network_enter_pre_operational(network, bus, setup->node);
         }
     }
 }
