@@ -133,9 +133,14 @@ static bool send_commands(struct control_task *task)
     struct sea_drive_command command[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct sea_request *request = &task->output.sea[leg];
-        command[leg] = (struct sea_drive_command){request->precompression_m, request->enable,
-                                                  request->latch_armed,
-                                                  task->node.objects.reset_requested != 0};
+        const unsigned index = network_index((uint8_t)(NODE_DRIVE_LEFT + leg));
+        command[leg] = (struct sea_drive_command){
+            .precompression_m = request->precompression_m,
+            .enable = request->enable,
+            .latch_armed = request->latch_armed,
+            .clear_fault = task->node.objects.reset_requested != 0,
+            .unconfigured = !bring_up_is_configured(&task->bring_up, index),
+            .operational = task->network.node[index].state == NMT_OPERATIONAL};
     }
     const bool sent =
         sea_drives_command(&task->config.drives, command, &task->config.bus) == CAN_OK;

@@ -139,6 +139,11 @@ unsigned network_index(uint8_t node)
     return index;
 }
 
+bool network_is_overdue(const struct network *network, unsigned index)
+{
+    return network->node[index].silent_ticks >= HEARTBEAT_TIMEOUT_MS;
+}
+
 void network_clear_booted(struct network *network)
 {
     for (int i = 0; i < NETWORK_NODES; i++) {

@@ -76,6 +76,9 @@ enum { NETWORK_STOP_TICKS = 1000 };
 /* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
 unsigned network_index(uint8_t node);
 
+/* Whether node `index` has been silent for longer than a heartbeat may take. O(1). */
+bool network_is_overdue(const struct network *network, unsigned index);
+
 /* Forgets who booted. */
 void network_clear_booted(struct network *network);
 

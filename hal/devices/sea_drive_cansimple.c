@@ -130,7 +130,9 @@ static void watch_arming(struct cansimple_axis *axis, const struct sea_drive_com
     } else if (axis->was_enabled) {
         axis->disarmed = true;
     }
-    if (wish->clear_fault && state_of(axis) == DRIVE_FAULT) {
+    if (axis->clear_wait > 0) {
+        axis->clear_wait--;
+    } else if (wish->clear_fault && state_of(axis) == DRIVE_FAULT) {
         axis->clearing = true;
     }
 }
@@ -144,6 +146,7 @@ static enum can_result send_requests(struct cansimple_axis *axis,
     if (axis->clearing) { /* waits for no other request: it was asked for in one tick only */
         const enum can_result result = send(axis, CANSIMPLE_CLEAR_ERRORS, 0, 0, 0, bus);
         axis->clearing = result != CAN_OK;
+        axis->clear_wait = REPEAT_TICKS;
         return result;
     }
     if (axis->repeat_wait > 0) {

@@ -31,7 +31,8 @@ struct cansimple_axis {
     bool part_error;  /* motor, encoder or controller has an error; axis_error may be 0 then */
     bool disarmed;    /* left closed loop by itself while enabled; until the command is withdrawn */
     bool was_enabled; /* in closed loop since the command to enable */
-    bool clearing;    /* a reset was asked for and Clear Errors is not sent yet */
+    uint16_t clear_wait; /* until a further reset is taken */
+    bool clearing;       /* a reset was asked for and Clear Errors is not sent yet */
     uint8_t axis_state;
     uint16_t age_ticks;           /* of the position */
     uint16_t heartbeat_age_ticks; /* of error and state */

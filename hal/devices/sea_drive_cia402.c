@@ -14,6 +14,8 @@ enum {
     CONTROLWORD_FAULT_RESET = 0x80
 };
 
+enum { FAULT_RESET_TICKS = 50, FAULT_RESET_LOW_TICKS = 50 };
+
 /* Bit 12 in cyclic synchronous position: the drive follows its target (CiA 402-2); bit 14
  * is the manufacturer's. */
 enum { STATUSWORD_FOLLOWS = 1 << 12, STATUSWORD_LATCH_CLOSED = 1 << 14 };
@@ -168,25 +170,49 @@ static void age(void *context)
     }
 }
 
+/* A reset is asked for in one tick. The bit stays long enough for a drive that looks at its
+ * controlword every ten milliseconds, and is low as long before it may rise again. */
+static uint16_t controlword_in_fault(struct cia402_axis *axis, bool clear_fault)
+{
+    if (axis->reset_ticks == 0 && clear_fault) {
+        axis->reset_ticks = FAULT_RESET_TICKS + FAULT_RESET_LOW_TICKS;
+    }
+    if (axis->reset_ticks == 0) {
+        return CONTROLWORD_DISABLE_VOLTAGE;
+    }
+    axis->reset_ticks--;
+    return axis->reset_ticks >= FAULT_RESET_LOW_TICKS ? CONTROLWORD_FAULT_RESET
+                                                      : CONTROLWORD_DISABLE_VOLTAGE;
+}
+
+/* A drive that is off stays where it is. Its answers are of some ticks before: a word chosen by
+ * each of them anew would undo the last one for ever, so the one that was sent stands. */
+static uint16_t controlword_while_off(const struct cia402_axis *axis, enum cia402_state state)
+{
+    const uint16_t sent = axis->sender.sent_controlword;
+    if (sent == CONTROLWORD_SHUTDOWN || sent == CONTROLWORD_DISABLE_VOLTAGE) {
+        return sent;
+    }
+    return state == CIA402_READY ? CONTROLWORD_SHUTDOWN : CONTROLWORD_DISABLE_VOLTAGE;
+}
+
 /* The next controlword on the way from the reported state to the wish. */
 static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_command *wish)
 {
     const enum cia402_state state = state_of(axis->statusword);
-    const bool was_resetting = axis->resetting;
-    axis->resetting = false;
     if (state == CIA402_FAULT) {
-        /* The reset acts on the rising edge: the bit must go away in between. */
-        axis->resetting = wish->clear_fault && !was_resetting;
-        return axis->resetting ? CONTROLWORD_FAULT_RESET : CONTROLWORD_DISABLE_VOLTAGE;
+        return controlword_in_fault(axis, wish->clear_fault);
     }
+    axis->reset_ticks = 0;
     if (state == CIA402_QUICK_STOP) {
         /* It unloads and then leaves this state by itself; to disable the voltage
          * before would let a loaded spring drive the motor. */
         return CONTROLWORD_QUICK_STOP;
     }
+    const bool is_off =
+        state == CIA402_NOT_READY || state == CIA402_SWITCH_ON_DISABLED || state == CIA402_READY;
     if (!wish->enable) {
-        return state == CIA402_SWITCH_ON_DISABLED ? CONTROLWORD_DISABLE_VOLTAGE
-                                                  : CONTROLWORD_SHUTDOWN;
+        return is_off ? controlword_while_off(axis, state) : CONTROLWORD_SHUTDOWN;
     }
     switch (state) {
     case CIA402_READY:
@@ -203,7 +229,7 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg
                                          const struct sea_drive_command *wish,
                                          const struct can_bus *bus)
 {
-    if (axis->age_ticks == UINT16_MAX) {
+    if (axis->age_ticks == UINT16_MAX || wish->unconfigured) {
         return CAN_OK; /* whatever it is doing, it knows better than we */
     }
     const uint16_t controlword = next_controlword(axis, wish);
@@ -222,6 +248,7 @@ static enum can_result command(void *context, const struct sea_drive_command *wi
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
         known = known && axis->age_ticks != UINT16_MAX;
+        known = known && !(wish[leg].unconfigured && wish[leg].operational);
         const bool follows = wish[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
         const int32_t target = follows
                                    ? counts_from_metres(&axis->config, wish[leg].precompression_m)

@@ -33,7 +33,7 @@ struct cia402_axis {
     uint16_t torque_age_ticks;
     struct sea_latch_sender sender; /* of controlword and outputs */
     uint8_t duplicate_id_count;     /* different states more than cycles: sample_surplus.h */
-    bool resetting;                 /* the fault reset bit was set in the last controlword */
+    uint8_t reset_ticks;            /* of a fault reset under way: the bit is set, then low again */
 };
 
 struct cia402_drives {

@@ -28,7 +28,9 @@ struct sea_drive_command {
     float precompression_m;
     bool enable;
     bool latch_armed;
-    bool clear_fault; /* ask the drive to leave its fault state (rising edge) */
+    bool clear_fault;  /* ask the drive to leave its fault state; one tick is enough */
+    bool unconfigured; /* not set up: frames of ours would mean something else to it */
+    bool operational;  /* it obeys PDOs now */
 };
 
 struct sea_drives_ops {

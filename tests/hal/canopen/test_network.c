@@ -78,7 +78,8 @@ START_TEST(an_emergency_that_is_none_changes_nothing)
     frame.flags = 0;
     ck_assert(network_receive(&network, &frame));
     ck_assert(network_has_error(&network));
-    frame.data[0] = frame.data[1] = frame.data[2] = 0; /* the error has gone, and no other is left */
+    frame.data[0] = frame.data[1] = frame.data[2] =
+        0; /* the error has gone, and no other is left */
     frame.length = 2;
     ck_assert(network_receive(&network, &frame));
     ck_assert(network_has_error(&network));

@@ -85,7 +85,8 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
 {
     struct odrive_bench b;
     start_odrive(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.1f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
@@ -162,7 +163,8 @@ START_TEST(cansimple_a_drive_that_disarmed_itself_is_a_fault)
     struct odrive_bench b;
     struct sea_drive_reading reading;
     start_odrive(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.1f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
     command_ticks(&b, 1);
@@ -189,7 +191,8 @@ START_TEST(cansimple_a_reset_of_one_tick_clears_the_errors)
     b.wish[SIDE_LEFT].enable = true;
     command_ticks(&b, 5); /* asked for closed loop: the next request waits */
     ck_assert(give(&b.drives, 0x021, heartbeat_watchdog, 8));
-    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.0f, false, false, true};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.0f, .enable = false, .latch_armed = false, .clear_fault = true};
     command_ticks(&b, 1);
     b.wish[SIDE_LEFT].clear_fault = false;
     command_ticks(&b, 120);
@@ -258,7 +261,8 @@ START_TEST(mit_enters_after_an_answer_and_commands_bytes_in_order)
     struct ak_bench b;
     struct sea_drive_reading reading;
     start_ak(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.25f, true, true, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.25f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[3] & 0x0F, 0); /* kp 0 until entered */
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[4], 0);
@@ -281,7 +285,8 @@ START_TEST(mit_never_spells_a_special_frame_by_accident)
 {
     struct ak_bench b;
     start_ak(&b);
-    b.wish[SIDE_LEFT] = (struct sea_drive_command){0.0f, true, false, false};
+    b.wish[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.0f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     b.wish[SIDE_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */
