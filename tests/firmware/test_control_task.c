@@ -490,7 +490,7 @@ START_TEST(a_node_that_was_silent_at_set_up_is_asked_again)
     run_setup(&b, 10 * SETUP_TIMEOUT_MS, false); /* however often it repeats: it gives up */
     ck_assert_uint_eq(b.task.node.objects.refused_node, 1);
     ck_assert_uint_eq(b.task.node.objects.refused_verdict, 3);
-    run_setup(&b, SETUP_TIMEOUT_MS + 10, true);
+    run_setup(&b, SETUP_TIMEOUT_MS + SETUP_SETTLE_MS + 10, true);
     ck_assert_uint_eq(b.task.node.objects.refused_index,
                       0x1017); /* past the question that was lost */
 }
