@@ -3,6 +3,7 @@
 #include <assert.h>
 
 #include "firmware/input_digest.h"
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/contract.h"
 #include "hal/devices/duplicate_id.h"
@@ -21,6 +22,22 @@ static uint32_t saturating_sum(uint32_t a, uint32_t b)
     return a > UINT32_MAX - b ? UINT32_MAX : a + b;
 }
 
+/* What the drives tell of temperature, supply and warnings, for 0x2021. */
+static void show_drives(struct control_task *task)
+{
+    struct controller_objects *objects = &task->node.objects;
+    objects->drive_warnings = 0;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        struct sea_drive_reading drive;
+        sea_drives_read(&task->config.drives, (enum side)leg, &drive);
+        objects->drive_temperature_0_1_degC[leg] =
+            (int16_t)bytes_saturate_i32(drive.temperature_degC * 10.0f, INT16_MIN, INT16_MAX);
+        objects->drive_supply_10_mV[leg] = (uint16_t)bytes_saturate_i32(
+            drive.has_supply ? drive.supply_V * 100.0f : 0.0f, 0, UINT16_MAX);
+        objects->drive_warnings |= (uint8_t)(drive.warning ? 1u << leg : 0u);
+    }
+}
+
 static void show_counters(void *context)
 {
     struct control_task *task = (struct control_task *)context;
@@ -34,6 +51,7 @@ static void show_counters(void *context)
     counters->tx_refused = status.tx_refused;
     counters->rx_overflow = status.rx_overflow;
     counters->bus_off_count = status.bus_off_count;
+    show_drives(task);
 }
 
 int control_task_init(struct control_task *task, const struct control_task_config *config)

@@ -21,7 +21,7 @@ enum {
 };
 
 /* STEP_AWAIT: as STEP_EXPECT, but the value may take SETUP_SETTLE_MS to come. */
-enum step_kind { STEP_EXPECT, STEP_AWAIT, STEP_WRITE, STEP_SCALING, STEP_END };
+enum step_kind { STEP_EXPECT, STEP_AWAIT, STEP_AT_LEAST, STEP_WRITE, STEP_SCALING, STEP_END };
 
 struct setup_step {
     enum step_kind kind;
@@ -35,6 +35,8 @@ struct setup_step {
 #define EXPECT(index, sub, value, mask) \
     ((struct setup_step){STEP_EXPECT, index, sub, 4, value, mask})
 #define AWAIT(index, sub, value, mask) ((struct setup_step){STEP_AWAIT, index, sub, 4, value, mask})
+#define AT_LEAST(index, sub, value) \
+    ((struct setup_step){STEP_AT_LEAST, index, sub, 4, value, ALL_BITS})
 #define WRITE(index, sub, bytes, value) \
     ((struct setup_step){STEP_WRITE, index, sub, bytes, value, ALL_BITS})
 #define COB(index, value) ((struct setup_step){STEP_WRITE, index, 1, 4, value, COB_ID_MASK})
@@ -170,6 +172,8 @@ static struct setup_step drive_step(const struct node_setup *setup)
         return SCALING(0x6092, 2);
     case 21:
         return SCALING(0x6076, 0);
+    case 22:
+        return AT_LEAST(0x6080, 0, config->speed_needed_counts_s[leg]);
     default:
         return END;
     }
@@ -307,6 +311,10 @@ static enum setup_verdict finish_step(struct node_setup *setup, const struct set
     if (step->kind == STEP_SCALING) {
         const unsigned next = setup->scaled++; /* in the order of the steps */
         setup->scaling[next < SETUP_SCALING_VALUES ? next : 0] = found;
+    } else if (step->kind == STEP_AT_LEAST) {
+        if (found != 0 && found < step->value) {
+            return fail(setup, SETUP_DIFFERS, step, found);
+        }
     } else {
         const uint32_t width = step->bytes == 4 ? ALL_BITS : (UINT32_C(1) << (8 * step->bytes)) - 1;
         const uint32_t mask = step->mask & width;

@@ -26,6 +26,9 @@ struct node_setup_config {
     float rated_force_N
         [SIDE_COUNT]; /* of the spring, at the motor's rated torque 0x6076; 0 = unknown */
     bool ankle_is_lever[SIDE_COUNT];
+    /* 0x6080, in the drive's unit, counts/s: a slower motor would lag behind its target; 0 = not
+     * checked. A drive that says 0 has no limit. */
+    uint32_t speed_needed_counts_s[SIDE_COUNT];
 };
 
 enum setup_verdict {

@@ -17,8 +17,12 @@ enum {
 enum { FAULT_RESET_TICKS = 50, FAULT_RESET_LOW_TICKS = 50 };
 
 /* Bit 12 in cyclic synchronous position: the drive follows its target (CiA 402-2); bit 14
- * is the manufacturer's. */
-enum { STATUSWORD_FOLLOWS = 1 << 12, STATUSWORD_LATCH_CLOSED = 1 << 14 };
+ * is the manufacturer's; bit 7 is a warning in every mode. */
+enum {
+    STATUSWORD_WARNING = 1 << 7,
+    STATUSWORD_FOLLOWS = 1 << 12,
+    STATUSWORD_LATCH_CLOSED = 1 << 14
+};
 
 /* States as the statusword 0x6041 spells them under its masks. */
 enum cia402_state {
@@ -83,6 +87,8 @@ static bool receive_slow(struct cia402_drives *drives, const struct can_msg *mes
     struct cia402_axis *axis =
         &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
     axis->torque_per_mille = bytes_get_i16(message->data);
+    axis->temperature_0_1_degC = bytes_get_i16(message->data + 2);
+    axis->supply_mV = bytes_get_u32(message->data + 4);
     axis->torque_age_ticks = 0;
     return true;
 }
@@ -145,6 +151,11 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
     reading->latch = axis->age_ticks == UINT16_MAX                       ? LATCH_UNKNOWN
                      : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? LATCH_CLOSED
                                                                          : LATCH_OPEN;
+    reading->warning =
+        axis->age_ticks != UINT16_MAX && (axis->statusword & STATUSWORD_WARNING) != 0;
+    reading->has_supply = axis->supply_mV != 0;
+    reading->temperature_degC = (float)axis->temperature_0_1_degC * 0.1f;
+    reading->supply_V = (float)axis->supply_mV * 0.001f;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
     const bool ignores = state_of(axis->statusword) == CIA402_ENABLED &&
                          (axis->statusword & STATUSWORD_FOLLOWS) == 0;

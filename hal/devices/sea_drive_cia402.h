@@ -29,6 +29,8 @@ struct cia402_axis {
     int32_t position_counts;
     uint16_t statusword;
     int16_t torque_per_mille;
+    int16_t temperature_0_1_degC;
+    uint32_t supply_mV;
     uint16_t age_ticks;
     uint16_t torque_age_ticks;
     struct sea_latch_sender sender; /* of controlword and outputs */

@@ -21,7 +21,11 @@ struct sea_drive_reading {
     enum latch_state latch;   /* as the node reports it, with the position */
     uint16_t age_ticks;       /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
     uint16_t force_age_ticks; /* UINT16_MAX = never, or the protocol has none */
-    bool foreign;             /* another node speaks with this drive's identifier */
+    bool warning;             /* the drive warns of something; it may go on */
+    bool has_supply;          /* the two below were received */
+    float temperature_degC;
+    float supply_V; /* of the DC link */
+    bool foreign;   /* another node speaks with this drive's identifier */
 };
 
 struct sea_drive_command {

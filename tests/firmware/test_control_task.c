@@ -634,6 +634,31 @@ static uint32_t counter_of(struct bench *b, uint8_t sub)
     return value;
 }
 
+static uint32_t word_of(struct bench *b, uint16_t index, uint8_t sub)
+{
+    put(b, 0x610, 8, UINT64_C(0x40) | (uint64_t)index << 8 | (uint64_t)sub << 24);
+    (void)control_task_poll(&b->task);
+    const struct can_msg *answer = fake_bus_last(&b->fake, 0x590);
+    ck_assert_ptr_nonnull(answer);
+    ck_assert_uint_eq(answer->data[0] & 0xE3, 0x43);
+    return answer->data[4] | (uint32_t)answer->data[5] << 8;
+}
+
+START_TEST(what_the_drives_tell_of_themselves_can_be_read)
+{
+    struct bench b;
+    start(&b);
+    put(&b, 0x381, 8, UINT64_C(0x00005D8E01C80000)); /* 45.6 degC, 23.95 V */
+    put_answers(&b, 0x02B7);                         /* with a warning */
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 1), 456);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 2), 0);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 3), 2395);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 5) & 0xFF, 3);
+}
+END_TEST
+
 START_TEST(what_was_counted_can_be_read_over_the_bus)
 {
     const struct can_msg error = {.id = 0x080, .length = 8, .flags = CAN_FRAME_ERROR};
@@ -710,6 +735,7 @@ int main(void)
     tcase_add_test(tests, a_poll_is_bounded);
     tcase_add_test(tests, a_node_that_says_nothing_is_found_by_asking);
     tcase_add_test(tests, a_scan_gives_way_to_a_node_that_speaks);
+    tcase_add_test(tests, what_the_drives_tell_of_themselves_can_be_read);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

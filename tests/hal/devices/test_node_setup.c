@@ -121,6 +121,26 @@ START_TEST(a_drive_as_expected_is_configured)
 }
 END_TEST
 
+/* A motor slower than the reference may ask for is refused before it walks, with both speeds. */
+START_TEST(a_drive_that_is_too_slow_is_refused)
+{
+    start(); /* 1.9 m/s of 13,107,200 counts a metre */
+    ck_assert_uint_eq(b.drive.objects.max_speed, 24903680);
+    b.config.speed_needed_counts_s[SIDE_LEFT] = 24903681;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6080);
+    ck_assert_uint_eq(b.setup.failure.expected, 24903681);
+    ck_assert_uint_eq(b.setup.failure.found, 24903680);
+    start();
+    b.config.speed_needed_counts_s[SIDE_LEFT] = 24903680;
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+    start();
+    b.config.speed_needed_counts_s[SIDE_LEFT] = UINT32_MAX;
+    b.drive.objects.max_speed = 0; /* no limit */
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+}
+END_TEST
+
 /* A drive that answers PDOs to remote frames and knows no "no RTR": it is asked without the bit then. */
 static bool no_rtr_refused;
 
@@ -402,6 +422,7 @@ int main(void)
     tcase_add_test(tests, nothing_is_sent_after_a_refusal);
     tcase_add_test(tests, a_drive_that_knows_no_bit_30_is_asked_without_it);
     tcase_add_loop_test(tests, a_value_that_comes_late_is_waited_for, 0, 4);
+    tcase_add_test(tests, a_drive_that_is_too_slow_is_refused);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -370,6 +370,27 @@ START_TEST(force_and_latch)
 }
 END_TEST
 
+/* 45.6 degC, 23.95 V; bit 7 of the statusword is the profile's warning. */
+START_TEST(temperature_supply_and_warning_are_read)
+{
+    const struct can_msg slow = {
+        .id = 0x382, .length = 8, .data = {0, 0, 0xC8, 0x01, 0x8E, 0x5D, 0, 0}};
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
+    ck_assert(!reading.has_supply && !reading.warning);
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    answer(&b, 0x182, 0x16B7, 0);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
+    ck_assert(reading.has_supply && reading.warning);
+    assert_close(reading.temperature_degC, 45.6, 1e-4, 0.0);
+    assert_close(reading.supply_V, 23.95, 1e-4, 0.0);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert(!reading.has_supply && !reading.warning);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sea_drive_cia402");
@@ -388,6 +409,7 @@ int main(void)
     tcase_add_loop_test(tests, a_late_drive_that_is_not_ready_is_not_driven_in_circles, 0,
                         LATE_TICKS_MAX);
     tcase_add_test(tests, a_drive_that_is_not_set_up_gets_no_command);
+    tcase_add_test(tests, temperature_supply_and_warning_are_read);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }
