@@ -20,7 +20,7 @@ static void read_settings(struct orthosis *orthosis, struct settings *settings,
     }
     if (orthosis->store_result != PARAM_STORE_OK || orthosis->settings_result != SETTINGS_OK) {
         settings_default(settings);
-        orthosis->hold = SUPERVISOR_FAULT_PARAMETERS;
+        orthosis->forced_fault = SUPERVISOR_FAULT_PARAMETERS;
     }
 }
 
@@ -53,7 +53,7 @@ static uint32_t save_settings(void *context)
         .walk_at_start = task->config.walk_requested ? 1u : 0u,
     };
 
-    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
+    if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
         return CO_ABORT_DEVICE_STATE;
     }
     orthosis->store_result = settings_save_parts(&parts, &orthosis->store, true);
@@ -68,7 +68,7 @@ static uint32_t forget_settings(void *context)
 {
     struct orthosis *orthosis = context;
 
-    orthosis->hold = SUPERVISOR_FAULT_PARAMETERS;
+    orthosis->forced_fault = SUPERVISOR_FAULT_PARAMETERS;
     return abort_code_of(param_store_forget(&orthosis->store, true));
 }
 
@@ -122,9 +122,9 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     init_black_box(config, &settings);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
-    orthosis->permit = config->permit;
-    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
-        latch(orthosis, orthosis->hold);
+    orthosis->drive_power = config->drive_power;
+    if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
+        latch(orthosis, orthosis->forced_fault);
     } else if (config->restarted) {
         latch(orthosis, SUPERVISOR_FAULT_RESTARTED);
     }
@@ -152,16 +152,16 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     struct control_task *task = &orthosis->task;
     unsigned progress;
 
-    if (orthosis->hold != SUPERVISOR_FAULT_NONE) {
-        latch(orthosis, orthosis->hold);
+    if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
+        latch(orthosis, orthosis->forced_fault);
     }
     progress = control_task_poll(task);
     /* Until the first own SYNC came back no command was ever sent, nothing can
      * move, and a bus that is not there yet is no reason to restart. */
     const bool fed =
         watchdog_gate_report(&orthosis->gate, task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
-    if (fed && orthosis->permit != NULL && !control_task_power_must_go(task)) {
-        drive_power_enable_toggle(orthosis->permit);
+    if (fed && orthosis->drive_power != NULL && !control_task_power_must_go(task)) {
+        drive_power_enable_toggle(orthosis->drive_power);
     }
     return progress;
 }

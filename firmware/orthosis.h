@@ -26,7 +26,7 @@ struct orthosis_config {
     struct can_bus bus;
     struct emergency_stop stop;
     const struct watchdog *watchdog;
-    const struct drive_power_enable *permit; /* of the drives' power; NULL: the board has none */
+    const struct drive_power_enable *drive_power; /* NULL: the board has none */
     const struct nv_store *nv;
     struct black_box *black_box; /* in memory that a reset does not clear */
     struct crash_record *crash;  /* as the last run left it, in such memory too; may be NULL */
@@ -41,8 +41,8 @@ struct orthosis {
     struct control_task task;
     struct bus_recorder recorder;
     struct watchdog_gate gate;
-    const struct drive_power_enable *permit;
-    enum supervisor_fault hold; /* keeps this fault latched for good; NONE = does not */
+    const struct drive_power_enable *drive_power;
+    enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */
     uint16_t recovery_wait;
     uint32_t bus_recoveries; /* asked for; saturates */
 };

@@ -18,9 +18,9 @@ struct drive_power_enable {
     void *context;
 };
 
-static inline void drive_power_enable_toggle(const struct drive_power_enable *permit)
+static inline void drive_power_enable_toggle(const struct drive_power_enable *enable)
 {
-    permit->ops->toggle(permit->context);
+    enable->ops->toggle(enable->context);
 }
 
 #endif

@@ -26,7 +26,7 @@ struct leg_sensor_reading {
     float leg_angle_rad;
     float ankle_extension_m;    /* >= 0 for a lever; linear ankles may read below 0 by noise */
     uint16_t age_ticks;         /* 0 = from the newest cycle; UINT16_MAX = never */
-    uint8_t duplicate_id_count; /* different frames more than cycles: sample_surplus.h */
+    uint8_t duplicate_id_count; /* different frames more than cycles: duplicate_id.h */
 };
 
 struct leg_sensors {

@@ -24,8 +24,8 @@ static void count_malformed(struct cansimple_drives *drives)
     }
 }
 
-static void take(struct cansimple_drives *drives, struct cansimple_axis *axis,
-                 const struct can_msg *message)
+static void read_answer(struct cansimple_drives *drives, struct cansimple_axis *axis,
+                        const struct can_msg *message)
 {
     const uint32_t kind = message->id & 0x1Fu;
     if (message->flags != 0) {
@@ -61,7 +61,7 @@ static bool receive(void *context, const struct can_msg *message)
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if (message->id >> 5 == drives->axis[leg].config.node) {
-            take(drives, &drives->axis[leg], message);
+            read_answer(drives, &drives->axis[leg], message);
             return true;
         }
     }
@@ -139,7 +139,7 @@ static void watch_arming(struct cansimple_axis *axis, const struct sea_drive_com
 
 /* Requests that change the drive's state: sent, then given time, then repeated. */
 static enum can_result send_requests(struct cansimple_axis *axis,
-                                     const struct sea_drive_command *wish,
+                                     const struct sea_drive_command *command,
                                      const struct can_bus *bus)
 {
     const enum drive_state state = state_of(axis);
@@ -162,46 +162,48 @@ static enum can_result send_requests(struct cansimple_axis *axis,
                    ? result
                    : send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
     }
-    if (!wish->enable && (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
+    if (!command->enable && (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
         return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
     }
     axis->repeat_wait = 0;
     return CAN_OK;
 }
 
-static enum can_result command_axis(struct cansimple_axis *axis, enum side leg,
-                                    const struct sea_drive_command *wish, const struct can_bus *bus)
+static enum can_result send_axis_command(struct cansimple_axis *axis, enum side leg,
+                                         const struct sea_drive_command *command,
+                                         const struct can_bus *bus)
 {
     watch_arming(axis, wish);
     const bool follows = wish->enable && state_of(axis) == DRIVE_ENABLED;
     const float target_turns =
-        follows ? axis->config.zero_turns + wish->precompression_m * (float)axis->config.direction *
-                                                axis->config.turns_per_m
-                : axis->position_turns; /* no kick: where it is, until it is enabled */
+        follows
+            ? axis->config.zero_turns + command->precompression_m * (float)axis->config.direction *
+                                            axis->config.turns_per_m
+            : axis->position_turns; /* no kick: where it is, until it is enabled */
     enum can_result first_failure = CAN_OK;
     if (axis->age_ticks != UINT16_MAX) {
         first_failure = send(axis, CANSIMPLE_SET_INPUT_POS, 8, bytes_of_f32(target_turns), 0, bus);
     }
-    enum can_result result = send_requests(axis, wish, bus);
+    enum can_result result = send_requests(axis, command, bus);
     first_failure = first_failure == CAN_OK ? result : first_failure;
-    result = sea_latch_send(&axis->sender, leg, 0, wish->latch_armed && follows, bus);
+    result = sea_latch_send(&axis->sender, leg, 0, command->latch_armed && follows, bus);
     return first_failure == CAN_OK ? result : first_failure;
 }
 
-static enum can_result command(void *context, const struct sea_drive_command *wish,
-                               const struct can_bus *bus)
+static enum can_result send_commands(void *context, const struct sea_drive_command *command,
+                                     const struct can_bus *bus)
 {
     struct cansimple_drives *drives = (struct cansimple_drives *)context;
     enum can_result first_failure = CAN_OK;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const enum can_result result =
-            command_axis(&drives->axis[leg], (enum side)leg, &wish[leg], bus);
+            send_axis_command(&drives->axis[leg], (enum side)leg, &command[leg], bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
     }
     return first_failure;
 }
 
-static const struct sea_drives_ops cansimple_ops = {receive, read_axis, age, command};
+static const struct sea_drives_ops cansimple_ops = {receive, read_axis, age, send_commands};
 
 struct sea_drives cansimple_drives_interface(struct cansimple_drives *drives)
 {

@@ -237,19 +237,19 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
 }
 
 static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg,
-                                         const struct sea_drive_command *wish,
+                                         const struct sea_drive_command *command,
                                          const struct can_bus *bus)
 {
     if (axis->age_ticks == UINT16_MAX || wish->unconfigured) {
         return CAN_OK; /* whatever it is doing, it knows better than we */
     }
-    const uint16_t controlword = next_controlword(axis, wish);
-    const bool armed = wish->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
+    const uint16_t controlword = next_controlword(axis, command);
+    const bool armed = command->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
     return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
 }
 
-static enum can_result command(void *context, const struct sea_drive_command *wish,
-                               const struct can_bus *bus)
+static enum can_result send_commands(void *context, const struct sea_drive_command *command,
+                                     const struct can_bus *bus)
 {
     struct cia402_drives *drives = (struct cia402_drives *)context;
     struct can_msg targets = {.id = FRAME_DRIVE_TARGETS, .length = FRAME_BYTES_DRIVE_TARGETS};
@@ -271,7 +271,7 @@ static enum can_result command(void *context, const struct sea_drive_command *wi
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const enum can_result result =
-            send_axis_command(&drives->axis[leg], (enum side)leg, &wish[leg], bus);
+            send_axis_command(&drives->axis[leg], (enum side)leg, &command[leg], bus);
         if (first_failure == CAN_OK) {
             first_failure = result;
         }
@@ -279,7 +279,7 @@ static enum can_result command(void *context, const struct sea_drive_command *wi
     return first_failure;
 }
 
-static const struct sea_drives_ops cia402_ops = {receive, read_axis, age, command};
+static const struct sea_drives_ops cia402_ops = {receive, read_axis, age, send_commands};
 
 struct sea_drives cia402_drives_interface(struct cia402_drives *drives)
 {

@@ -41,7 +41,8 @@ static bool is_plausible(const struct mit_axis *axis)
     return metres >= -margin && metres <= axis->config.stroke_max_m + margin;
 }
 
-static void take(struct mit_drives *drives, struct mit_axis *axis, const struct can_msg *message)
+static void read_answer(struct mit_drives *drives, struct mit_axis *axis,
+                        const struct can_msg *message)
 {
     if (message->length < ANSWER_BYTES_MIN || message->data[0] != axis->config.motor_id) {
         if (drives->rx_malformed < UINT32_MAX) {
@@ -68,7 +69,7 @@ static bool receive(void *context, const struct can_msg *message)
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if (message->id == drives->axis[leg].config.answer_id) {
-            take(drives, &drives->axis[leg], message);
+            read_answer(drives, &drives->axis[leg], message);
             return true;
         }
     }
@@ -137,12 +138,13 @@ static enum can_result send_motion(const struct mit_axis *axis, float position_r
 }
 
 /* One frame a motor and tick: it answers each, so two would only crowd the bus. */
-static enum can_result command_axis(struct mit_axis *axis, const struct sea_drive_command *wish,
-                                    const struct can_bus *bus)
+static enum can_result send_axis_command(struct mit_axis *axis,
+                                         const struct sea_drive_command *command,
+                                         const struct can_bus *bus)
 {
     const struct mit_axis_config *config = &axis->config;
     const bool may_enter =
-        wish->enable && axis->age_ticks == 0 && axis->error == 0 && !axis->refused;
+        command->enable && axis->age_ticks == 0 && axis->error == 0 && !axis->refused;
     if (axis->enter_wait > 0) {
         axis->enter_wait--;
     }
@@ -162,7 +164,7 @@ static enum can_result command_axis(struct mit_axis *axis, const struct sea_driv
         axis->enter_wait = ENTER_REPEAT_TICKS;
         return result;
     }
-    if (axis->entered && (!wish->enable || axis->error != 0)) {
+    if (axis->entered && (!command->enable || axis->error != 0)) {
         const enum can_result result = send_special(axis, MIT_EXIT, bus);
         axis->entered = result != CAN_OK;
         return result;
@@ -172,29 +174,29 @@ static enum can_result command_axis(struct mit_axis *axis, const struct sea_driv
                            bus); /* asks for an answer */
     }
     const float target_rad =
-        config->zero_rad + wish->precompression_m * (float)config->direction * config->rad_per_m;
-    const float spring_Nm = config->spring_N_per_m * wish->precompression_m *
+        config->zero_rad + command->precompression_m * (float)config->direction * config->rad_per_m;
+    const float spring_Nm = config->spring_N_per_m * command->precompression_m *
                             (float)config->direction / config->rad_per_m;
     return send_motion(axis, target_rad, config->kp_Nm_rad, config->kd_Nms_rad, spring_Nm, bus);
 }
 
-static enum can_result command(void *context, const struct sea_drive_command *wish,
-                               const struct can_bus *bus)
+static enum can_result send_commands(void *context, const struct sea_drive_command *command,
+                                     const struct can_bus *bus)
 {
     struct mit_drives *drives = (struct mit_drives *)context;
     enum can_result first_failure = CAN_OK;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct mit_axis *axis = &drives->axis[leg];
-        enum can_result result = command_axis(axis, &wish[leg], bus);
+        enum can_result result = send_axis_command(axis, &command[leg], bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
-        const bool armed = wish[leg].latch_armed && state_of(axis) == DRIVE_ENABLED;
+        const bool armed = command[leg].latch_armed && state_of(axis) == DRIVE_ENABLED;
         result = sea_latch_send(&axis->sender, (enum side)leg, 0, armed, bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
     }
     return first_failure;
 }
 
-static const struct sea_drives_ops mit_ops = {receive, read_axis, age, command};
+static const struct sea_drives_ops mit_ops = {receive, read_axis, age, send_commands};
 
 struct sea_drives mit_drives_interface(struct mit_drives *drives)
 {

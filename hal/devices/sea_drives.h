@@ -1,8 +1,8 @@
 /* Both SEA drives behind one interface, whatever protocol they speak.
  *
- * The controller thinks in metres of spring and in wishes ("enabled, at 0.05 m,
+ * The controller thinks in metres of spring and in commands ("enabled, at 0.05 m,
  * armed"); a protocol turns that into frames, walks the drive's own state
- * machine towards the wish, and turns frames into readings with their age.
+ * machine towards the command, and turns frames into readings with their age.
  */
 #ifndef HAL_DEVICES_SEA_DRIVES_H
 #define HAL_DEVICES_SEA_DRIVES_H
@@ -43,10 +43,10 @@ struct sea_drives_ops {
     void (*read)(const void *context, enum side leg, struct sea_drive_reading *reading);
     /* A cycle has ended: readings grow one tick older (saturating). */
     void (*age)(void *context);
-    /* Sends this tick's command frames; SIDE_COUNT wishes. Returns the first
+    /* Sends this tick's command frames; SIDE_COUNT commands. Returns the first
      * failure of can_bus_send, CAN_OK if none; frames not sent are sent again
      * at the next tick. */
-    enum can_result (*command)(void *context, const struct sea_drive_command *wish,
+    enum can_result (*command)(void *context, const struct sea_drive_command *command,
                                const struct can_bus *bus);
 };
 
@@ -76,10 +76,10 @@ static inline void sea_drives_age(const struct sea_drives *drives)
 }
 
 static inline enum can_result sea_drives_command(const struct sea_drives *drives,
-                                                 const struct sea_drive_command *wish,
+                                                 const struct sea_drive_command *command,
                                                  const struct can_bus *bus)
 {
-    return drives->ops->command(drives->context, wish, bus);
+    return drives->ops->command(drives->context, command, bus);
 }
 
 #endif

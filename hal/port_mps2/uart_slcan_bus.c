@@ -50,7 +50,7 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
 }
 
 /* The oldest frame sent was acknowledged. Returns true when it was the SYNC. */
-static bool take_acknowledgement(struct uart_slcan_bus *bus)
+static bool count_acknowledgement(struct uart_slcan_bus *bus)
 {
     bool is_sync;
 
@@ -78,13 +78,13 @@ static enum can_result bus_receive(void *context, struct can_msg *message, uint6
             bus->status.rx_frames++;
             return CAN_OK;
         case SLCAN_ACKNOWLEDGED:
-            if (take_acknowledgement(bus)) {
+            if (count_acknowledgement(bus)) {
                 *message = (struct can_msg){.id = FRAME_SYNC, .flags = CAN_FRAME_OWN};
                 return CAN_OK;
             }
             break;
         case SLCAN_REFUSED:
-            (void)take_acknowledgement(bus);
+            (void)count_acknowledgement(bus);
             bus->status.error_frames++;
             break;
         case SLCAN_MALFORMED:

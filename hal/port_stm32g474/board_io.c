@@ -192,7 +192,7 @@ static void toggle(void *context)
 }
 
 static const struct drive_power_enable_ops pc1_ops = {toggle};
-const struct drive_power_enable pc1_power_permit = {&pc1_ops, 0};
+const struct drive_power_enable pc1_drive_power_enable = {&pc1_ops, 0};
 
 static bool is_pressed(void *context)
 {

@@ -53,7 +53,7 @@ extern const struct watchdog iwdg_watchdog;
 void board_io_init(void);
 
 /* PC1, push-pull: toggles with every feed of the watchdog while the drives may have power. */
-extern const struct drive_power_enable pc1_power_permit;
+extern const struct drive_power_enable pc1_drive_power_enable;
 
 /* PC0, pulled down: high only while the closed contact feeds it. */
 extern const struct emergency_stop pc0_emergency_stop;

@@ -20,7 +20,7 @@ def test_the_settings_go_where_the_store_looks():
     page = int(re.search(r"FLASH_PAGE_BYTES (\d+)u", registers).group(1))
     first = int(re.search(r"FLASH_STORE_FIRST_PAGE = (\d+)", store).group(1))
     pages = int(re.search(r"FLASH_STORE_PAGES = (\d+)", store).group(1))
-    place = int(re.search(r"SETTINGS_AT := (0x\w+)", (ROOT / "firmware/firmware.mk").read_text()).group(1), 16)
+    place = int(re.search(r"SETTINGS_AT_\w+ := (0x\w+)", (ROOT / "firmware/boards/nucleo_g474re/board.mk").read_text()).group(1), 16)
     assert place == base + bank + first * page
     words = int(re.search(r"SETTINGS_IMAGE_WORDS = (\d+)", (ROOT / "sim_host/subjects/settings_image.h").read_text()).group(1))
     assert words * 8 == pages * page

@@ -124,7 +124,7 @@ START_TEST(what_is_saved_is_there_after_power_up)
 {
     deliver();
     power_up();
-    ck_assert_int_eq(device.hold, SUPERVISOR_FAULT_NONE);
+    ck_assert_int_eq(device.forced_fault, SUPERVISOR_FAULT_NONE);
     stand();
     const float before = kp();
     ck_assert_uint_eq(write_kp(0.05f), SDO_DONE);
@@ -206,7 +206,7 @@ START_TEST(forgotten_settings_leave_a_device_that_does_not_walk)
     ck_assert_uint_eq(write(0x1010, 1, SAVE, 4), WRONG_STATE); /* nobody's are not kept */
     power_up();
     ck_assert_int_eq(device.store_result, PARAM_STORE_EMPTY);
-    ck_assert_int_eq(device.hold, SUPERVISOR_FAULT_PARAMETERS);
+    ck_assert_int_eq(device.forced_fault, SUPERVISOR_FAULT_PARAMETERS);
 }
 END_TEST
 
@@ -235,7 +235,7 @@ START_TEST(power_may_fail_at_any_word)
         const uint32_t answer = write(0x1010, 1, SAVE, 4);
         nv_memory_power_up(&memory);
         power_up();
-        ck_assert_int_eq(device.hold, SUPERVISOR_FAULT_NONE);
+        ck_assert_int_eq(device.forced_fault, SUPERVISOR_FAULT_NONE);
         ck_assert(kp() == old_kp || kp() == 0.05f);
         old += kp() == old_kp;
         new += kp() == 0.05f;

@@ -77,8 +77,8 @@ static const struct nv_store_ops nv_ops = {bank_words, read_word, map, erase, wr
 static const struct nv_store nv = {&nv_ops, NULL};
 static const struct watchdog_ops watchdog_ops = {feed};
 static const struct watchdog watchdog = {&watchdog_ops, NULL};
-static const struct drive_power_enable_ops permit_ops = {toggle};
-static const struct drive_power_enable permit = {&permit_ops, NULL};
+static const struct drive_power_enable_ops drive_power_ops = {toggle};
+static const struct drive_power_enable drive_power = {&drive_power_ops, NULL};
 static const struct emergency_stop_ops stop_ops = {is_pressed};
 
 static void setup(void)
@@ -90,7 +90,7 @@ static void setup(void)
     config = (struct orthosis_config){.bus = fake_bus_interface(&fake),
                                       .stop = {&stop_ops, NULL},
                                       .watchdog = &watchdog,
-                                      .permit = &permit,
+                                      .drive_power = &drive_power,
                                       .nv = &nv,
                                       .black_box = &box};
 }
@@ -145,7 +145,7 @@ START_TEST(kept_settings_are_the_ones_in_force)
     orthosis_init(&orthosis, &config);
     ck_assert_int_eq(orthosis.store_result, PARAM_STORE_OK);
     ck_assert_int_eq(orthosis.settings_result, SETTINGS_OK);
-    ck_assert_int_eq(orthosis.hold, SUPERVISOR_FAULT_NONE);
+    ck_assert_int_eq(orthosis.forced_fault, SUPERVISOR_FAULT_NONE);
     ck_assert(orthosis.task.node.objects.desired_speed_rad_s == 0.613f);
     ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 1);
     run(3);
@@ -230,7 +230,7 @@ START_TEST(without_a_tick_it_is_not_fed)
     }
     ck_assert_uint_eq(feeds, 15);
     ck_assert_uint_eq(toggles, feeds); /* the drives' power is permitted by the same sign */
-    config.permit = NULL;
+    config.drive_power = NULL;
     orthosis_init(&orthosis, &config);
     run(3);
     ck_assert_uint_eq(toggles, 15);

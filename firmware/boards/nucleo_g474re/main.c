@@ -126,7 +126,7 @@ int main(void)
     struct orthosis_config config = {
         .stop = pc0_emergency_stop,
         .watchdog = &iwdg_watchdog,
-        .permit = &pc1_power_permit,
+        .drive_power = &pc1_drive_power_enable,
         .nv = &nv,
         .black_box = &black_box,
         .crash = &crash_record,

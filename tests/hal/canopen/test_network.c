@@ -229,7 +229,7 @@ START_TEST(a_node_that_was_started_and_still_waits_has_booted)
 END_TEST
 
 /* All at once, and not started again before it is over. */
-START_TEST(stopped_nodes_are_held_and_started_again)
+START_TEST(stopped_nodes_wait_and_are_started_again)
 {
     struct fake_bus fake;
     struct network network;
@@ -304,7 +304,7 @@ int main(void)
     tcase_add_test(tests, a_node_that_falls_back_has_booted);
     tcase_add_test(tests, a_node_that_was_started_and_still_waits_has_booted);
     tcase_add_test(tests, nodes_have_their_index);
-    tcase_add_test(tests, stopped_nodes_are_held_and_started_again);
+    tcase_add_test(tests, stopped_nodes_wait_and_are_started_again);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

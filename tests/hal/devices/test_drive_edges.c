@@ -14,13 +14,13 @@ static struct can_bus bus;
 static struct cansimple_drives odrive;
 static struct mit_drives motors;
 static struct sea_drives drives;
-static struct sea_drive_command wish[SIDE_COUNT];
+static struct sea_drive_command command[SIDE_COUNT];
 
 static void setup(void)
 {
     fake_bus_init(&fake);
     bus = fake_bus_interface(&fake);
-    memset(wish, 0, sizeof wish);
+    memset(command, 0, sizeof command);
 }
 
 static bool give(uint32_t id, const uint8_t *data, uint8_t length, uint8_t flags)
@@ -37,10 +37,10 @@ static struct sea_drive_reading read_leg(enum side leg)
     return reading;
 }
 
-static void command(void)
+static void send_commands(void)
 {
     fake_bus_clear(&fake);
-    ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_OK);
 }
 
 /* ---- CANSimple ---------------------------------------------------------------------------- */
@@ -80,11 +80,11 @@ START_TEST(cansimple_on_its_way_is_starting)
 {
     ck_assert(give(0x021, calibrating, 8, 0));
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_STARTING);
-    command(); /* not asked for: back to idle */
+    send_commands(); /* not asked for: back to idle */
     ck_assert_uint_eq(fake_bus_last(&fake, 0x027)->data[0], 1);
     ck_assert(give(0x041, calibrating, 8, 0));
-    wish[SIDE_RIGHT].enable = true;
-    command(); /* asked for: let it come */
+    command[SIDE_RIGHT].enable = true;
+    send_commands(); /* asked for: let it come */
     ck_assert_ptr_null(fake_bus_last(&fake, 0x047));
 }
 END_TEST
@@ -93,14 +93,14 @@ END_TEST
 START_TEST(cansimple_errors_are_cleared_when_asked)
 {
     ck_assert(give(0x021, in_error, 8, 0));
-    wish[SIDE_LEFT].enable = true;
-    command();
+    command[SIDE_LEFT].enable = true;
+    send_commands();
     ck_assert_ptr_null(fake_bus_last(&fake, 0x038));
-    wish[SIDE_LEFT].clear_fault = true;
-    command();
+    command[SIDE_LEFT].clear_fault = true;
+    send_commands();
     ck_assert_ptr_nonnull(fake_bus_last(&fake, 0x038)); /* Clear_Errors = 0x18 of node 1 */
     ck_assert_uint_eq(fake_bus_last(&fake, 0x038)->length, 0);
-    command();
+    send_commands();
     ck_assert_ptr_null(fake_bus_last(&fake, 0x038)); /* not again at once */
 }
 END_TEST
@@ -109,17 +109,17 @@ END_TEST
 START_TEST(cansimple_enters_at_a_fresh_position)
 {
     ck_assert(give(0x021, idle, 8, 0));
-    wish[SIDE_LEFT].enable = true;
-    command();
+    command[SIDE_LEFT].enable = true;
+    send_commands();
     ck_assert_ptr_null(fake_bus_last(&fake, 0x02C));
     ck_assert_ptr_null(fake_bus_last(&fake, 0x027));
     ck_assert(give(0x029, at_1_turn, 8, 0));
     sea_drives_age(&drives);
-    command();
+    send_commands();
     ck_assert_ptr_nonnull(fake_bus_last(&fake, 0x02C));
     ck_assert_ptr_null(fake_bus_last(&fake, 0x027)); /* a cycle old */
     ck_assert(give(0x029, at_1_turn, 8, 0));
-    command();
+    send_commands();
     ck_assert_uint_eq(fake_bus_last(&fake, 0x027)->data[0], 8);
 }
 END_TEST
@@ -128,16 +128,16 @@ START_TEST(cansimple_says_what_the_bus_refused)
 {
     ck_assert(give(0x021, idle, 8, 0));
     ck_assert(give(0x029, at_1_turn, 8, 0));
-    wish[SIDE_LEFT].enable = true;
+    command[SIDE_LEFT].enable = true;
     fake.verdict = CAN_FULL;
-    ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_FULL);
+    ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_FULL);
     setup_odrive(); /* nothing heard: the latch's is the only frame */
     fake.verdict = CAN_DOWN;
-    ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_DOWN);
+    ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_DOWN);
     setup_odrive(); /* idle, never a position: the requests alone */
     ck_assert(give(0x021, closed_loop, 8, 0));
     fake.verdict = CAN_FULL;
-    ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_FULL);
+    ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_FULL);
 }
 END_TEST
 
@@ -233,21 +233,21 @@ static uint8_t special(void)
     return frame->data[0] == 0xFF && frame->data[1] == 0xFF ? frame->data[7] : 0;
 }
 
-/* Entered once, then driven; left when no longer wished; entered anew after a while. */
+/* Entered once, then driven; left when no longer commanded; entered anew after a while. */
 START_TEST(mit_enters_and_leaves)
 {
-    wish[SIDE_LEFT].enable = true;
+    command[SIDE_LEFT].enable = true;
     ck_assert(give(0x11, answer, 8, 0));
-    command();
+    send_commands();
     ck_assert_uint_eq(special(), MIT_ENTER);
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED);
-    wish[SIDE_LEFT].enable = false;
-    command();
+    command[SIDE_LEFT].enable = false;
+    send_commands();
     ck_assert_uint_eq(special(), MIT_EXIT);
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_DISABLED);
-    wish[SIDE_LEFT].enable = true;
+    command[SIDE_LEFT].enable = true;
     int waited = 0;
-    for (command(); special() != MIT_ENTER; command()) {
+    for (send_commands(); special() != MIT_ENTER; send_commands()) {
         ck_assert_int_lt(++waited, 101);
     }
     ck_assert_int_ge(waited, 90);
@@ -256,22 +256,22 @@ END_TEST
 
 START_TEST(mit_says_what_the_bus_refused)
 {
-    wish[SIDE_LEFT].enable = true;
+    command[SIDE_LEFT].enable = true;
     ck_assert(give(0x11, answer, 8, 0));
     fake.verdict = CAN_FULL;
-    ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_FULL);
+    ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_FULL);
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_DISABLED); /* it never heard of it */
     fake.verdict = CAN_OK;
     for (int i = 0; i < 101; i++) {
-        command();
+        send_commands();
     }
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED);
-    wish[SIDE_LEFT].enable = false;
+    command[SIDE_LEFT].enable = false;
     fake.verdict = CAN_FULL;
-    ck_assert_int_eq(sea_drives_command(&drives, wish, &bus), CAN_FULL);
+    ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_FULL);
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED); /* nor that it is to leave */
     fake.verdict = CAN_OK;
-    command();
+    send_commands();
     ck_assert_uint_eq(special(), MIT_EXIT);
 }
 END_TEST
@@ -283,7 +283,7 @@ START_TEST(mit_gives_no_torque_that_nobody_watches)
         .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert(give(0x11, answer_with_error, 8, 0));
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_FAULT);
-    command();
+    send_commands();
     ck_assert_uint_eq(special(), 0);
     ck_assert_uint_eq(fake_bus_last(&fake, 1)->data[3] & 0x0F, 0);
     ck_assert_uint_eq(fake_bus_last(&fake, 1)->data[4], 0);
@@ -303,15 +303,15 @@ START_TEST(mit_that_fell_silent_is_asked_without_torque)
     wish[SIDE_LEFT] = (struct sea_drive_command){
         .precompression_m = 0.1f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert(give(0x11, answer, 8, 0));
-    command();
+    send_commands();
     ck_assert_uint_eq(special(), MIT_ENTER);
     ck_assert(give(0x11, answer, 8, 0));
-    command();
+    send_commands();
     ck_assert_uint_ne(fake_bus_last(&fake, 1)->data[4], 0); /* driven: kp */
     for (int i = 0; i < 70000; i++) {
         sea_drives_age(&drives);
     }
-    command();
+    send_commands();
     const uint8_t *frame = fake_bus_last(&fake, 1)->data;
     ck_assert_uint_eq(special(), 0);
     ck_assert_uint_eq(frame[3] & 0x0Fu, 0);
@@ -320,7 +320,7 @@ START_TEST(mit_that_fell_silent_is_asked_without_torque)
     ck_assert_uint_eq((frame[6] & 0xF0u) >> 4, 0);
     assert_close((frame[6] & 0x0Fu) << 8 | frame[7], 2047.5, 0.6, 0.0); /* no torque: the middle */
     ck_assert(give(0x11, answer, 8, 0));
-    command();
+    send_commands();
     ck_assert_uint_ne(fake_bus_last(&fake, 1)->data[4], 0);
 }
 END_TEST

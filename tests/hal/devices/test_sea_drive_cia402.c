@@ -16,7 +16,7 @@ struct bench {
     struct can_bus bus;
     struct cia402_drives cia402;
     struct sea_drives drives;
-    struct sea_drive_command wish[SIDE_COUNT];
+    struct sea_drive_command command[SIDE_COUNT];
 };
 
 static void start(struct bench *b)
@@ -39,13 +39,13 @@ static void answer(struct bench *b, uint32_t id, uint16_t statusword, int32_t po
     ck_assert(sea_drives_receive(&b->drives, &frame));
 }
 
-/* The controlword sent to the left drive for this statusword and the present wish. */
+/* The controlword sent to the left drive for this statusword and the present command. */
 static int controlword_for(struct bench *b, uint16_t statusword)
 {
     answer(b, 0x181, statusword, 500);
     b->cia402.axis[SIDE_LEFT].sender.ticks_since_sent = SLOW_PDO_TICKS; /* due again */
     fake_bus_clear(&b->fake);
-    ck_assert_int_eq(sea_drives_command(&b->drives, b->wish, &b->bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b->drives, b->command, &b->bus), CAN_OK);
     const struct can_msg *frame = fake_bus_last(&b->fake, 0x301);
     ck_assert_ptr_nonnull(frame);
     ck_assert_int_eq(frame->length, 6);
@@ -65,12 +65,12 @@ START_TEST(way_to_enabled_and_back)
 {
     struct bench b;
     start(&b);
-    b.wish[SIDE_LEFT].enable = true;
+    b.command[SIDE_LEFT].enable = true;
     ck_assert_int_eq(controlword_for(&b, 0x0240), 0x06); /* switch-on disabled: shutdown */
     ck_assert_int_eq(controlword_for(&b, 0x0221), 0x07); /* ready: switch on */
     ck_assert_int_eq(controlword_for(&b, 0x0223), 0x0F); /* switched on: enable */
     ck_assert_int_eq(controlword_for(&b, 0x0227), 0x0F); /* enabled: stay */
-    b.wish[SIDE_LEFT].enable = false;
+    b.command[SIDE_LEFT].enable = false;
     ck_assert_int_eq(controlword_for(&b, 0x0227), 0x06);
     ck_assert_int_eq(controlword_for(&b, 0x0221), 0x06);
     ck_assert_int_eq(controlword_for(&b, 0x0207), 0x02); /* quick stop: let it unload */
@@ -83,7 +83,7 @@ START_TEST(fault_reset_is_an_edge_and_only_on_demand)
 {
     struct bench b;
     start(&b);
-    b.wish[SIDE_LEFT].enable = true;
+    b.command[SIDE_LEFT].enable = true;
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
     for (int round = 0; round < 2; round++) {
@@ -225,7 +225,7 @@ START_TEST(no_kick_target_is_the_position_until_enabled)
         .precompression_m = 0.05f, .enable = true, .latch_armed = true, .clear_fault = false};
     answer(&b, 0x181, 0x0223, 1234);
     answer(&b, 0x182, 0x0227, -700);
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_int_eq(target_of(&b, 0), 1234);
     ck_assert_int_eq(target_of(&b, 1), -500 - 50000); /* reversed axis with its own zero */
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 0); /* not armed before enabled */
@@ -241,11 +241,11 @@ START_TEST(no_target_before_both_positions_are_known)
         .precompression_m = 0.05f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
     answer(&b, 0x181, 0x0227, 700000);
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 0);
     ck_assert_uint_eq(fake_bus_count(&b.fake, 0x302), 0);
     answer(&b, 0x182, 0x0240, 5);
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 1);
     ck_assert_int_eq(target_of(&b, 1), 5);
 }
@@ -282,14 +282,14 @@ START_TEST(commands_go_out_on_change_and_now_and_then)
     for (int tick = 0; tick < 1000; tick++) {
         answer(&b, 0x181, 0x0240, 500);
         answer(&b, 0x182, 0x0240, -500);
-        ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+        ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
         if (tick % 50 == 49) {
             fake_bus_clear(&b.fake);
         }
     }
     fake_bus_clear(&b.fake);
     for (int tick = 0; tick < 100; tick++) {
-        ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+        ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     }
     ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 100);
     ck_assert_uint_eq(fake_bus_count(&b.fake, 0x301), 1);
@@ -306,9 +306,9 @@ START_TEST(a_refused_frame_is_sent_again)
     b.wish[SIDE_LEFT] = (struct sea_drive_command){
         .precompression_m = 0.0f, .enable = true, .latch_armed = true, .clear_fault = false};
     b.fake.verdict = CAN_FULL;
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_FULL);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_FULL);
     b.fake.verdict = CAN_OK;
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x301));
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 1);
 }

@@ -15,7 +15,7 @@ struct odrive_bench {
     struct can_bus bus;
     struct cansimple_drives axes;
     struct sea_drives drives;
-    struct sea_drive_command wish[SIDE_COUNT];
+    struct sea_drive_command command[SIDE_COUNT];
 };
 
 static void start_odrive(struct odrive_bench *b)
@@ -89,7 +89,7 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
         .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     const struct can_msg *position = fake_bus_last(&b.fake, 0x02C);
     ck_assert_ptr_nonnull(position);
     ck_assert_mem_eq(position->data, at_10_5_turns, 4); /* where it is, not where it shall go */
@@ -103,14 +103,14 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 0); /* latch: not yet */
     ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
     fake_bus_clear(&b.fake);
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     /* 0.5 + 0.1 * 200 = 20.5 turns = 0x41A40000 */
     static const uint8_t at_20_5_turns[4] = {0x00, 0x00, 0xA4, 0x41};
     ck_assert_mem_eq(fake_bus_last(&b.fake, 0x02C)->data, at_20_5_turns, 4);
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x301)->data[4], 1);
-    b.wish[SIDE_LEFT].enable = false;
+    b.command[SIDE_LEFT].enable = false;
     for (int i = 0; i < 110; i++) {
-        ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+        ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
         if (i == 50) {
             fake_bus_clear(&b.fake);
         }
@@ -208,7 +208,7 @@ struct ak_bench {
     struct can_bus bus;
     struct mit_drives axes;
     struct sea_drives drives;
-    struct sea_drive_command wish[SIDE_COUNT];
+    struct sea_drive_command command[SIDE_COUNT];
 };
 
 static void start_ak(struct ak_bench *b)
@@ -270,9 +270,9 @@ START_TEST(mit_enters_after_an_answer_and_commands_bytes_in_order)
     sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, 0.0, 5e-6, 0.0);
     ck_assert_int_eq(reading.state, DRIVE_DISABLED);
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_mem_eq(fake_bus_last(&b.fake, 1)->data, enter, 8);
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     /* position -12 + 12.5 = 0.5 rad -> 34078 = 0x851E; velocity 0 -> 0x800 (rounded
      * half up); kp 500 -> 0xFFF; kd 5 -> 0xFFF; torque 100 * 0.25 / 50 = 0.5 Nm -> 2104 = 0x838 */
     static const uint8_t expected[8] = {0x85, 0x1E, 0x80, 0x0F, 0xFF, 0xFF, 0xF8, 0x38};
@@ -288,9 +288,9 @@ START_TEST(mit_never_spells_a_special_frame_by_accident)
     b.wish[SIDE_LEFT] = (struct sea_drive_command){
         .precompression_m = 0.0f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
-    b.wish[SIDE_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
+    b.command[SIDE_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert(fake_bus_last(&b.fake, 1)->data[1] != 0xFF);
 }
 END_TEST
@@ -301,11 +301,11 @@ START_TEST(mit_refuses_a_motor_with_other_ranges)
     struct ak_bench b;
     struct sea_drive_reading reading;
     start_ak(&b);
-    b.wish[SIDE_LEFT].enable = true;
+    b.command[SIDE_LEFT].enable = true;
     ck_assert(give(&b.drives, 0x11, far_away, 8));
     sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     ck_assert_int_eq(reading.state, DRIVE_FAULT);
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert(fake_bus_last(&b.fake, 1)->data[7] != MIT_ENTER);
 }
 END_TEST
@@ -315,11 +315,11 @@ START_TEST(mit_error_and_withdrawal_leave_motor_mode)
     static const uint8_t answer_with_error[8] = {1, 0x05, 0x1F, 0x7F, 0xF7, 0xFF, 90, 3};
     struct ak_bench b;
     start_ak(&b);
-    b.wish[SIDE_LEFT].enable = true;
+    b.command[SIDE_LEFT].enable = true;
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert(give(&b.drives, 0x11, answer_with_error, 8));
-    ck_assert_int_eq(sea_drives_command(&b.drives, b.wish, &b.bus), CAN_OK);
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[7], MIT_EXIT);
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[0], 0xFF);
 }

@@ -428,7 +428,7 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
 
     for (uint32_t feed = 1; feed <= 6; feed++) { /* and nothing else of the port moves */
         port_c[0x14 / 4] |= 0xF0;
-        drive_power_enable_toggle(&pc1_power_permit);
+        drive_power_enable_toggle(&pc1_drive_power_enable);
         ck_assert_uint_eq(port_c[0x14 / 4], 0xF0 | (feed % 2 << 1));
     }
 }
