@@ -1,10 +1,12 @@
 #include "hal/bus/slcan_channel.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { OPEN_COMMANDS = 4 }; /* the empty line before them may be answered or not */
 
-const char slcan_open_commands[] = "\rC\rS8\rZ0\rO\r";
+const char slcan_open_commands[SLCAN_OPEN_COMMANDS_LENGTH + 1] = "\rC\rS8\rZ0\rO\r";
+static_assert(sizeof "\rC\rS8\rZ0\rO\r" == SLCAN_OPEN_COMMANDS_LENGTH + 1, "its length");
 
 void slcan_channel_init(struct slcan_channel *channel)
 {
