@@ -7,9 +7,9 @@
 /* A wearer's steps have stopped when none came for so many times the last one. */
 enum { LATE_STEPS = 2 };
 /* Least time in STANDBY. */
-enum { REST_TICKS = 50 };
+enum { REST_TICKS = TICKS_OF_MS(50) };
 /* Unloading lasts so long at least: from full stroke it takes less than 0.3 s. */
-enum { UNLOAD_LEAST_TICKS = 200 };
+enum { UNLOAD_LEAST_TICKS = TICKS_OF_MS(200) };
 /* The self test may take so many times as long as unloading: a drive that has just
  * come back may still be unloading by itself. */
 enum { SELF_TEST_PATIENCE = 5 };

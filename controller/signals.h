@@ -16,9 +16,11 @@
 #include "model/real.h"
 #include "model/sea_state.h"
 #include "model/side.h"
+#include "model/tick.h"
 
-enum { CONTROL_RATE_HZ = 1000 };
-#define CONTROL_PERIOD_S REAL(0.001)
+/* Both computed in double, then rounded once: at 1 ms they are REAL(0.001) and 1000. */
+#define CONTROL_PERIOD_S ((real)(TICK_PERIOD_US / 1.0e6))
+#define CONTROL_RATE_HZ (1.0e6 / TICK_PERIOD_US)
 
 /* From tick `then` to tick `tick`, which is not before it. */
 static inline real seconds_since(uint32_t tick, uint32_t then)

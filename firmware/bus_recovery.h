@@ -7,9 +7,10 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
+#include "model/tick.h"
 
 enum {
-    BUS_RECOVERY_TICKS = 10 /* between attempts */
+    BUS_RECOVERY_TICKS = TICKS_OF_MS(10) /* between attempts */
 };
 
 /* Zeroed: nothing asked for yet. */

@@ -28,7 +28,7 @@ void telemetry_default_pdos(struct co_comm *comm)
     comm->tpdo[TPDO_STEP].map[4] = UINT32_C(0x20020508);
     comm->tpdo[TPDO_STEP].map_count = 5;
     comm->tpdo[TPDO_STATE].cob_id = FRAME_CONTROLLER_STATE;
-    comm->tpdo[TPDO_STATE].event_ms = SLOW_PDO_TICKS * TICK_PERIOD_US / 1000;
+    comm->tpdo[TPDO_STATE].event_ms = (uint16_t)(SLOW_PDO_TICKS * TICK_PERIOD_US / 1000);
     comm->tpdo[TPDO_STATE].map[0] = UINT32_C(0x20010108);
     comm->tpdo[TPDO_STATE].map[1] = UINT32_C(0x20010208);
     comm->tpdo[TPDO_STATE].map[2] = UINT32_C(0x20010320);

@@ -18,7 +18,7 @@
 
 /* Lost, the model starts anew from the samples when all of their window lies in the
  * single support. */
-#define MODEL_RESTART_TICKS (2u * LEG_RATE_HALF_WINDOW + 8u)
+#define MODEL_RESTART_TICKS (2u * LEG_RATE_HALF_WINDOW + TICKS_OF_MS(8u))
 
 /* A stride differing more than this from the mean starts a new mean. */
 #define STRIDE_CHANGE_RATIO REAL(0.3)

@@ -8,7 +8,7 @@
 /* A prediction this far off, for so long, is not the model's error but another body,
  * a support from outside or a stumble. */
 #define GROSS_RAD REAL(0.015)
-#define GROSS_TICKS 15
+#define GROSS_TICKS TICKS_OF_MS(15)
 
 /* At a strike on level ground theta_s + theta_n is 0, which the state knows better
  * than the detection; further off, the ground was not level. */

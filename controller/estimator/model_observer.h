@@ -30,8 +30,9 @@
 
 enum model_phase { MODEL_LOST = 0, MODEL_SINGLE = 1, MODEL_DOUBLE = 2 };
 
-enum { MODEL_SLOW_TICKS = 32 }; /* a power of two */
-enum { MODEL_HISTORY = 32 };    /* ticks; a power of two above the longest age of a strike */
+/* About 32 ms; a power of two. */
+enum { MODEL_SLOW_TICKS = TICK_PERIOD_US < 2000 ? 32 : TICK_PERIOD_US < 4000 ? 16 : 8 };
+enum { MODEL_HISTORY = 32 }; /* ticks; a power of two above the longest age of a strike */
 
 struct model_observer {
     struct walker walker;

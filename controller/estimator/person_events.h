@@ -29,7 +29,7 @@
 #define person_events_update REAL_SYMBOL(person_events_update)
 #define person_events_rate REAL_SYMBOL(person_events_rate)
 
-enum { LEG_RATE_HALF_WINDOW = 16 }; /* ticks */
+enum { LEG_RATE_HALF_WINDOW = TICKS_OF_MS(16) }; /* ticks */
 
 enum leg_contact {
     LEG_UNKNOWN = 0, /* standing still, or just started */

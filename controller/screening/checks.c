@@ -22,16 +22,20 @@
 
 /* One value for so long while the other leg has moved so far: the sensor is stuck. A
  * 12-bit encoder's angle may stand still for 30 ms where a leg turns round. */
-enum { STUCK_TICKS = 100 };
+enum { STUCK_TICKS = TICKS_OF_MS(100) };
 #define STUCK_OTHER_RAD REAL(0.06)
 
 /* Standing: both legs within this of where they were half a second ago. */
-enum { STANDSTILL_TICKS = 500 };
+enum { STANDSTILL_TICKS = TICKS_OF_MS(500) };
 #define STANDSTILL_RAD REAL(0.02)
 
 /* The motor off its reference, three ticks late on the bus: a share of the leg. The
  * drives overshoot by up to 0.06 of it while they load. */
-enum { FOLLOW_CONTRADICTIONS = 25, OFF_CONTRADICTIONS = 250, COMMAND_DELAY = 3 };
+enum {
+    FOLLOW_CONTRADICTIONS = TICKS_OF_MS(25),
+    OFF_CONTRADICTIONS = TICKS_OF_MS(250),
+    COMMAND_DELAY = 3
+};
 #define FOLLOW_RATIO REAL(0.1)
 #define OFF_RATIO REAL(0.01)
 
@@ -39,7 +43,11 @@ enum { FOLLOW_CONTRADICTIONS = 25, OFF_CONTRADICTIONS = 250, COMMAND_DELAY = 3 }
  * share of the leg: then neither inertia nor damping takes part. Friction does
  * (1 to 2 % of the force at full stroke), and a spring has its tolerance. Two samples of
  * the slow PDO in a row must contradict. */
-enum { MOTOR_STILL_TICKS = 20, FORCE_CONTRADICTIONS = 2, FORCE_AGE_MAX_TICKS = 350 };
+enum {
+    MOTOR_STILL_TICKS = TICKS_OF_MS(20),
+    FORCE_CONTRADICTIONS = 2,
+    FORCE_AGE_MAX_TICKS = TICKS_OF_MS(350)
+};
 #define MOTOR_STILL_RATIO REAL(0.00002)
 #define MOTOR_THERE_RATIO REAL(0.002)
 #define FORCE_TOLERANCE_RATIO REAL(0.25)
@@ -47,14 +55,18 @@ enum { MOTOR_STILL_TICKS = 20, FORCE_CONTRADICTIONS = 2, FORCE_AGE_MAX_TICKS = 3
 
 /* A compass walker's ankle can extend only while its latch is open, follows the spring
  * then, and never beyond its motor. */
-enum { ANKLE_CONTRADICTIONS = 20, RELEASE_TICKS = 80, RECLOSE_TICKS = 20 };
+enum {
+    ANKLE_CONTRADICTIONS = TICKS_OF_MS(20),
+    RELEASE_TICKS = TICKS_OF_MS(80),
+    RECLOSE_TICKS = TICKS_OF_MS(20)
+};
 #define ANKLE_SLACK_RATIO REAL(0.02)
 #define RELEASE_LEAST_RATIO REAL(0.05)
 #define RELEASE_FROM_RATIO REAL(0.01)
 
 /* A drive that is not where it was sent: to be enabled takes six telegrams, and an
  * unload by itself 0.4 s at most. */
-enum { ENABLE_TICKS = 500, DISABLE_TICKS = 1000 };
+enum { ENABLE_TICKS = TICKS_OF_MS(500), DISABLE_TICKS = TICKS_OF_MS(1000) };
 
 static uint16_t counted(uint16_t count)
 {
@@ -93,7 +105,7 @@ static bool is_believed(real value, real before, real rate_per_tick, real noise,
 
 /* Bridged at the last rate, so that a lost frame does not look like a leg that
  * stopped; not for ever, so that it does not run away either. */
-enum { BRIDGE_TICKS = 50 };
+enum { BRIDGE_TICKS = TICKS_OF_MS(50) };
 
 static void screen_angle(struct leg_checks *leg, struct leg_measurement *sample, real rate_per_tick)
 {

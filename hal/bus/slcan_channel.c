@@ -1,12 +1,13 @@
 #include "hal/bus/slcan_channel.h"
 
-#include <assert.h>
 #include <string.h>
+
+#include "hal/bus/slcan_rate.h"
 
 enum { OPEN_COMMANDS = 4 }; /* the empty line before them may be answered or not */
 
-const char slcan_open_commands[SLCAN_OPEN_COMMANDS_LENGTH + 1] = "\rC\rS8\rZ0\rO\r";
-static_assert(sizeof "\rC\rS8\rZ0\rO\r" == SLCAN_OPEN_COMMANDS_LENGTH + 1, "its length");
+const char slcan_open_commands[SLCAN_OPEN_COMMANDS_LENGTH + 1] = {
+    '\r', 'C', '\r', 'S', SLCAN_RATE_DIGIT, '\r', 'Z', '0', '\r', 'O', '\r', '\0'};
 
 void slcan_channel_init(struct slcan_channel *channel)
 {

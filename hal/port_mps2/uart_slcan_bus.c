@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "hal/bus/slcan_rate.h"
 #include "hal/port_mps2/mps2_registers.h"
 
 enum { UART_DIVISOR = 16 }; /* 25 MHz / 16 = 1.5625 Mbaud, the fastest */

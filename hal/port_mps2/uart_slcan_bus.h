@@ -18,7 +18,7 @@ struct uart_slcan_bus {
     struct can_bus_status status;
 };
 
-/* Sets the UART up and opens the adapter's channel at 1 Mbit/s (slcan_open_commands). */
+/* Sets the UART up and opens the adapter's channel at the bit rate of the bus (slcan_open_commands). */
 void uart_slcan_bus_open(struct uart_slcan_bus *bus);
 
 struct can_bus uart_slcan_bus_interface(struct uart_slcan_bus *bus);

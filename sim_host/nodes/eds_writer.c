@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
 
 enum {
     OBJECT_DOMAIN = 2,
@@ -85,7 +86,7 @@ static void write_head(FILE *stream, const struct co_device *device, const struc
             comm->vendor, comm->name, comm->product, comm->revision);
     static const unsigned rates[] = {10, 20, 50, 125, 250, 500, 800, 1000};
     for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
-        fprintf(stream, "BaudRate_%u=%d\n", rates[i], rates[i] == 1000 ? 1 : 0);
+        fprintf(stream, "BaudRate_%u=%d\n", rates[i], rates[i] * 1000U == BUS_BITRATE ? 1 : 0);
     }
     fprintf(stream,
             "SimpleBootUpMaster=0\nSimpleBootUpSlave=1\nGranularity=8\nDynamicChannelsSupported=0\n"

@@ -10,6 +10,8 @@
 
 #include "hal/bus/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
+#include "model/tick.h"
+#include "sim_host/bus/bus_budget.h"
 #include "sim_host/cli/bus_program.h"
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/program.h"
@@ -21,7 +23,7 @@
 
 enum { CLOCK_TICKS_AT_ONCE = 20 };
 
-static const uint64_t NS_PER_MS = 1000000;
+static const uint64_t NS_PER_MS = 1000000, TICK_NS = UINT64_C(1000) * TICK_PERIOD_US;
 static const uint64_t IDLE_NS = 5000000; /* longest sleep while nobody is heard */
 static const uint64_t RECOVERY_NS = 100000000;
 
@@ -148,7 +150,7 @@ static void take_frame(struct session *session, const struct can_msg *message, u
 {
     const bool is_sync = message->id == FRAME_SYNC && message->flags == 0;
     if (is_sync) {
-        session->time_ns += session->last_sync_ns != 0 ? NS_PER_MS : 0;
+        session->time_ns += session->last_sync_ns != 0 ? TICK_NS : 0;
         session->last_sync_ns = stamp_ns;
         session->by_clock = false;
         session->is_late = socketcan_bus_has_fetched(&session->bus, FRAME_SYNC);
@@ -183,14 +185,14 @@ static void go_by_clock(struct session *session, uint64_t now_ns)
         session->next_clock_ns = now_ns;
     }
     for (int i = 0; i < CLOCK_TICKS_AT_ONCE && now_ns >= session->next_clock_ns; i++) {
-        session->next_clock_ns += NS_PER_MS;
-        session->time_ns += NS_PER_MS;
+        session->next_clock_ns += TICK_NS;
+        session->time_ns += TICK_NS;
         session->figures.clock_ticks++;
         walker_nodes_process(&session->nodes, session->time_ns);
         finish_tick(session);
     }
     if (now_ns >= session->next_clock_ns) {
-        session->next_clock_ns = now_ns + NS_PER_MS; /* the process was stopped: no burst */
+        session->next_clock_ns = now_ns + TICK_NS; /* the process was stopped: no burst */
     }
 }
 
@@ -251,6 +253,11 @@ int afo_walker(int argc, char **argv)
     static struct session session;
     bus_program_catch_signals();
     walker_options_parse(&session.options, argc, argv);
+    char message[BUS_BUDGET_MESSAGE_MAX];
+    if (bus_budget_check_build(message, sizeof message) != 0) {
+        program_complain("%s", message);
+        return EXIT_USAGE;
+    }
     if (prepare(&session) != 0) {
         return EXIT_USAGE;
     }

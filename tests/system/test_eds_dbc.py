@@ -13,7 +13,7 @@ cantools = pytest.importorskip("cantools")
 
 FILES = ROOT / "hal" / "canopen" / "eds"
 NODES = {"drive-left": 1, "drive-right": 2, "sensor-left": 3, "sensor-right": 4, "controller": 16}
-ROW = re.compile(r"X\((\w+), (0x[0-9A-F]+), (\d+), (\d+), (\d+), (\d+), ([A-Z])\)")
+ROW = re.compile(r"X\((\w+), (0x[0-9A-F]+), (\d+), (FRAME_TICKS\(\d+\)|\d+), (FRAME_TICKS\(\d+\)|\d+), (\d+), ([A-Z])\)")
 SIGNED = {2, 3, 4, 0x10}
 
 
