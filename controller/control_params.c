@@ -55,6 +55,10 @@ int control_params_validate(const struct control_params *params)
         (params->open_loop_r0_m < params->r0_min_m || params->open_loop_r0_m > params->r0_max_m)) {
         return CONTROL_PARAMS_OPEN_LOOP;
     }
+    /* Without, the first spring is loaded at once, at the full level, behind a person who may stand. */
+    if (params->body == (real)BODY_PERSON && params->engage_steps < REAL(1.0)) {
+        return CONTROL_PARAMS_ENGAGE;
+    }
     return check_law(params);
 }
 

@@ -102,6 +102,8 @@ enum {
     CONTROL_PARAMS_R0_STROKE = CONTROL_PARAM_COUNT + 2, /* r0_max beyond 0.4 leg lengths */
     CONTROL_PARAMS_OPEN_LOOP = CONTROL_PARAM_COUNT + 3, /* open_loop_r0 outside r0_min..r0_max */
     CONTROL_PARAMS_LAW = CONTROL_PARAM_COUNT + 4,       /* no such law */
+    CONTROL_PARAMS_ENGAGE =
+        CONTROL_PARAM_COUNT + 6, /* a person, and no steady step before assistance */
     CONTROL_PARAMS_BRANCH =
         CONTROL_PARAM_COUNT + 5 /* the law needs a gait branch; none, or unusable */
 };

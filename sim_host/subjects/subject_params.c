@@ -180,6 +180,12 @@ static void explain(const struct control_params *params, int verdict, char *mess
     } else if (verdict == CONTROL_PARAMS_LAW) {
         snprintf(message, SUBJECT_MESSAGE_MAX, "controller parameter law = %g is no law",
                  (double)params->law);
+    } else if (verdict == CONTROL_PARAMS_ENGAGE) {
+        snprintf(
+            message, SUBJECT_MESSAGE_MAX,
+            "body is 1, a person, and engage_steps is %g: a person needs at least 1 steady step "
+            "before assistance; set engage_steps = 4",
+            (double)params->engage_steps);
     } else if (verdict == CONTROL_PARAMS_BRANCH) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "this law needs the walker's branch of gaits, which could not be computed");

@@ -249,6 +249,22 @@ START_TEST(the_inverse_stays_in_its_interval_where_the_cubic_falls)
 }
 END_TEST
 
+/* A person is never loaded from the first step: assistance needs steady steps before it, at least one. The bench
+ * (engage_steps 0) is the compass walker's, which a hand holds. */
+START_TEST(a_person_needs_steps_before_assistance)
+{
+    params.engage_steps = REAL(0.0);
+    params.body = (real)BODY_COMPASS;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+    params.body = (real)BODY_PERSON;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_ENGAGE);
+    params.engage_steps = REAL(0.5);
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_ENGAGE);
+    params.engage_steps = REAL(1.0);
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("control_params");
@@ -264,6 +280,7 @@ int main(void)
     tcase_add_test(tests, each_gait_of_a_branch_is_checked);
     tcase_add_test(tests, a_branch_gives_its_entries_and_holds_its_ends);
     tcase_add_test(tests, the_inverse_stays_in_its_interval_where_the_cubic_falls);
+    tcase_add_test(tests, a_person_needs_steps_before_assistance);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -108,6 +108,8 @@ def test_both_boards_are_linked_from_the_same_objects():
     ("int depth(int n);\nint depth(int n) { return n > 0 ? depth(n - 1) + n * (int)(long)&n : n; }\n", "recursion"),
     ("int size(int n);\nint size(int n) { char a[n]; a[0] = (char)n; return *(volatile char *)a; }\n", "unknown size"),
     ("int call(int (*f)(int));\nint call(int (*f)(int)) { return f(1) + 1; }\n", "whom it reaches"),
+    ("int call(void *bus);\nstruct bus { int (*send)(int); };\n"
+     "int call(void *bus)\n{\n    const struct bus *b = bus;\n    return b->send(1) + 1;\n}\n", "nobody that \"send\""),
 ])
 def test_the_stack_check_notices(tmp_path, change, says):
     """A function that breaks a rule, reached from main, must be told."""
