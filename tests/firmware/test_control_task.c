@@ -218,6 +218,20 @@ START_TEST(engages_when_all_is_well_and_loads_the_leg_in_front)
 }
 END_TEST
 
+/* A walk that is asked for at power-on waits, however early all is well. */
+START_TEST(no_walk_begins_right_after_power_on)
+{
+    struct bench b;
+    start(&b);
+    b.task.now_ns = 0;
+    run_ticks(&b, CONTROL_TASK_START_TICK - 1, 0x0240);
+    ck_assert_uint_eq(b.task.tick, CONTROL_TASK_START_TICK - 1);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_STANDBY);
+    run_ticks(&b, 2, 0x0240);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+}
+END_TEST
+
 START_TEST(emergency_stop_is_obeyed_and_told)
 {
     struct bench b;
@@ -736,6 +750,7 @@ int main(void)
     tcase_add_test(tests, a_node_that_says_nothing_is_found_by_asking);
     tcase_add_test(tests, a_scan_gives_way_to_a_node_that_speaks);
     tcase_add_test(tests, what_the_drives_tell_of_themselves_can_be_read);
+    tcase_add_test(tests, no_walk_begins_right_after_power_on);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

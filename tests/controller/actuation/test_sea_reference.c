@@ -54,6 +54,23 @@ START_TEST(one_step_of_walking)
 }
 END_TEST
 
+/* Once the latch is armed the other foot may land at any moment: nothing changes what it would release. */
+START_TEST(an_armed_spring_takes_no_new_target)
+{
+    const struct control_params params = limits();
+    struct sea_reference sea;
+    sea_reference_init(&sea, 0.0f);
+    sea_reference_begin_loading(&sea, 0.1f);
+    (void)run(&sea, &params, 600);
+    sea_reference_set_target(&sea, 0.12f);
+    ck_assert(run(&sea, &params, 300).latch_armed);
+    sea_reference_set_target(&sea, 0.2f);
+    const struct sea_request request = run(&sea, &params, 500);
+    ck_assert(request.latch_armed);
+    assert_close(request.precompression_m, 0.12, 1e-6, 0.0);
+}
+END_TEST
+
 START_TEST(time_to_load_is_that_of_the_trapezoid)
 {
     /* 0.1 m at 0.5 m/s and 10 m/s^2: 0.05 s up, 0.05 s down, the rest at full speed. */
@@ -137,6 +154,7 @@ int main(void)
     tcase_add_test(tests, not_armed_when_the_motor_lags);
     tcase_add_test(tests, trim_out_of_turn_is_ignored);
     tcase_add_test(tests, limits_hold_for_any_sequence_of_targets);
+    tcase_add_test(tests, an_armed_spring_takes_no_new_target);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

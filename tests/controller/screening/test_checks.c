@@ -193,6 +193,19 @@ START_TEST(a_lasting_jump_is_a_fault_while_walking)
 }
 END_TEST
 
+/* A spring is still loaded then: what the sensors say of it counts as much as before. */
+START_TEST(a_lasting_jump_is_a_fault_while_unloading)
+{
+    struct rig rig;
+    warm_up(&rig, SUPERVISOR_UNLOADING);
+    rig.input.leg[SIDE_LEFT].leg_angle_rad -= REAL(0.6);
+    expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
+    warm_up(&rig, SUPERVISOR_UNLOADING);
+    rig.input.sea[SIDE_RIGHT].precompression_m = REAL(0.2);
+    expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
+}
+END_TEST
+
 START_TEST(a_stuck_angle)
 {
     struct rig rig;
@@ -390,6 +403,7 @@ int main(void)
     tcase_add_test(tests, following_error);
     tcase_add_test(tests, drives_that_disobey);
     tcase_add_test(tests, standstill_and_slack);
+    tcase_add_test(tests, a_lasting_jump_is_a_fault_while_unloading);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

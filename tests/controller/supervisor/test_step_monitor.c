@@ -79,6 +79,26 @@ START_TEST(a_step_unlike_the_others_begins_anew)
 }
 END_TEST
 
+/* As long as the others, one strike of the other foot on the way, and the same leg at the apex: it limps in place. */
+START_TEST(the_same_leg_twice_is_no_steady_step)
+{
+    struct walk walk;
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 600);
+    ck_assert_uint_eq(walk.monitor.steady, 1);
+    struct gait_state gait = {0};
+    strike(&walk, SIDE_RIGHT);
+    walk.tick += 600;
+    gait.event[GAIT_APEX] =
+        (struct gait_event){.happened = true, .side = SIDE_LEFT, .tick = walk.tick};
+    ck_assert(step_monitor_update(&walk.monitor, &gait, walk.tick));
+    ck_assert(walk.monitor.same_side);
+    ck_assert_uint_eq(walk.monitor.steady, 0);
+    ck_assert_uint_eq(walk.monitor.unsteady, 1);
+}
+END_TEST
+
 START_TEST(a_step_without_heel_strike_is_none)
 {
     struct walk walk;
@@ -171,6 +191,7 @@ int main(void)
     tcase_add_test(tests, a_step_is_held_to_the_two_before);
     tcase_add_test(tests, counters_saturate);
     tcase_add_test(tests, steps_across_the_end_of_the_clock);
+    tcase_add_test(tests, the_same_leg_twice_is_no_steady_step);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }
