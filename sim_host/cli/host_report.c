@@ -1,9 +1,14 @@
 #include "sim_host/cli/host_report.h"
 
+#include <assert.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/cli/program.h"
+
+/* Nodes that are there have booted and are set up by then. */
+enum { WAITED_TICKS = TICKS_OF_MS(2000) };
 
 const char *host_report_state_name(enum supervisor_state state)
 {
@@ -42,6 +47,56 @@ void host_report_refusal(const struct control_task *task, uint32_t *told)
         program_complain("node %u does not answer (object 0x%04X:%02X), asked again",
                          objects->refused_node, objects->refused_index, objects->refused_sub);
     }
+}
+
+/* Who the nodes are to a person, by their place in NODE_TABLE. */
+static const char *const node_names[] = {"left drive", "right drive", "left leg sensor",
+                                         "right leg sensor"};
+static_assert(sizeof node_names / sizeof node_names[0] == NETWORK_NODES, "a name for each node");
+
+static void say_of_node(const struct network_node *node, char *text, size_t size)
+{
+    if (node->state == NMT_UNKNOWN) {
+        snprintf(text, size, "is silent");
+    } else if (node->error_code != 0) {
+        snprintf(text, size, "reports emergency 0x%04X", node->error_code);
+    } else if (node->state == NMT_STOPPED) {
+        snprintf(text, size, "is stopped");
+    } else if (node->state != NMT_OPERATIONAL) {
+        snprintf(text, size, "is not started yet");
+    } else {
+        text[0] = '\0';
+    }
+}
+
+void host_report_nodes(const struct network *network, char *text)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int i = 0; i < NETWORK_NODES && used < HOST_REPORT_NODES_MAX; i++) {
+        char state[64];
+        say_of_node(&network->node[i], state, sizeof state);
+        if (state[0] != '\0') {
+            used +=
+                (size_t)snprintf(text + used, HOST_REPORT_NODES_MAX - used, "%s%s (node %u) %s",
+                                 used > 0 ? "; " : "", node_names[i], network->node[i].id, state);
+        }
+    }
+}
+
+void host_report_nodes_on_change(const struct control_task *task, char *told)
+{
+    char text[HOST_REPORT_NODES_MAX];
+    const bool lost = task->output.fault == SUPERVISOR_FAULT_NODE_LOST;
+    const bool waited = task->output.state == SUPERVISOR_INIT && task->tick >= WAITED_TICKS;
+    if (!lost && !waited) {
+        return;
+    }
+    host_report_nodes(&task->network, text);
+    if (text[0] != '\0' && strcmp(text, told) != 0) {
+        program_complain("%s", text);
+    }
+    memcpy(told, text, sizeof text);
 }
 
 void host_report_text(const struct control_task *task, const struct host_figures *figures,

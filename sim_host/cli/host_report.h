@@ -24,6 +24,15 @@ bool host_report_is_refused(const struct control_task *task);
 /* Says on standard error which node is refused or silent, once; *told remembers it (0 first). */
 void host_report_refusal(const struct control_task *task, uint32_t *told);
 
+/* Which nodes are not in operation, and why: "left drive (node 1) is silent; left leg sensor (node 3) reports
+ * emergency 0x5000". text: HOST_REPORT_NODES_MAX bytes; empty when all is well. */
+enum { HOST_REPORT_NODES_MAX = 320 };
+void host_report_nodes(const struct network *network, char *text);
+
+/* Says that on standard error when a fault of the nodes is latched, and once they have been waited for in vain:
+ * whenever it has become something else. told: HOST_REPORT_NODES_MAX bytes, "" first. */
+void host_report_nodes_on_change(const struct control_task *task, char *told);
+
 /* On standard output, at the end. pacer: NULL where no clock paced the walk (text only). */
 void host_report_text(const struct control_task *task, const struct host_figures *figures,
                       const struct pacer *pacer);

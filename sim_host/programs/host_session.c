@@ -80,6 +80,7 @@ static void tell(struct host *host)
     tell_interface(host);
     tell_bus_off(host);
     host_report_refusal(task, &host->told_refusal);
+    host_report_nodes_on_change(task, host->told_nodes);
     if (task->output.state != host->told_state && !host->options.bus.quiet &&
         !host->options.bus.json) {
         printf("  tick %8u  %s%s%s\n", task->tick, host_report_state_name(task->output.state),

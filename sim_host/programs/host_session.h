@@ -32,6 +32,7 @@ struct host {
     bool is_bus_off;             /* by what was told */
     uint64_t next_recovery_ns;
     uint32_t told_refusal; /* number of the last one that was told */
+    char told_nodes[HOST_REPORT_NODES_MAX];
     enum supervisor_state told_state;
 };
 
