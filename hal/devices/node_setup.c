@@ -28,7 +28,7 @@ enum {
 };
 
 /* STEP_AWAIT: as STEP_EXPECT, but the value may take SETUP_SETTLE_MS to come. */
-enum step_kind { STEP_EXPECT, STEP_AWAIT, STEP_AT_LEAST, STEP_WRITE, STEP_SCALING, STEP_END };
+enum step_kind { STEP_EXPECT, STEP_AWAIT, STEP_SPEED, STEP_WRITE, STEP_SCALING, STEP_END };
 
 struct setup_step {
     enum step_kind kind;
@@ -42,8 +42,7 @@ struct setup_step {
 #define EXPECT(index, sub, value, mask) \
     ((struct setup_step){STEP_EXPECT, index, sub, 4, value, mask})
 #define AWAIT(index, sub, value, mask) ((struct setup_step){STEP_AWAIT, index, sub, 4, value, mask})
-#define AT_LEAST(index, sub, value) \
-    ((struct setup_step){STEP_AT_LEAST, index, sub, 4, value, ALL_BITS})
+#define SPEED(index, sub) ((struct setup_step){STEP_SPEED, index, sub, 4, 0, 0})
 #define WRITE(index, sub, bytes, value) \
     ((struct setup_step){STEP_WRITE, index, sub, bytes, value, ALL_BITS})
 #define COB(index, value) ((struct setup_step){STEP_WRITE, index, 1, 4, value, COB_ID_MASK})
@@ -180,7 +179,7 @@ static struct setup_step drive_step(const struct node_setup *setup)
     case 21:
         return SCALING(0x6076, 0);
     case 22:
-        return AT_LEAST(0x6080, 0, config->speed_needed_counts_s[leg]);
+        return SPEED(0x6080, 0);
     default:
         return END;
     }
@@ -309,11 +308,22 @@ static enum setup_verdict check_rated_force(struct node_setup *setup, enum side 
     return fail(setup, SETUP_DIFFERS, &step, found);
 }
 
+/* In counts, so only where a count is what it is believed to be. 0: the drive has no limit. */
+static enum setup_verdict check_speed(struct node_setup *setup, enum side leg)
+{
+    const uint32_t needed = setup->config->speed_needed_counts_s[leg];
+    const struct setup_step step = {STEP_SPEED, 0x6080, 0, 4, needed, ALL_BITS};
+    return setup->speed_found == 0 || setup->speed_found >= needed
+               ? SETUP_DONE
+               : fail(setup, SETUP_DIFFERS, &step, setup->speed_found);
+}
+
 /* What the drive says of itself must be what the settings say of it. */
 static enum setup_verdict check_drive(struct node_setup *setup)
 {
     const enum side leg = setup->node == NODE_DRIVE_LEFT ? SIDE_LEFT : SIDE_RIGHT;
-    const enum setup_verdict verdict = check_scaling(setup, leg);
+    enum setup_verdict verdict = check_scaling(setup, leg);
+    verdict = verdict == SETUP_DONE ? check_speed(setup, leg) : verdict;
     const bool has_force = setup->config->rated_force_N[leg] > 0.0f;
     return verdict == SETUP_DONE && has_force ? check_rated_force(setup, leg) : verdict;
 }
@@ -330,10 +340,8 @@ static enum setup_verdict finish_step(struct node_setup *setup, const struct set
     if (step->kind == STEP_SCALING) {
         const unsigned next = setup->scaled++; /* in the order of the steps */
         setup->scaling[next < SETUP_SCALING_VALUES ? next : 0] = found;
-    } else if (step->kind == STEP_AT_LEAST) {
-        if (found != 0 && found < step->value) {
-            return fail(setup, SETUP_DIFFERS, step, found);
-        }
+    } else if (step->kind == STEP_SPEED) {
+        setup->speed_found = found;
     } else {
         const uint32_t width = step->bytes == 4 ? ALL_BITS : (UINT32_C(1) << (8 * step->bytes)) - 1;
         const uint32_t mask = step->mask & width;

@@ -69,6 +69,7 @@ struct node_setup {
     bool reading_back;    /* the value of this step was written, now it is read */
     bool under_way;       /* a transfer is with the client */
     uint8_t scaled;       /* how many of them have been read */
+    uint32_t speed_found; /* 0x6080 as read */
     uint32_t scaling[SETUP_SCALING_VALUES]; /* 0x608F, 0x6091, 0x6092, 0x6076 as read */
 };
 

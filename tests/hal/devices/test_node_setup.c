@@ -138,6 +138,12 @@ START_TEST(a_drive_that_is_too_slow_is_refused)
     b.config.speed_needed_counts_s[SIDE_LEFT] = UINT32_MAX;
     b.drive.objects.max_speed = 0; /* no limit */
     ck_assert_int_eq(finish(true), SETUP_DONE);
+    /* Counts of another size: that is what is wrong, and not the speed told in them. */
+    start();
+    b.config.counts_per_m[SIDE_LEFT] *= 2;
+    b.config.speed_needed_counts_s[SIDE_LEFT] = 2 * 24903680;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6092);
 }
 END_TEST
 
