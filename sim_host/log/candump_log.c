@@ -7,8 +7,16 @@ enum { SECONDS_DIGITS = 10, MICROS_DIGITS = 6, LINE_READ_MAX = 192 };
 
 static const uint32_t ERROR_FLAG_IN_LOG = UINT32_C(0x20000000);
 
+/* At least so many digits: a number that has more keeps them. */
 static char *put_decimal(char *at, uint64_t value, unsigned digits)
 {
+    uint64_t rest = value;
+    for (unsigned i = 0; i < digits; i++) {
+        rest /= 10;
+    }
+    for (; rest > 0; rest /= 10) {
+        digits++;
+    }
     for (unsigned i = digits; i-- > 0;) {
         at[i] = (char)('0' + (int)(value % 10));
         value /= 10;

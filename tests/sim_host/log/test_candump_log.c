@@ -22,6 +22,8 @@ START_TEST(lines_of_can_utils_are_read_and_written_back_unchanged)
         "(1436509053.850870) vcan0 123#R\n",
         "(1436509053.850870) vcan0 123#R5\n",
         "(1436509053.850870) slcan0 20000004#0004000000000000\n",
+        "(19436509052.249713) vcc 049#2BAA3BBA\n", /* more seconds than ten digits hold */
+        "(999999999999.999999) can0 1FFFFFFF#0011223344556677\n",
     };
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         struct candump_record record;
