@@ -19,7 +19,7 @@ struct ground_operator_result {
  * of speed_rad_s, rises uniform within +- rise_most leg
  * lengths, as a height or else as the incline that rises so much on a step of step_share leg
  * lengths. Returns 0, or -1 without memory. */
-int ground_operator(const struct law_setup *bench, double speed_rad_s, double rise_most,
+int ground_operator(const struct law_setup *setup, double speed_rad_s, double rise_most,
                     double step_share, bool heights, struct ground_operator_result *result);
 
 /* What one rise does to a steady gait, the push-off being chosen before it is met. */
@@ -33,7 +33,7 @@ struct ground_rise {
 };
 
 /* By bisection on the map; survival is taken to end once as the rise grows. */
-void ground_rise_survived(const struct law_setup *bench, double speed_rad_s,
+void ground_rise_survived(const struct law_setup *setup, double speed_rad_s,
                           struct ground_rise *rise);
 
 #endif

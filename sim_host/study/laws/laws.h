@@ -37,7 +37,7 @@ struct laws_options {
     uint64_t seed;
     const char *out_directory; /* NULL: none */
     struct subject subject;
-    struct law_setup bench; /* of the subject, with eq. (16) */
+    struct law_setup setup; /* of the subject, with eq. (16) */
 };
 
 /* A study: returns 0, or -1 after saying what is wrong on standard error. */
@@ -55,7 +55,7 @@ void laws_draw_apex(const struct laws_options *options, struct rng *rng, double 
 struct viability_range laws_viability_range(const struct laws_options *options, int fineness,
                                             int pushes);
 
-/* The bench of an law_case for the subject. */
+/* The setup of an law_case for the subject. */
 struct law_setup law_case_setup(const struct laws_options *options, enum law_case law_case);
 
 /* For pools whose results stay where they were computed. */

@@ -24,14 +24,14 @@ struct terrain {
     double step_share; /* steady step length over leg length */
 };
 
-static void terrain_init(struct terrain *terrain, const struct law_setup *bench,
+static void terrain_init(struct terrain *terrain, const struct law_setup *setup,
                          const struct session_config *config)
 {
     struct laws_stride stride;
     double apex[3];
-    const double r0_m = law_setup_gait(bench, config->to_rad_s, apex);
-    (void)laws_stride(&bench->truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
-    terrain->step_share = stride.step_length_m / bench->truth.leg_length_m;
+    const double r0_m = law_setup_gait(setup, config->to_rad_s, apex);
+    (void)laws_stride(&setup->truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
+    terrain->step_share = stride.step_length_m / setup->truth.leg_length_m;
     rng_init(&terrain->rng, config->seed, 71);
 }
 
@@ -42,11 +42,11 @@ static double draw_rise(struct terrain *terrain, const struct session_config *co
 
 /* ---- on the map ------------------------------------------------------------------------- */
 
-/* All walks of a call; a walk's bench is its own, for its body may be. */
+/* All walks of a call; a walk's setup is its own, for its body may be. */
 struct map_walk {
     const struct session_config *config;
     struct session_result *result;
-    struct law_setup bench;
+    struct law_setup setup;
     struct terrain terrain;
     struct rng rng;
     int strides; /* answered */
@@ -66,7 +66,7 @@ static void look(void *context, size_t i, struct laws_ahead *ahead)
     ahead->rise = config->heights ? rise : 0.0;
 }
 
-static int judge(void *context, size_t i, const struct laws_walk *walk)
+static int record_stride(void *context, size_t i, const struct laws_walk *walk)
 {
     const struct map_walk *mine = (const struct map_walk *)context + i;
     struct session_result *result = mine->result;
@@ -89,20 +89,20 @@ static void start_on_map(const struct laws_options *options, struct map_walk *wa
 {
     const struct session_config *config = walk->config;
     double apex[3];
-    walk->bench = law_case_setup(options, config->law_case);
+    walk->setup = law_case_setup(options, config->law_case);
     if (config->truth != NULL) {
-        walk->bench.truth = subject_gait_walker(config->truth);
+        walk->setup.truth = subject_gait_walker(config->truth);
     }
     rng_init(&walk->rng, config->seed, 72);
-    terrain_init(&walk->terrain, &walk->bench, config);
-    const double r0_m = law_setup_gait(&walk->bench, config->from_rad_s, apex);
+    terrain_init(&walk->terrain, &walk->setup, config);
+    const double r0_m = law_setup_gait(&walk->setup, config->from_rad_s, apex);
     struct gait_point own; /* a body that differs starts in its own gait of this r0 */
     if (config->truth != NULL &&
-        gait_curve(&walk->bench.truth, r0_m, 0.0, 1, &own, NULL) == GAIT_CURVE_OK) {
+        gait_curve(&walk->setup.truth, r0_m, 0.0, 1, &own, NULL) == GAIT_CURVE_OK) {
         memcpy(apex, own.apex, sizeof apex);
     }
-    course->bench = &walk->bench;
-    laws_walk_start(&walk->bench, &course->walk, apex, r0_m, config->from_rad_s);
+    course->setup = &walk->setup;
+    laws_walk_start(&walk->setup, &course->walk, apex, r0_m, config->from_rad_s);
 }
 
 static int run_on_map(const struct laws_options *options, const struct session_config *configs,
@@ -120,8 +120,8 @@ static int run_on_map(const struct laws_options *options, const struct session_c
             start_on_map(options, &walks[i], &courses[i]);
             strides = configs[i].steps > strides ? configs[i].steps : strides;
         }
-        status =
-            laws_walks_run(courses, (size_t)count, strides, look, judge, walks, options->threads);
+        status = laws_walks_run(courses, (size_t)count, strides, look, record_stride, walks,
+                                options->threads);
     }
     free(walks);
     free(courses);
@@ -131,7 +131,7 @@ static int run_on_map(const struct laws_options *options, const struct session_c
 /* ---- through the chain ------------------------------------------------------------------ */
 
 /* What the last tick brought: the plant's apexes and finished steps. The first apex is the start. */
-static void take_events(struct loop *loop, int steps, struct session_result *result, int *apexes)
+static void read_events(struct loop *loop, int steps, struct session_result *result, int *apexes)
 {
     struct walk *walk = &loop->nodes.plant.walk;
     struct walk_event event;
@@ -186,17 +186,17 @@ static int start_chain(const struct laws_options *options, const struct session_
                        struct loop *loop, struct terrain *terrain, double *heights_m)
 {
     char message[LOOP_MESSAGE_MAX];
-    struct law_setup bench = law_case_setup(options, config->law_case);
+    struct law_setup setup = law_case_setup(options, config->law_case);
     struct loop_config loop_config;
     double apex[3];
     const struct subject *body = config->truth != NULL ? config->truth : &options->subject;
-    bench.params.start_r0_m = (real)law_setup_gait(&bench, config->from_rad_s, apex);
-    if (loop_configure(&loop_config, body, &bench.params, config->to_rad_s, options->sensors,
+    setup.params.start_r0_m = (real)law_setup_gait(&setup, config->from_rad_s, apex);
+    if (loop_configure(&loop_config, body, &setup.params, config->to_rad_s, options->sensors,
                        config->seed, message) != 0) {
         fprintf(stderr, "afo study laws: %s\n", message);
         return -1;
     }
-    terrain_init(terrain, &bench, config);
+    terrain_init(terrain, &setup, config);
     if (config->heights) {
         for (int i = 0; i <= SESSION_STEPS_MAX; i++) {
             const double rise = i == 0 ? 0.0 : draw_rise(terrain, config);
@@ -231,7 +231,7 @@ static int run_on_chain(const struct laws_options *options, const struct session
         for (uint64_t t = 0; t < ticks_max && !result->fell && result->steps < config->steps; t++) {
             loop_tick(loop);
             const int before = apexes;
-            take_events(loop, config->steps, result, &apexes);
+            read_events(loop, config->steps, result, &apexes);
             if (apexes != before && !config->heights) {
                 incline = atan(draw_rise(&terrain, config) / terrain.step_share);
             }

@@ -26,14 +26,14 @@ typedef void laws_look(void *context, size_t i, struct laws_ahead *ahead);
 typedef int laws_assess(void *context, size_t i, const struct laws_walk *walk);
 
 struct laws_course {
-    const struct law_setup *bench; /* its accuracy is not asked for */
+    const struct law_setup *setup; /* its accuracy is not asked for */
     struct laws_walk walk;         /* in: started by laws_walk_start(); out: where it ended */
 };
 
-/* Walks every course until it falls, `judge` has seen enough, or `strides` strides; on `threads` cores (0: all).
+/* Walks every course until it falls, `assess` has seen enough, or `strides` strides; on `threads` cores (0: all).
  * stride.double_support_s stays 0. Returns 0, or -1 after a message (no memory, or a walker out of range).
  * Cost: a microsecond a stride and the law's answer, 0.1 ms with the predictive law. */
 int laws_walks_run(struct laws_course *courses, size_t count, int strides, laws_look *look,
-                   laws_assess *judge, void *context, int threads);
+                   laws_assess *assess, void *context, int threads);
 
 #endif

@@ -20,8 +20,8 @@ static int is_there(const struct basin_start *start, const double x[3])
     return near;
 }
 
-static int judge(void *context, size_t index, struct batch_item *item,
-                 const struct batch_slopes *slopes)
+static int end_walk(void *context, size_t index, struct batch_item *item,
+                    const struct batch_slopes *slopes)
 {
     struct walks *walks = context;
     const struct basin_start *start = &walks->starts[index];
@@ -64,7 +64,7 @@ int basin_walks(const struct basin_start *starts, size_t count, int strides, str
                                   .items = items,
                                   .count = count,
                                   .strides = strides,
-                                  .stride_done = judge,
+                                  .stride_done = end_walk,
                                   .context = &walks};
     const enum batch_error error = batch_run(&settings, &job);
     for (size_t i = 0; i < count; i++) {
