@@ -7,6 +7,9 @@ CC := $(if $(filter default,$(origin CC)),gcc,$(CC))
 BUILD ?= build
 OPT ?= -O2
 SANITIZE ?=
+# The tick and the bit rate of the whole tree; empty: 1000 us, 1000000 bit/s.
+TICK_US ?=
+BITRATE ?=
 JOBS ?= $(shell nproc 2>/dev/null || echo 1)
 PYTHON ?= $(firstword $(wildcard build/venv/bin/python) /usr/bin/python3)
 
@@ -22,7 +25,8 @@ WARN := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstri
         -Wmissing-prototypes -Wundef -Wvla -Werror
 # Same bits on every machine: no contraction to fused multiply-add, no errno paths in sqrt.
 BITS := -ffp-contract=off -fno-math-errno -fno-strict-aliasing
-CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(OPT) -g $(WARN) $(BITS) $(SANITIZE) -I. $(CFLAGS)
+BUS_RATES := $(strip $(if $(TICK_US),-DTICK_PERIOD_US=$(TICK_US)) $(if $(BITRATE),-DBUS_BITRATE=$(BITRATE)))
+CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(OPT) -g $(WARN) $(BITS) $(BUS_RATES) $(SANITIZE) -I. $(CFLAGS)
 LDFLAGS_ALL = $(SANITIZE) $(LDFLAGS)
 LDLIBS_SIM := -lm -lpthread
 
@@ -60,12 +64,12 @@ tests: $(TESTS)
 # ---- What was built with what ------------------------------------------------
 # The version is git's word on the commit; the build id depends on the sources
 # alone, so that every compiler and machine gives the same one.
-VERSION_BASE := 0.1.0
+VERSION_BASE := 0.2.0
 GIT_COMMIT := $(shell git rev-parse --short=10 HEAD 2>/dev/null)
 GIT_DIRTY := $(if $(GIT_COMMIT),$(shell git status --porcelain -uno 2>/dev/null | head -1))
 VERSION := $(VERSION_BASE)$(if $(GIT_COMMIT),+g$(GIT_COMMIT))$(if $(GIT_DIRTY),.dirty)
-BUILD_ID := 0x$(shell find model controller hal firmware sim_host -name '*.[chS]' 2>/dev/null | LC_ALL=C sort | \
-        xargs -r sha256sum | sha256sum | cut -c1-8)
+BUILD_ID := 0x$(shell { find model controller hal firmware sim_host -name '*.[chS]' 2>/dev/null | LC_ALL=C sort | \
+        xargs -r sha256sum; printf '%s' '$(BUS_RATES)'; } | sha256sum | cut -c1-8)
 IDENTITY := -DAFO_VERSION='"$(VERSION)"' -DAFO_BUILD_ID=$(BUILD_ID)u
 
 # Stamps that change only when their text does: objects follow the flags, archives
@@ -209,6 +213,8 @@ clean: ## remove everything that was built
 
 help: ## this list
 	@echo 'make TARGET [BUILD=dir] [CC=gcc|clang] [OPT=-O2] [JOBS=n] [V=1]'; \
+	echo '     [TICK_US=us BITRATE=bit/s]   another tick, another bit rate, in a BUILD of their own:'; \
+	echo '                                  make programs TICK_US=2000 BITRATE=500000 BUILD=build/slow'; \
 	grep -hE '^[a-zA-Z$$()%: _-]+:.*## ' $(MAKEFILE_LIST) | \
 	sed -E 's/^\$$\(VARIANTS:[^#]*## \(([^)]*)\)/\1 : ##/; s/^\$$\(VARIANTS\)[^#]*## \(([^)]*)\)/\1 : ##/' | \
 	awk -F ':.*## ' '{ printf "  %-18s %s\n", $$1, $$2 }'

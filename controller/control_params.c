@@ -15,25 +15,22 @@ const struct control_param_descriptor control_param_descriptors[CONTROL_PARAM_CO
     CONTROL_PARAM_TABLE(DESCRIPTOR)};
 #undef DESCRIPTOR
 
-/* The share of r0_max a gait may need: at its limit eq. (16) cannot brake an excursion. */
-#define R0_SHARE REAL(0.95)
+/* The part of r0_max that a gait may need: at its limit eq. (16) cannot brake an excursion. */
+#define R0_RATIO REAL(0.95)
 
 static bool needs_branch(const struct control_params *params)
 {
-    return params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT ||
-           params->law == (real)LAW_PREDICTIVE;
+    const struct law *law = law_of(params->law);
+    return law != NULL && law->needs_branch;
 }
 
 static int check_law(const struct control_params *params)
 {
-    if (needs_branch(params)) {
-        return params->branch != NULL && gait_branch_check(params->branch) ? CONTROL_PARAMS_OK
-                                                                           : CONTROL_PARAMS_BRANCH;
+    if (law_of(params->law) == NULL) {
+        return CONTROL_PARAMS_LAW;
     }
-    return params->law == (real)LAW_PROPORTIONAL || params->law == (real)LAW_OPEN_LOOP ||
-                   params->law == (real)LAW_PERSON
-               ? CONTROL_PARAMS_OK
-               : CONTROL_PARAMS_LAW;
+    const bool has_branch = params->branch != NULL && gait_branch_check(params->branch);
+    return !needs_branch(params) || has_branch ? CONTROL_PARAMS_OK : CONTROL_PARAMS_BRANCH;
 }
 
 int control_params_validate(const struct control_params *params)
@@ -65,7 +62,7 @@ void control_params_speeds(const struct control_params *params, real *low_rad_s,
 {
     const struct gait_branch *branch = params->branch;
     *low_rad_s = speed_table_speed(&params->table, params->r0_min_m);
-    *high_rad_s = speed_table_speed(&params->table, R0_SHARE * params->r0_max_m);
+    *high_rad_s = speed_table_speed(&params->table, R0_RATIO * params->r0_max_m);
     if (needs_branch(params)) {
         const real last_rad_s =
             branch->speed_min_rad_s + branch->speed_step_rad_s * (real)(branch->count - 1u);

@@ -1,19 +1,24 @@
 /* Every number that tunes the controller, in one struct, validated once.
  *
- * The fields of the table are `real`, the speed table's `real` or 32-bit counts (in float
- * no padding: the same bytes in flash and under a checksum everywhere); the gait branch is
- * only pointed to and kept and checked by itself. CONTROL_PARAM_TABLE is the single list of names, units and ranges: the
- * subject file's reader, the validator and the object dictionary share it.
- * Ranges are what the law and the arithmetic bear, from a 1 kg table-top walker
- * to a 150 kg person; a person's own limits are set inside them.
+ * CONTROL_PARAM_TABLE is the single list of names, units and ranges. The subject file's reader,
+ * the validator and the object dictionary are made from it. Its fields are `real`, those of the
+ * speed table `real` or 32-bit counts: in float there is no padding, so the bytes in flash and
+ * under a checksum are the same everywhere. The gait branch is only pointed to; it is stored and
+ * checked by itself.
+ *
+ * The ranges are what laws and arithmetic can work with, from a 1 kg table-top walker to a 150 kg
+ * person. A person's own limits are set inside them.
  */
 #ifndef CONTROLLER_CONTROL_PARAMS_H
 #define CONTROLLER_CONTROL_PARAMS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "controller/estimator/body_table.h"
 #include "controller/laws/gait_branch.h"
+#include "controller/laws/law_table.h"
 #include "controller/laws/speed_table.h"
 #include "model/real.h"
 
@@ -21,21 +26,9 @@
 #define control_params_validate REAL_SYMBOL(control_params_validate)
 #define control_param_descriptors REAL_SYMBOL(control_param_descriptors)
 
-/* Which law turns a step's apex speed into the next precompression. */
-enum law_mode {
-    LAW_PROPORTIONAL = 0, /* paper eq. (16) */
-    LAW_OPEN_LOOP = 1,    /* constant r0, approached by a ramp from the start gait */
-    LAW_DLQR = 2,         /* whole apex state, least quadratic cost of the linearised map */
-    LAW_DEADBEAT = 3,     /* whole apex state, linearised map's eigenvalues all zero */
-    LAW_PREDICTIVE = 4,   /* search with the return map on board: laws/predictive_law.h */
-    LAW_PERSON = 8        /* a person: prescribed r0, v* = their own running mean (step_law.h) */
-};
-
-/* Whose gait the observer looks at: which rules find heel strike and lift-off. */
-enum body_kind {
-    BODY_COMPASS = 0, /* point feet, straight legs: the model's own events */
-    BODY_PERSON = 1   /* the leg from hip to ankle of a person: person_events.h */
-};
+/* "; 0 proportional" and so on, for a parameter's meaning. */
+#define LAW_CHOICE(value, number, id, name) "; " #number " " name
+#define BODY_CHOICE(value, number, id, name) "; " #number " " name
 
 /*  X(field, unit, minimum, maximum, meaning) */
 #define CONTROL_PARAM_TABLE(X)                                                                   \
@@ -44,10 +37,9 @@ enum body_kind {
     X(leg_length_m, "m", 0.1, 1.5, "l, hip to heel")                                             \
     X(spring_stiffness_n_m, "N/m", 1.0, 100000.0, "k of the ankle spring")                       \
     X(gravity_m_s2, "m/s^2", 1.0, 20.0, "g")                                                     \
-    X(law, "-", 0.0, 8.0,                                                                        \
-      "0 proportional, 1 open loop, 2 dlqr, 3 deadbeat, 4 predictive, 8 person")                 \
+    X(law, "-", 0.0, LAW_LARGEST, "law of the push-off" LAW_TABLE(LAW_CHOICE))                   \
     X(kp_m_s_rad, "m/(rad/s)", 0.0, 1.0, "gain of eq. (16) on the forward apex speed")           \
-    X(start_r0_m, "m", 0.0001, 0.6, "precompression that walking starts from; a wearer's r0*")   \
+    X(start_r0_m, "m", 0.0001, 0.6, "precompression that walking starts from; a person's r0*")   \
     X(speed_ramp_rad_s, "rad/s per step", 0.00001, 1.0, "largest change of the speed command")   \
     X(r0_min_m, "m", 0.0001, 0.6, "smallest precompression the law may ask for")                 \
     X(r0_max_m, "m", 0.0001, 0.6, "largest precompression the law may ask for")                  \
@@ -56,7 +48,7 @@ enum body_kind {
     X(open_loop_ramp_m, "m per step", 0.000001, 0.6, "its ramp from start_r0_m")                 \
     X(apex_window_s, "s", 0.004, 0.1, "half width of the fit around the apex")                   \
     X(angle_hysteresis_rad, "rad", 0.0001, 0.2, "swing of an angle below which it is no event")  \
-    X(body, "-", 0.0, 1.0, "0 = compass walker, 1 = person")                                     \
+    X(body, "-", 0.0, BODY_LARGEST, "whose gait it is" BODY_TABLE(BODY_CHOICE))                  \
     X(sensor_latency_s, "s", 0.0, 0.02,                                                          \
       "age of a leg sample at its SYNC; event times allow for it")                               \
     X(angle_zero_left_rad, "rad", -0.2, 0.2, "what the left leg angle reads upright: zeroing.h") \
@@ -71,10 +63,11 @@ enum body_kind {
     X(step_timeout_s, "s", 0.2, 10.0, "no apex for this long: walking has ended")                \
     X(fall_angle_rad, "rad", 0.3, 1.57, "a leg beyond this angle is a fall")                     \
     X(unload_timeout_s, "s", 0.01, 2.0, "unloading longer than this ends with torque off")       \
-    X(engage_steps, "-", 0.0, 50.0, "steady steps before assistance; 0 = bench: loaded at once") \
-    X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the share of assistance rises to 1") \
+    X(engage_steps, "-", 0.0, 50.0,                                                              \
+      "steady steps before assistance; 0 = test mode: loaded at once")                           \
+    X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the assist level rises to 1")        \
     X(terrain_speed_rad_s, "rad/s", 0.0, 20.0,                                                   \
-      "predictive law: speed it may want on uneven ground; 0 = none above the command")
+      "predictive law: highest speed it may aim for on uneven ground; 0 = the command")
 
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
 struct control_params {
@@ -118,6 +111,13 @@ enum {
  * first field out of range or not finite, or one of the codes above. Bounded:
  * one pass over the fields and the table. */
 int control_params_validate(const struct control_params *params);
+
+/* Test mode (engage_steps = 0): a walker without a push-off of its own, held by a hand until the
+ * first spring is loaded. Otherwise a person walks by themselves, and steady steps come first. */
+static inline bool control_params_test_mode(const struct control_params *params)
+{
+    return params->engage_steps == REAL(0.0);
+}
 
 /* The desired forward apex speeds (rad/s) that the law in force serves this walker at, *low_rad_s to
  * *high_rad_s: gaits whose push-off leaves eq. (16) 5 % of r0_max to catch an excursion with, and for a

@@ -1,5 +1,16 @@
 /* The whole controller: measurements of one tick in, SEA commands out.
  *
+ * controller_update() calls one function a stage, in this order:
+ *
+ *   sense      screening/zeroing     takes the sensors' offsets off, finds new ones at standstill
+ *   screen     screening/            replaces lost and impossible samples, counts contradictions
+ *   supervise  supervisor/           may it move? It judges by the gait as of the tick before:
+ *                                    the observer runs behind it
+ *   estimate   estimator/            the gait's phase and events, the apex state; steady steps?
+ *   decide     laws/                 the step's precompression
+ *   actuate    actuation/springs     references of both motors, latches
+ *   guard      actuation/command_guard   the last gate
+ *
  * Pure: all state is in struct controller, time is the tick number of the input.
  * The same object code runs on the orthosis, on the emulated target, on a laptop
  * against the simulated walker, and on a replayed log.
@@ -7,11 +18,13 @@
 #ifndef CONTROLLER_CONTROLLER_H
 #define CONTROLLER_CONTROLLER_H
 
-#include "controller/actuation/sea_reference.h"
+#include "controller/actuation/command_guard.h"
+#include "controller/actuation/springs.h"
 #include "controller/control_params.h"
 #include "controller/estimator/gait_observer.h"
-#include "controller/laws/step_law.h"
+#include "controller/laws/step_plan.h"
 #include "controller/screening/checks.h"
+#include "controller/screening/samples.h"
 #include "controller/screening/zeroing.h"
 #include "controller/signals.h"
 #include "controller/supervisor/step_monitor.h"
@@ -23,24 +36,17 @@
 struct controller {
     const struct control_params *params; /* the caller's; constant while walking */
     struct gait_observer observer;
-    struct step_law law;
-    struct sea_reference sea[SIDE_COUNT];
+    struct step_plan plan;
+    struct springs springs;
+    struct command_guard guard;
     struct supervisor supervisor;
-    struct step_record last_step;
-    struct step_record pending_step; /* of the apex whose push-off the law still works on */
+    struct step_record last_step; /* the last one decided */
+    struct samples samples;
     struct checks checks;
     struct step_monitor step_monitor;
     struct zeroing zeroing;
-    struct sea_request request[SIDE_COUNT]; /* of the last tick */
-    /* Limits by the parameters as they were when it engaged: */
-    struct sea_stop stop;
-    real slew_limit_m;    /* what a command may rise in one tick, */
-    real change_max_m;    /* r0 from step to step, */
-    real command_limit_m; /* and how far a command may lie on either side of zero */
-    real assist_level;    /* of the law's precompression that is given, 0..1: engaging ramps it */
-    bool request_spent;   /* after a fault, or a walk on the bench: it takes a new request */
-    bool step_pending;
-    bool observing; /* the observer has been started */
+    bool request_spent; /* after a fault, or a walk in test mode: it takes a new request */
+    bool observing;     /* the observer has been started */
 };
 
 struct controller_output {

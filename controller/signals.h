@@ -1,7 +1,20 @@
 /* What flows between the stages of the controller, with the unit in each name.
  *
- *   measurements -> gait observer -> gait events -> step law -> SEA reference -> commands
- *                         \______________ supervisor ______________/
+ * One tick, in the order of controller_update():
+ *
+ *        .------------------ last requests, of the tick before ------------------.
+ *        v                                                                       |
+ *   sense -> screen -> supervise -> estimate -> decide -> actuate -> guard ------+--> drives
+ *                         ^  \         |   \       ^         ^ ^
+ *                         |   \        |    \      |         | |
+ *                         |    `-- state: may it move? ---------|
+ *                         |            |      `-- gait_state ---'
+ *                         `------------'
+ *                  gait_state of the tick before: the
+ *                  supervisor runs ahead of the observer
+ *
+ * Every stage after `screen` sees all screened measurements. So the motors' positions also reach
+ * `estimate`: the observer takes them for the springs' rest lengths.
  *
  * Angles follow model/: 0 is vertical, positive is the foot ahead of the hip, so
  * the stance leg's angle falls while walking forward. Arrays are indexed by
@@ -16,9 +29,11 @@
 #include "model/real.h"
 #include "model/sea_state.h"
 #include "model/side.h"
+#include "model/tick.h"
 
-enum { CONTROL_RATE_HZ = 1000 };
-#define CONTROL_PERIOD_S REAL(0.001)
+/* Both computed in double, then rounded once: at 1 ms they are REAL(0.001) and 1000. */
+#define CONTROL_PERIOD_S ((real)(TICK_PERIOD_US / 1.0e6))
+#define CONTROL_RATE_HZ (1.0e6 / TICK_PERIOD_US)
 
 /* From tick `then` to tick `tick`, which is not before it. */
 static inline real seconds_since(uint32_t tick, uint32_t then)
@@ -58,11 +73,11 @@ struct controller_input {
     struct sea_measurement sea[SIDE_COUNT];
     real desired_speed_rad_s; /* forward apex speed asked for, > 0 */
     bool nodes_operational;   /* all four nodes alive, in NMT operational, without an error */
-    bool node_error;          /* one of them tells of an error of its own */
+    bool node_error;          /* one of them reports an error of its own */
     bool emergency_stop;      /* true = pressed, or its state unknown */
     bool foreign_node;        /* somebody else sends with identifiers of this bus */
     bool parameters_corrupt;  /* their checksum is no longer that of the checked ones */
-    bool walk_requested;      /* the operator's wish that the device assists */
+    bool walk_requested;      /* the operator asks for assistance */
     bool reset_requested;     /* clear a latched fault; obeyed at standstill only */
     bool zero_requested;      /* find the leg sensors' offsets; obeyed while not assisting */
 };
@@ -89,7 +104,7 @@ struct apex_estimate {
     real stance_rate_rad_s; /* < 0 walking forward; the event's speed is its negative */
     real swing_angle_rad;
     real swing_rate_rad_s;
-    real confidence; /* share of the model in the values above, 0..1; 0 = from the samples alone */
+    real confidence; /* weight of the model in the values above, 0..1; 0 = from the samples alone */
 };
 
 enum gait_phase {
@@ -106,8 +121,8 @@ struct gait_state {
     bool strike_near;      /* the other foot may land at any moment, or has landed */
     struct gait_event event[GAIT_EVENT_KINDS];
     struct apex_estimate apex; /* of the newest GAIT_APEX event; zeros before the first */
-    /* Gait phase of each leg: share of its stride gone by since its heel strike, 0..1
-     * (1 is held while a stride lasts longer than the ones before); -1 = not known. */
+    /* Gait phase of each leg: part of its stride gone by since its heel strike, 0..1 (it stays
+     * 1 while a stride lasts longer than the ones before); -1 = not known. */
     real stride_share[SIDE_COUNT];
 };
 
@@ -125,9 +140,9 @@ struct step_record {
     enum side side;
     real measured_speed_rad_s;
     real
-        commanded_speed_rad_s; /* that the law steers for: after the ramp; hurrying on uneven ground, more than was asked */
+        commanded_speed_rad_s; /* that the law steers for: after the ramp; on uneven ground it may be more than was asked */
     real r0_m;          /* what the law asked for, after its limits */
-    bool used_fallback; /* LAW_PREDICTIVE: eq. (16) gave it, the search did not */
+    bool used_fallback; /* predictive law: eq. (16) gave it, the search did not */
 };
 
 #endif

@@ -12,8 +12,11 @@
 #include "firmware/snapshot.h"
 #include "hal/bus/can_bus.h"
 #include "hal/storage/black_box.h"
+#include "model/tick.h"
 
-enum { BUS_RECORDER_AFTER_FAULT_TICKS = 300 }; /* recorded after a fault before it freezes */
+enum {
+    BUS_RECORDER_AFTER_FAULT_TICKS = TICKS_OF_MS(300)
+}; /* recorded after a fault before it freezes */
 
 struct bus_recorder {
     struct can_bus inner;

@@ -107,10 +107,9 @@ static void collect_input(const struct control_task *task, struct controller_inp
         sea_drives_read(&task->config.drives, (enum side)leg, &drive);
         input->leg[leg] = (struct leg_measurement){reading->leg_angle_rad,
                                                    reading->ankle_extension_m, reading->age_ticks};
-        input->sea[leg] =
-            (struct sea_measurement){drive.precompression_m, (enum drive_state)drive.state,
-                                     drive.age_ticks,        (enum latch_state)drive.latch,
-                                     drive.force_N,          drive.force_age_ticks};
+        input->sea[leg] = (struct sea_measurement){drive.precompression_m, drive.state,
+                                                   drive.age_ticks,        drive.latch,
+                                                   drive.force_N,          drive.force_age_ticks};
         input->foreign_node = input->foreign_node || drive.foreign ||
                               reading->duplicate_id_count >= DUPLICATE_ID_LIMIT;
     }
@@ -203,7 +202,7 @@ static unsigned run_tick(struct control_task *task)
     leg_sensors_age(&task->sensors);
     const struct supervisor *supervisor = &task->controller.supervisor;
     return CONTROL_TASK_TICKED | (sent ? (unsigned)CONTROL_TASK_COMMANDED : 0u) |
-           (supervisor->judged_tick == task->tick ? (unsigned)CONTROL_TASK_SUPERVISED : 0u) |
+           (supervisor->updated_tick == task->tick ? (unsigned)CONTROL_TASK_SUPERVISED : 0u) |
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
 }
 

@@ -25,6 +25,7 @@
 #include "hal/devices/leg_sensors.h"
 #include "hal/devices/sea_drives.h"
 #include "hal/emergency_stop.h"
+#include "model/tick.h"
 
 /* What control_task_poll did; the bits feed the watchdog's gate. */
 enum control_task_progress {
@@ -73,10 +74,11 @@ int control_task_init(struct control_task *task, const struct control_task_confi
  * CONTROL_TASK_SYNC_WAIT cycles, and not while the bus is off): after a blocked bus there must
  * be no burst of ticks. */
 enum can_result control_task_start_cycle(struct control_task *task);
-enum { CONTROL_TASK_SYNC_WAIT = 5000 };
+enum { CONTROL_TASK_SYNC_WAIT = TICKS_OF_MS(5000) };
 
 /* A walk asked for at power-on begins no earlier than this tick. Setting up the nodes takes
- * longer on one bus than on another; from here on the same walk has the same frames. */
+ * longer on one bus than on another; from here on the same walk has the same frames. A number of
+ * ticks, not a time: the set-up takes an SDO transfer a tick. */
 enum { CONTROL_TASK_START_TICK = 600 };
 
 /* Fetches waiting frames (at most CONTROL_TASK_POLL_FRAMES a call) and runs a tick

@@ -10,21 +10,29 @@ static const struct co_dictionary dictionary_template = {controller_object_table
 
 /* ---- set-up ---------------------------------------------------------------- */
 
+/* As much of the text as the object holds; the rest of it is 0 already. */
+static void put_text(char *object, size_t size, const char *text)
+{
+    for (size_t i = 0; i + 1 < size && text[i] != '\0'; i++) {
+        object[i] = text[i];
+    }
+}
+
 static void defaults(void *context, struct co_comm *comm)
 {
     (void)context;
     comm->device_type = 0; /* no standard profile */
     comm->heartbeat_ms = HEARTBEAT_PERIOD_MS;
     telemetry_default_pdos(comm);
-    const char name[] = "AFO controller";
-    for (unsigned i = 0; i < sizeof name; i++) {
-        comm->name[i] = name[i];
-    }
+    comm->sync_cob_id |= CO_SYNC_PRODUCER;
+    comm->sync_period_us = TICK_PERIOD_US;
+    put_text(comm->name, sizeof comm->name, "AFO controller");
+    put_text(comm->hardware_version, sizeof comm->hardware_version, CONTROLLER_HARDWARE_VERSION);
+    put_text(comm->software_version, sizeof comm->software_version, version_text());
 }
 
 static void default_objects(struct controller_objects *objects, const struct control_params *params)
 {
-    const char *version = version_text();
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
     objects->command_count = 4;
@@ -35,13 +43,11 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->counter_count = 12;
     objects->identity_count = 3;
     objects->setup_count = 6;
-    objects->crash_count = 2;
+    objects->crash_count = 3;
     objects->black_box_count = 3;
     objects->params = *params;
     objects->build_id = version_build_id();
-    for (unsigned i = 0; i + 1 < sizeof objects->version && version[i] != '\0'; i++) {
-        objects->version[i] = version[i];
-    }
+    put_text(objects->version, sizeof objects->version, version_text());
     objects->params_crc = params_guard_crc(&objects->params);
 }
 

@@ -20,6 +20,9 @@
 #include "hal/bus/can_bus.h"
 #include "hal/canopen/co_device.h"
 
+/* Object 0x1009: the revision of what the orthosis's node has at its ends (drives, sensors, stop). */
+#define CONTROLLER_HARDWARE_VERSION "1"
+
 struct controller_node {
     struct co_device device;
     struct controller_comm comm;

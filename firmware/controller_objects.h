@@ -62,6 +62,7 @@ struct controller_objects {
     uint32_t params_crc;
     /* 0x2032: what the last crash left */
     uint8_t crash_count, crash_cause; /* enum crash_cause; 0 = none, or seen */
+    uint8_t crash_streak; /* crashes since a SYNC last came back, as at the start; saturates */
     struct co_domain crash_image;
     /* 0x2040: the black box */
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */

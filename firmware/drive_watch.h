@@ -11,10 +11,11 @@
 
 #include "controller/supervisor/supervisor.h"
 #include "hal/devices/sea_drives.h"
+#include "model/tick.h"
 
 enum {
-    DRIVE_WATCH_STOP_TICKS = 50,  /* enabled for so long in SUPERVISOR_FAULT */
-    DRIVE_WATCH_POWER_TICKS = 500 /* longer than any unload by itself takes */
+    DRIVE_WATCH_STOP_TICKS = TICKS_OF_MS(50),  /* enabled for so long in SUPERVISOR_FAULT */
+    DRIVE_WATCH_POWER_TICKS = TICKS_OF_MS(500) /* longer than any unload by itself takes */
 };
 
 struct drive_watch {

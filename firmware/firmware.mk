@@ -16,7 +16,7 @@ include $(sort $(wildcard hal/port_*/*.mk)) $(sort $(wildcard firmware/boards/*/
 BOARD ?= nucleo_g474re
 
 # Enumerations of 32 bits as on the host, so that snapshots mean the same on both.
-IMAGE_CFLAGS := -std=c11 -g $(WARN) $(BITS) -fno-short-enums -ffunction-sections -fdata-sections -fno-common \
+IMAGE_CFLAGS := -std=c11 -g $(WARN) $(BITS) $(BUS_RATES) -fno-short-enums -ffunction-sections -fdata-sections -fno-common \
         -fstack-usage -fcallgraph-info=su -DCO_WITHOUT_NAMES -DPARAMS_WITHOUT_TEXT -I.
 IMAGE_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,--fatal-warnings -L.
 
@@ -45,9 +45,13 @@ $(ARM_BUILD)/obj/$(1)/%.o: %.c $(ARM_BUILD)/stamp/$(1)
 endef
 $(foreach c,$(CPUS),$(eval $(call CPU_RULES,$(c))))
 
+# A bit rate that does not carry the tick gives no image.
+RATES_FIT := $(if $(BUS_RATES),$(Q)scripts/bus-budget --bitrate $(or $(BITRATE),1000000) --tick-us $(or $(TICK_US),1000) >$(ARM_BUILD)/bus-budget.txt || { tail -3 $(ARM_BUILD)/bus-budget.txt >&2; exit 1; })
+
 define BOARD_RULES
 $(call IMAGE,$(1)).elf: $(call BOARD_OBJ,$(1)) firmware/boards/$(1)/link.ld firmware/boards/sections.ld
 	$$(call SAY,LINK   $$@)
+	$(RATES_FIT)
 	$$(Q)$(TOOLS_$(CPU_$(1)))gcc $(FLAGS_$(CPU_$(1))) $$(IMAGE_LDFLAGS) $(LDFLAGS_$(1)) -T firmware/boards/$(1)/link.ld \
 	        -Wl,-Map=$$(basename $$@).map $$(filter %.o,$$^) -o $$@
 $(call IMAGE,$(1)).bin: $(call IMAGE,$(1)).elf

@@ -11,10 +11,22 @@ static_assert((int)CONTROL_TASK_COMMANDED == (int)WATCHDOG_CONTROL &&
                   (int)CONTROL_TASK_SUPERVISED == (int)WATCHDOG_SUPERVISOR,
               "the task's signs of progress are the gate's");
 
-static void read_settings(struct orthosis *orthosis, struct settings *settings,
-                          const struct nv_store *nv)
+/* Crash after crash, and the bus never worked between: what is read may be the reason. */
+static bool must_not_read(const struct orthosis_config *config)
 {
-    orthosis->store_result = settings_load(settings, &orthosis->store, nv);
+    return config->streak != NULL &&
+           crash_streak_length(config->streak) >= (uint32_t)CRASH_STREAK_LIMIT;
+}
+
+static void read_settings(struct orthosis *orthosis, struct settings *settings,
+                          const struct orthosis_config *config)
+{
+    if (must_not_read(config)) {
+        param_store_attach(&orthosis->store, config->nv);
+        orthosis->store_result = PARAM_STORE_NOT_READ;
+    } else {
+        orthosis->store_result = settings_load(settings, &orthosis->store, config->nv);
+    }
     if (orthosis->store_result == PARAM_STORE_OK) {
         orthosis->settings_result = settings_check(settings);
     }
@@ -26,8 +38,7 @@ static void read_settings(struct orthosis *orthosis, struct settings *settings,
 
 static void latch(struct orthosis *orthosis, enum supervisor_fault fault)
 {
-    orthosis->task.controller.supervisor.latched = fault;
-    orthosis->task.controller.supervisor.state = SUPERVISOR_FAULT;
+    supervisor_force_fault(&orthosis->task.controller.supervisor, fault);
 }
 
 /* ---- what is asked over the bus --------------------------------------------- */
@@ -75,6 +86,15 @@ static uint32_t forget_settings(void *context)
 static const struct controller_settings_store_ops settings_store_ops = {save_settings,
                                                                         forget_settings};
 
+/* Saving and forgetting keep the loop for longer than half the watchdog's time. Each part is
+ * bounded and there is a bounded number of them, so a feed between two hides no hang. */
+static void feed_between(const void *context)
+{
+    const struct watchdog *watchdog = context;
+
+    watchdog->ops->feed(watchdog->context);
+}
+
 /* ---- start ------------------------------------------------------------------ */
 
 static void init_task(struct orthosis *orthosis, const struct settings *settings,
@@ -100,13 +120,15 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
                            config->crash);
 }
 
-/* What a crash cut short is kept until somebody has fetched it. */
+/* What a crash or another reset cut short is kept until somebody has fetched it. */
 static void init_black_box(const struct orthosis_config *config, const struct settings *settings)
 {
     struct black_box *box = config->black_box;
 
     if (black_box_is_valid(box) && config->restarted) {
         black_box_freeze(box, 1u << SUPERVISOR_FAULT_RESTARTED);
+    } else if (black_box_has_recording(box)) { /* by the pin, a debugger or a tool */
+        black_box_freeze(box, BLACK_BOX_REASON_RESET);
     }
     if (!black_box_is_valid(box) || box->header.state != (uint32_t)BLACK_BOX_FROZEN) {
         black_box_start(box, version_build_id(), params_guard_crc(&settings->control));
@@ -118,11 +140,18 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     struct settings settings;
 
     memset(orthosis, 0, sizeof *orthosis);
-    read_settings(orthosis, &settings, config->nv);
+    read_settings(orthosis, &settings, config);
     init_black_box(config, &settings);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
+    orthosis->store.between = feed_between;
+    orthosis->store.between_context = config->watchdog;
     orthosis->drive_power = config->drive_power;
+    orthosis->streak = config->streak;
+    if (config->streak != NULL) {
+        telemetry_report_crashes(&orthosis->task.node.objects, &orthosis->task.node.device,
+                                 crash_streak_length(config->streak));
+    }
     if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
         latch(orthosis, orthosis->forced_fault);
     } else if (config->restarted) {
@@ -156,11 +185,16 @@ unsigned orthosis_poll(struct orthosis *orthosis)
         latch(orthosis, orthosis->forced_fault);
     }
     progress = control_task_poll(task);
-    /* Until the first own SYNC came back no command was ever sent, nothing can
-     * move, and a bus that is not there yet is no reason to restart. */
+    /* Until the first own SYNC came back no command was ever sent, nothing can move, and a
+     * bus that is not there yet is no reason to restart. Nor can a drive be reached then,
+     * whatever it does: it gets no power. (The tick wraps, the time does not.) */
+    const bool has_bus = task->now_ns != 0u;
+    if (has_bus && orthosis->streak != NULL) {
+        crash_streak_end(orthosis->streak);
+    }
     const bool fed =
-        watchdog_gate_report(&orthosis->gate, task->tick == 0u ? (uint32_t)WATCHDOG_ALL : progress);
-    if (fed && orthosis->drive_power != NULL && !control_task_power_must_go(task)) {
+        watchdog_gate_report(&orthosis->gate, has_bus ? progress : (uint32_t)WATCHDOG_ALL);
+    if (fed && has_bus && orthosis->drive_power != NULL && !control_task_power_must_go(task)) {
         drive_power_enable_toggle(orthosis->drive_power);
     }
     return progress;

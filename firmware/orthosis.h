@@ -19,7 +19,7 @@
 #include "hal/watchdog.h"
 
 enum {
-    ORTHOSIS_RECOVERY_TICKS = 10 /* between attempts to leave bus-off */
+    ORTHOSIS_RECOVERY_TICKS = TICKS_OF_MS(10) /* between attempts to leave bus-off */
 };
 
 struct orthosis_config {
@@ -30,6 +30,7 @@ struct orthosis_config {
     const struct nv_store *nv;
     struct black_box *black_box; /* in memory that a reset does not clear */
     struct crash_record *crash;  /* as the last run left it, in such memory too; may be NULL */
+    struct crash_streak *streak; /* likewise; may be NULL */
     bool restarted;              /* after a crash or by the watchdog: stay in the safe state */
 };
 
@@ -42,13 +43,15 @@ struct orthosis {
     struct bus_recorder recorder;
     struct watchdog_gate gate;
     const struct drive_power_enable *drive_power;
+    struct crash_streak *streak;
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */
     uint16_t recovery_wait;
     uint32_t bus_recoveries; /* asked for; saturates */
 };
 
 /* Reads the settings and prepares everything; sends nothing. With no usable
- * settings the device runs, talks and stays in SUPERVISOR_FAULT. After a restart
+ * settings the device runs, talks and stays in SUPERVISOR_FAULT. So it does, without reading
+ * them, after CRASH_STREAK_LIMIT crashes in a row (0x2032:3, an emergency). After a restart
  * it begins in SUPERVISOR_FAULT too, but a reset request lifts that. *config is
  * copied, what it points to stays the caller's. Start-up only. */
 void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config);
@@ -57,8 +60,9 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
  * Loop only. */
 void orthosis_start_cycle(struct orthosis *orthosis);
 
-/* Runs what is due, records, feeds the watchdog when all made progress. Returns
- * what control_task_poll returns. Loop only. */
+/* Runs what is due, records, feeds the watchdog when all made progress, and with it lets the
+ * drives have power. Until the first own SYNC came back it feeds at every call, and they have
+ * none. Returns what control_task_poll returns. Loop only. */
 unsigned orthosis_poll(struct orthosis *orthosis);
 
 #endif

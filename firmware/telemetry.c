@@ -6,6 +6,7 @@
 #include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
 #include "hal/canopen/co_device.h"
+#include "hal/storage/crash_record.h"
 
 enum { TPDO_STEP = 0, TPDO_STATE = 1 };
 
@@ -28,7 +29,7 @@ void telemetry_default_pdos(struct co_comm *comm)
     comm->tpdo[TPDO_STEP].map[4] = UINT32_C(0x20020508);
     comm->tpdo[TPDO_STEP].map_count = 5;
     comm->tpdo[TPDO_STATE].cob_id = FRAME_CONTROLLER_STATE;
-    comm->tpdo[TPDO_STATE].event_ms = SLOW_PDO_TICKS * TICK_PERIOD_US / 1000;
+    comm->tpdo[TPDO_STATE].event_ms = (uint16_t)(SLOW_PDO_TICKS * TICK_PERIOD_US / 1000);
     comm->tpdo[TPDO_STATE].map[0] = UINT32_C(0x20010108);
     comm->tpdo[TPDO_STATE].map[1] = UINT32_C(0x20010208);
     comm->tpdo[TPDO_STATE].map[2] = UINT32_C(0x20010320);
@@ -55,14 +56,15 @@ static void show_step(struct controller_objects *objects, const struct step_reco
     objects->record_r0_m = step->r0_m;
 }
 
-static void report_fault(struct co_device *device, const struct controller_objects *objects)
+static void report_fault(struct co_device *device, const struct controller_objects *objects,
+                         uint8_t before)
 {
     const uint8_t vendor[5] = {objects->state, objects->fault, 0, 0, 0};
     if (objects->fault != 0) {
-        co_device_raise(device, CONTROLLER_EMCY_FAULT, CO_ERROR_GENERIC, vendor);
-    } else {
-        co_device_clear(device, CONTROLLER_EMCY_FAULT);
+        co_device_raise_for(device, CONTROLLER_EMCY_FAULT, objects->fault, CO_ERROR_GENERIC,
+                            vendor);
     }
+    co_device_clear_for(device, CONTROLLER_EMCY_FAULT, before);
 }
 
 void telemetry_init(struct telemetry *telemetry)
@@ -80,7 +82,7 @@ void telemetry_update(struct telemetry *telemetry, struct controller_objects *ob
     objects->fault = (uint8_t)((unsigned)output->fault & 0x7Fu);
     if (objects->state != telemetry->sent_state || objects->fault != telemetry->sent_fault) {
         if (objects->fault != telemetry->sent_fault) {
-            report_fault(device, objects);
+            report_fault(device, objects, telemetry->sent_fault);
         }
         telemetry->sent_state = objects->state;
         telemetry->sent_fault = objects->fault;
@@ -91,6 +93,18 @@ void telemetry_update(struct telemetry *telemetry, struct controller_objects *ob
         co_device_trigger_tpdo(device, TPDO_STEP);
     }
     objects->zeroing = (uint8_t)output->zeroing;
+}
+
+void telemetry_report_crashes(struct controller_objects *objects, struct co_device *device,
+                              uint32_t streak)
+{
+    const uint8_t shown = streak < UINT8_MAX ? (uint8_t)streak : UINT8_MAX;
+    const uint8_t vendor[5] = {shown, 0, 0, 0, 0};
+
+    objects->crash_streak = shown;
+    if (streak >= (uint32_t)CRASH_STREAK_LIMIT) {
+        co_device_raise(device, CONTROLLER_EMCY_CRASHES, CO_ERROR_GENERIC, vendor);
+    }
 }
 
 void telemetry_report_refused_node(struct controller_objects *objects, struct co_device *device,
@@ -105,7 +119,8 @@ void telemetry_report_refused_node(struct controller_objects *objects, struct co
     const uint8_t vendor[5] = {failure->node, (uint8_t)(failure->index & 0xFFu),
                                (uint8_t)(failure->index >> 8), failure->sub,
                                objects->refused_verdict};
-    co_device_raise(device, CONTROLLER_EMCY_SETUP_REFUSED, CO_ERROR_GENERIC, vendor);
+    co_device_raise_for(device, CONTROLLER_EMCY_SETUP_REFUSED, failure->node, CO_ERROR_GENERIC,
+                        vendor);
 }
 
 void telemetry_clear_refused_node(struct controller_objects *objects, struct co_device *device,
@@ -113,6 +128,6 @@ void telemetry_clear_refused_node(struct controller_objects *objects, struct co_
 {
     if (objects->refused_node == node) {
         objects->refused_node = 0;
-        co_device_clear(device, CONTROLLER_EMCY_SETUP_REFUSED);
     }
+    co_device_clear_for(device, CONTROLLER_EMCY_SETUP_REFUSED, node);
 }

@@ -13,10 +13,12 @@
 #include "hal/devices/node_setup.h"
 
 /* Emergency codes of the controller's node (CiA 301: 0xFF00.. are the device's own). The
- * vendor bytes are state, fault, and for a refused node: node, index, sub. */
+ * vendor bytes are state, fault, and for a refused node: node, index, sub; after crashes, how
+ * many. */
 enum controller_emcy {
-    CONTROLLER_EMCY_FAULT = 0xFF10,        /* the supervisor latched a fault */
-    CONTROLLER_EMCY_SETUP_REFUSED = 0x6320 /* a node's parameters are not as expected */
+    CONTROLLER_EMCY_FAULT = 0xFF10,         /* the supervisor latched a fault */
+    CONTROLLER_EMCY_SETUP_REFUSED = 0x6320, /* a node's parameters are not as expected */
+    CONTROLLER_EMCY_CRASHES = 0x6100        /* internal software: settings not read after crashes */
 };
 
 enum { TELEMETRY_TPDOS = 2 };
@@ -36,6 +38,11 @@ void telemetry_default_pdos(struct co_comm *comm);
 void telemetry_update(struct telemetry *telemetry, struct controller_objects *objects,
                       struct co_device *device, const struct controller *controller,
                       const struct controller_output *output, bool emergency_stop);
+
+/* So many crashes since a SYNC last came back: shows it (0x2032:3), and from
+ * CRASH_STREAK_LIMIT on raises the emergency, which stays until the next start. O(1). */
+void telemetry_report_crashes(struct controller_objects *objects, struct co_device *device,
+                              uint32_t streak);
 
 /* A node was refused at start: raises the emergency and keeps the reason. O(1). */
 void telemetry_report_refused_node(struct controller_objects *objects, struct co_device *device,

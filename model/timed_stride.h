@@ -32,7 +32,7 @@ struct push_support {
 };
 
 /* d(state)/dt with the toe pinned, the spring acting and the heel free (Lagrange; the same drawing as
- * model.md's general collision). The swing leg needs a mass: m > 0. Constant cost. */
+ * general collision of model/README.md). The swing leg needs a mass: m > 0. Constant cost. */
 void push_support_rates(const void *push_support, const real *state, real *rates);
 
 /* stride() with the release release_s after the heel strike that would happen without it (< 0: before it).

@@ -5,6 +5,8 @@ import math
 import pathlib
 import subprocess
 
+from tables import TableError
+
 
 class Study:
     """`afo study`, and a folder for what it printed. Files are made anew on every run."""
@@ -20,7 +22,7 @@ class Study:
         command = [self.program, "study", *map(str, arguments), "--csv", "--out", str(path), "--quiet"]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
         if done.returncode != 0 and not may_fail:
-            raise SystemExit(f"{' '.join(command)}: exit status {done.returncode}\n{done.stderr}")
+            raise TableError(f"{' '.join(command)}: exit status {done.returncode} {done.stderr}".strip())
         with open(path, encoding="ascii") as file:
             lines = [line for line in file if not line.startswith("#")]
         return [{key: number(value) for key, value in row.items()} for row in csv.DictReader(lines)]
@@ -30,7 +32,7 @@ class Study:
         command = [self.program, "study", *map(str, arguments), "--json", "--quiet"]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
         if done.returncode != 0:
-            raise SystemExit(f"{' '.join(command)}: exit status {done.returncode}\n{done.stderr}")
+            raise TableError(f"{' '.join(command)}: exit status {done.returncode} {done.stderr}".strip())
         return json.loads(done.stdout)
 
 

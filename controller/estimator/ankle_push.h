@@ -1,9 +1,9 @@
 /* How fast a person's ankle extends, and when its push-off is over.
  *
- * A foot leaves the ground between the steepest extension of its ankle and the full
- * one: the calf's push is spent, and nothing is left to push against. Half of the
- * peak rate is taken as the mark, because a slope is easier to place in noise than
- * an extremum. Lengths are shares of the leg's, so that rates compare with the leg's.
+ * A foot leaves the ground between the steepest extension of its ankle and the full one.
+ * By then the calf's push is spent. The mark is where the rate has fallen to half of its
+ * peak: in noise a slope is easier to place than an extremum. Lengths are ratios to the
+ * leg's length, so that rates compare with the leg's.
  *
  * The rate comes from a second-order tracking filter, critically damped (Benedict &
  * Bordner 1962), of 5 ms: eight bytes instead of a history.
@@ -23,7 +23,7 @@
 #define ANKLE_PUSH_LAG_S REAL(0.01)
 
 struct ankle_push { /* all zeros to begin with */
-    real extension; /* filtered, share of the leg's length */
+    real extension; /* filtered, over the leg's length */
     real rate_1_s;
     real peak_1_s;      /* highest rate of this push; 0 = none */
     uint32_t over_tick; /* at which the rate had fallen to half of that, if `over` */
@@ -32,7 +32,7 @@ struct ankle_push { /* all zeros to begin with */
 
 /* One tick. extension: ankle extension over leg length, taken only when `fresh`, else
  * the last rate goes on. may_push: the leg is behind the other, its foot not yet
- * known to have left the ground; otherwise what is known of a push is forgotten.
+ * known to have left the ground; otherwise the push is forgotten.
  * least_1_s: a peak below it is no push, > 0. About 20 operations. */
 void ankle_push_update(struct ankle_push *push, real extension, bool fresh, bool may_push,
                        real least_1_s, uint32_t tick);

@@ -9,23 +9,23 @@
 #define SLOPE_ERROR REAL(4.33)
 
 /* Slow noise averages as if one sample in so many counted; and whatever the noise, the
- * fit is not taken to be worse than a share of the speed. */
+ * fit is not taken to be worse than this ratio of the speed. */
 #define SLOW_SAMPLES REAL(40.0)
 #define SLOPE_MOST_RATIO REAL(0.025)
 
-/* The mean difference is first trusted as if this many steps had found none. */
+/* The mean difference begins at 0, with the weight of so many steps. */
 #define BIAS_PRIOR_STEPS 8u
 #define BIAS_MEAN_STEPS 48u
 
 /* Agreement: within so many standard errors of the fit, plus what a learned
- * difference may change from step to step as a share of it and of the value. */
+ * difference may change from step to step, as ratios of it and of the value. */
 #define ERRORS_ALLOWED REAL(3.5)
 #define CHANGE_RATIO REAL(0.1)
 #define VALUE_RATIO REAL(0.001)
 
 #define BIAS_MOST_RATIO REAL(0.04)
 
-#define TRUST_RISE REAL(0.25)
+#define WEIGHT_RISE REAL(0.25)
 
 void apex_fusion_init(struct apex_fusion *fusion)
 {
@@ -58,11 +58,11 @@ struct apex_estimate apex_fusion_decide(struct apex_fusion *fusion, enum side si
                                         const struct apex_estimate *model,
                                         const struct apex_noise *noise, uint32_t window_ticks)
 {
-    struct apex_estimate believed = *fit;
-    believed.confidence = REAL(0.0);
+    struct apex_estimate from_fit = *fit;
+    from_fit.confidence = REAL(0.0);
     if (model == NULL) {
         fusion->model_weight = REAL(0.0);
-        return believed;
+        return from_fit;
     }
     const real window_s = (real)window_ticks * CONTROL_PERIOD_S;
     const real root = real_sqrt(REAL(2.0) * (real)window_ticks);
@@ -99,11 +99,11 @@ struct apex_estimate apex_fusion_decide(struct apex_fusion *fusion, enum side si
         *scatter2 += gain * (off * off - *scatter2);
         *bias += gain * off;
     }
-    /* A model that is so far off is of another body, however steadily. */
-    const real foreign = agreement(fusion->bias[side][0], BIAS_MOST_RATIO * real_abs(of_fit[0]));
-    agreed = foreign < agreed ? foreign : agreed;
+    /* A difference so large means a model of another body, even if it is steady. */
+    const real plausible = agreement(fusion->bias[side][0], BIAS_MOST_RATIO * real_abs(of_fit[0]));
+    agreed = plausible < agreed ? plausible : agreed;
     fusion->learned[side] = steps < BIAS_MEAN_STEPS ? steps + 1 : steps;
-    const real risen = fusion->model_weight + TRUST_RISE;
+    const real risen = fusion->model_weight + WEIGHT_RISE;
     fusion->model_weight = agreed < risen ? agreed : risen;
     for (int i = 0; i < APEX_VALUES; i++) {
         mixed[i] = of_fit[i] + fusion->model_weight * (of_model[i] - of_fit[i]);

@@ -1,15 +1,15 @@
-/* Which apex state to believe: the model observer's, the samples' own, or between.
+/* The apex state from two estimates: the model observer's and the samples' own.
  *
- * The least-squares fit around the apex knows nothing of the walker and is never
- * wrong by much, but noisy. The model's estimate is some ten times quieter, and off
- * when the walker is not the one of the parameters (length, slope, unequal legs):
- * then by much the same from step to step. So the mean difference of the two is
- * learned, per leg, and taken off the model's estimate; what is left of the
- * difference in this step is compared with what the sensors' noise, as measured,
- * lets expect. While they agree the model's estimate is given; as they part, it is
- * mixed with the fit's, down to the fit alone; model_weight comes back over some steps.
- * Neither change makes a jump, since both estimates are near the truth where they
- * are near each other.
+ * The least-squares fit around the apex knows nothing of the walker. It is never wrong by
+ * much, but noisy. The model's estimate has about a tenth of its noise. It is off when the
+ * walker is not the one of the parameters (length, slope, unequal legs), then by nearly the
+ * same from step to step.
+ *
+ * So the mean difference of the two is learned, per leg, and subtracted from the model's
+ * estimate. The rest of this step's difference is compared with what the measured noise of
+ * the sensors explains. While the two agree, the result is the model's estimate. As they
+ * disagree, it becomes a mean of both, down to the fit alone. model_weight is the model's
+ * part in it; it rises again over some steps.
  */
 #ifndef CONTROLLER_ESTIMATOR_APEX_FUSION_H
 #define CONTROLLER_ESTIMATOR_APEX_FUSION_H
@@ -37,8 +37,8 @@ struct apex_noise {
 };
 
 /* One apex of leg `side`: the fit's estimate, the model's (NULL = it has none), the
- * sensors' noise as measured and the fit's half width in ticks. Returns what
- * to believe; its confidence is the model's share. Constant cost. */
+ * sensors' noise as measured and the fit's half width in ticks. Returns the
+ * estimate to use; its confidence is the model's weight. Constant cost. */
 struct apex_estimate apex_fusion_decide(struct apex_fusion *fusion, enum side side,
                                         const struct apex_estimate *fit,
                                         const struct apex_estimate *model,

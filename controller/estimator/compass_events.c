@@ -4,7 +4,7 @@
  * support has passed to the leading leg. */
 #define NO_PUSH_OFF_S REAL(0.03)
 
-/* A loaded spring that has not let go this long after the crossing was not armed. */
+/* A loaded spring that was not released this long after the crossing was not armed. */
 #define RELEASE_WAIT_S REAL(0.15)
 
 /* A crossing this short before the extension was seen is the heel strike itself. */
@@ -13,7 +13,7 @@
 /* Extension that has stopped growing for this long has reached its end. */
 #define EXTENSION_SETTLED_S REAL(0.02)
 
-/* Shares of the leg length: an extension that counts as one, and how close to
+/* Ratios of the leg length: an extension that counts as one, and how close to
  * the spring's rest length the ankle counts as fully extended. */
 #define EXTENSION_SEEN_RATIO REAL(0.001)
 #define EXTENSION_DONE_RATIO REAL(0.0002)
@@ -56,9 +56,10 @@ static real crossing_age_s(const struct compass_events *events, uint32_t tick)
     return seconds_since(tick, events->crossing_tick) + events->crossing_before_s;
 }
 
-struct compass_event compass_events_strike(struct compass_events *events,
-                                           const struct control_params *params,
-                                           const struct controller_input *input, enum side stance)
+struct compass_event compass_events_watch_strike(struct compass_events *events,
+                                                 const struct control_params *params,
+                                                 const struct controller_input *input,
+                                                 enum side stance)
 {
     const real seen = EXTENSION_SEEN_RATIO * params->leg_length_m;
     const struct leg_measurement *trailing = &input->leg[stance];
@@ -82,10 +83,10 @@ struct compass_event compass_events_strike(struct compass_events *events,
     return event;
 }
 
-struct compass_event compass_events_lift_off(struct compass_events *events,
-                                             const struct control_params *params,
-                                             const struct controller_input *input,
-                                             enum side leaving, uint32_t since_tick)
+struct compass_event compass_events_watch_lift_off(struct compass_events *events,
+                                                   const struct control_params *params,
+                                                   const struct controller_input *input,
+                                                   enum side leaving, uint32_t since_tick)
 {
     const real extension = input->leg[leaving].ankle_extension_m;
     const real seen = EXTENSION_SEEN_RATIO * params->leg_length_m;

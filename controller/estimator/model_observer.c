@@ -5,18 +5,18 @@
 #include "model/integrator.h"
 #include "model/trig.h"
 
-/* A prediction this far off, for so long, is not the model's error but another body,
- * a support from outside or a stumble. */
+/* A prediction this far off, for so long, is not the model's error: it is another body, a
+ * support from outside or a stumble. */
 #define GROSS_RAD REAL(0.015)
-#define GROSS_TICKS 15
+#define GROSS_TICKS TICKS_OF_MS(15)
 
-/* At a strike on level ground theta_s + theta_n is 0, which the state knows better
- * than the detection; further off, the ground was not level. */
+/* At a strike on level ground theta_s + theta_n is 0. Within this, the state places the strike
+ * better than its detection does; beyond, the ground was not level. */
 #define LEVEL_RAD REAL(0.01)
 
-/* The ankle's corrections in double support, per second and per second squared: a
- * pole pair at 40 rad/s, slower than the push-off's own 10 rad/s by nothing that
- * matters and fast enough to take out a wrong impact within it. */
+/* The ankle's corrections in double support, per second and per second squared: a pole pair
+ * at 40 rad/s. The push-off's own motion has 10 rad/s, so a wrong impact is corrected within
+ * it. */
 #define ANKLE_GAIN_S REAL(56.0)
 #define ANKLE_RATE_GAIN_S2 REAL(1600.0)
 
@@ -73,8 +73,9 @@ static bool all_finite(const real *value, int count)
 
 /* ---- single support ----------------------------------------------------------- */
 
-/* Gains between two knots, for a time that only grows within a stance. */
-static void gains_now(struct model_observer *observer, uint32_t tick, real stance[2], real swing[2])
+/* Advances to the knots around now (within a stance time only grows) and interpolates there. */
+static void advance_gains(struct model_observer *observer, uint32_t tick, real stance[2],
+                          real swing[2])
 {
     const real since =
         (real)(tick - observer->since_tick) * CONTROL_PERIOD_S / observer->walker.time_unit_s;
@@ -95,8 +96,8 @@ static void correct(struct model_observer *observer, const real gain[2], int ang
                     real error_rad)
 {
     const real per_tick = CONTROL_PERIOD_S / observer->walker.time_unit_s;
-    const real share = gain[0] * per_tick;
-    observer->state[angle] += (share < REAL(0.9) ? share : REAL(0.9)) * error_rad;
+    const real part = gain[0] * per_tick;
+    observer->state[angle] += (part < REAL(0.9) ? part : REAL(0.9)) * error_rad;
     observer->state[rate] += gain[1] * per_tick / observer->walker.time_unit_s * error_rad;
 }
 
@@ -129,7 +130,7 @@ static void advance_single(struct model_observer *observer, const struct control
     const enum side stance = observer->stance, swing = side_other(stance);
     real stance_gain[2], swing_gain[2];
     model_observer_step(observer, CONTROL_PERIOD_S, observer->state);
-    gains_now(observer, input->tick, stance_gain, swing_gain);
+    advance_gains(observer, input->tick, stance_gain, swing_gain);
     const real stance_off = input->leg[stance].leg_angle_rad - observer->state[STANCE_ANGLE];
     const real swing_off = input->leg[swing].leg_angle_rad - observer->state[SWING_ANGLE];
     if (input->leg[stance].age_ticks == 0) {

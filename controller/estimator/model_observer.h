@@ -1,16 +1,16 @@
 /* The walker's state from the model and the sensors together: a hybrid observer.
  *
- * In single support the model (model/single_support.h) carries the four states from
- * sample to sample, and each sample corrects them (observer_gains.h). At a heel
- * strike the state of that very moment, out of a short history, goes through the
- * collision map; in double support the released spring drives the chain, corrected
- * by the measured ankle; at lift-off the legs swap names. So an apex is known from
- * the whole stance before it, and going back from a time after it, from the samples
- * behind it too.
+ *   single support  the model (model/single_support.h) predicts the four states from sample to
+ *                   sample, and each sample corrects them (observer_gains.h)
+ *   heel strike     the state of that moment, out of a short history, goes through the
+ *                   collision map
+ *   double support  the released spring drives the chain; the measured ankle corrects it
+ *   lift-off        the legs swap roles
+ * So an apex is known from the whole stance before it. Stepping back to it from a later time
+ * uses the samples after it, too.
  *
- * All of it lives in the sensors' time: "now" is when the newest sample was taken.
- * Where body and model part grossly, or an event makes no sense, the observer is
- * lost (and says so) until the next lift-off.
+ * "Now" is when the newest sample was taken. Where body and model differ grossly, or an event
+ * is impossible, the observer is lost (MODEL_LOST) until the next lift-off or a restart.
  */
 #ifndef CONTROLLER_ESTIMATOR_MODEL_OBSERVER_H
 #define CONTROLLER_ESTIMATOR_MODEL_OBSERVER_H
@@ -30,8 +30,9 @@
 
 enum model_phase { MODEL_LOST = 0, MODEL_SINGLE = 1, MODEL_DOUBLE = 2 };
 
-enum { MODEL_SLOW_TICKS = 32 }; /* a power of two */
-enum { MODEL_HISTORY = 32 };    /* ticks; a power of two above the longest age of a strike */
+/* About 32 ms; a power of two. */
+enum { MODEL_SLOW_TICKS = TICK_PERIOD_US < 2000 ? 32 : TICK_PERIOD_US < 4000 ? 16 : 8 };
+enum { MODEL_HISTORY = 32 }; /* ticks; a power of two above the longest age of a strike */
 
 struct model_observer {
     struct walker walker;
@@ -71,6 +72,7 @@ void model_observer_strike(struct model_observer *observer, uint32_t tick, real 
  * support, from where the chain's motion reached rest_m. Cost: one step. */
 void model_observer_lift_off(struct model_observer *observer, uint32_t tick, real rest_m);
 
+/* Gives up: MODEL_LOST until model_observer_begin(). */
 void model_observer_lose(struct model_observer *observer);
 
 /* Starts anew within a single support of leg `stance`, from the state that it had age_s

@@ -1,17 +1,16 @@
 #include "controller/estimator/person_events.h"
 
-/* A strike is placed by the times at which the smoothed rate goes through two levels
- * (shares of the walking_speed): event = second + reach * (second - first) + after. Reach
- * has no unit, so the rule keeps its shape for fast and slow walkers alike: the leg
- * slows from 0 to -0.6; at that pace it would soon reach the planted foot's rate of
- * -1. Reach and after are the one calibration for all people against recorded foot
- * contacts. */
+/* A strike's time follows from the times at which the smoothed rate goes through two levels
+ * (ratios of walking_speed): event = second + reach * (second - first) + after. The leg slows
+ * from 0 to -0.6; at that pace it would soon have the planted foot's rate of -1. Reach has no
+ * unit, so the rule serves fast and slow walkers. Reach and after are one calibration for all
+ * people, against recorded foot contacts. */
 #define STRIKE_FIRST_RATIO REAL(0.0)
 #define STRIKE_SECOND_RATIO REAL(-0.6)
 #define STRIKE_REACH REAL(0.5)
 #define STRIKE_AFTER_S REAL(0.006)
 
-/* Toe-off: the rate has risen to this share of the walking_speed, the leg swings forwards;
+/* Toe-off: the rate has risen to this ratio of walking_speed, the leg swings forwards;
  * the foot has left the ground so long before that, and before the mean of that and
  * the end of the ankle's push. The one calibration for all people, as above. */
 #define TOE_OFF_RATIO REAL(0.3)
@@ -29,7 +28,7 @@
 #define TURN_MAX_S REAL(0.2)
 
 /* A step's swing is faster than its stance (the foot catches up with the hip and
- * overtakes it); half the walking_speed tells it from a sway. */
+ * overtakes it); half of walking_speed distinguishes it from a sway. */
 #define SWING_RATIO REAL(0.5)
 #define STILL_RATIO REAL(0.1)
 /* Legs closer together than this are side by side: 8 cm on a 0.9 m leg. */
@@ -161,7 +160,7 @@ static struct leg_event in_swing(struct person_events *leg, const struct leg_vie
 }
 
 /* An event placed ahead of now, in a slow turn, waits for its time. */
-static struct leg_event when_due(struct person_events *leg, struct leg_event found)
+static struct leg_event pop_due(struct person_events *leg, struct leg_event found)
 {
     if (found.kind != LEG_EVENT_NONE) {
         leg->waiting = found;
@@ -193,7 +192,7 @@ struct leg_event person_events_update(struct person_events *leg, const struct le
     case LEG_SWING:
         event = in_swing(leg, view, tick);
         break;
-    default: /* the first clear movement tells where the leg is */
+    default: /* the first clear movement shows where the leg is */
         if (view->rate_rad_s > SWING_RATIO * view->walking_speed_rad_s) {
             enter(leg, LEG_SWING, tick);
         } else if (view->rate_rad_s < -SWING_RATIO * view->walking_speed_rad_s) {
@@ -206,5 +205,5 @@ struct leg_event person_events_update(struct person_events *leg, const struct le
     }
     leg->rate_before_rad_s = view->rate_rad_s;
     const struct leg_event toe_off = place_toe_off(leg, least_1_s, tick);
-    return toe_off.kind != LEG_EVENT_NONE ? toe_off : when_due(leg, event);
+    return toe_off.kind != LEG_EVENT_NONE ? toe_off : pop_due(leg, event);
 }

@@ -1,22 +1,19 @@
 /* Heel strike and toe-off of a person's leg, from the pitch of both legs alone.
  *
- * What a planted foot does to its leg: it stays where it is while the hip goes on,
- * so the leg from hip to ankle turns backwards at about the walking speed over the
- * leg's length. That rate, as measured at the last apexes, is the walking_speed here;
- * no threshold is in absolute units, so the rules scale with person and speed:
- *   heel strike  the leg ahead, coming from its swing, has been slowed until it
- *                turns backwards at most of that rate (the foot is planted);
- *   toe-off      the leg behind has stopped turning backwards and turns forwards
- *                (Zeni et al., Gait & Posture 27:710, 2008: the foot's rearmost
- *                point relative to the pelvis), and its ankle's push is over
- *                (ankle_push.h). The leg's turn decides that there is an event; its
- *                time is the mean of both, because people differ in how far the hip
- *                has gone on when the foot leaves, and in their ankles, but seldom
- *                in both alike. Where the ankle shows no push the turn stands alone.
- * "Ahead" and "behind" are of one leg relative to the other, so an offset that both
- * sensors share does not move them. Legs side by side, or that sway without
- * stepping, make no events. The legs' rates are slopes smoothed over +-16 ms; the
- * events are reported after that delay, and are the older by it.
+ * A planted foot stays where it is while the hip goes on. So its leg, from hip to ankle, turns
+ * backwards at about the walking speed over the leg's length. That rate, as measured at the
+ * last apexes, is walking_speed here. No threshold is in absolute units: the rules scale with
+ * person and speed.
+ *   heel strike  The leg is ahead and comes from its swing. It has slowed down until it turns
+ *                backwards at most of that rate: the foot is planted.
+ *   toe-off      The leg is behind. It has stopped turning backwards and turns forwards (Zeni
+ *                et al., Gait & Posture 27:710, 2008: the foot's rearmost point relative to
+ *                the pelvis), and its ankle's push is over (ankle_push.h). The turn decides
+ *                that there is an event. Its time is the mean of turn and end of push: people
+ *                differ in both, but seldom in both alike. Without a push it is the turn's.
+ * "Ahead" and "behind" compare one leg with the other, so an offset of both sensors does not
+ * matter. Legs side by side, or legs that sway without a step, make no events. The rates are
+ * slopes smoothed over +-16 ms: events are reported that much later.
  */
 #ifndef CONTROLLER_ESTIMATOR_PERSON_EVENTS_H
 #define CONTROLLER_ESTIMATOR_PERSON_EVENTS_H
@@ -29,7 +26,7 @@
 #define person_events_update REAL_SYMBOL(person_events_update)
 #define person_events_rate REAL_SYMBOL(person_events_rate)
 
-enum { LEG_RATE_HALF_WINDOW = 16 }; /* ticks */
+enum { LEG_RATE_HALF_WINDOW = TICKS_OF_MS(16) }; /* ticks */
 
 enum leg_contact {
     LEG_UNKNOWN = 0, /* standing still, or just started */

@@ -42,9 +42,9 @@ static real cubic_through(const real y[4], real s)
     return y[1] + s * (a + (s - REAL(1.0)) * (second + (s + REAL(1.0)) * third));
 }
 
-static real between(real from, real to, real share)
+static real between(real from, real to, real part)
 {
-    return from + share * (to - from);
+    return from + part * (to - from);
 }
 
 real gait_branch_at(const struct gait_branch *branch, real speed_rad_s,
@@ -74,13 +74,13 @@ real gait_branch_at(const struct gait_branch *branch, real speed_rad_s,
 
     const struct gait_branch_point *low = &branch->point[interval];
     const struct gait_branch_point *high = low + 1;
-    const real share = position - (real)interval;
+    const real part = position - (real)interval;
     for (int i = 0; i < GAIT_BRANCH_COSTS; i++) {
-        gait->cost[i] = between(low->cost[i], high->cost[i], share);
+        gait->cost[i] = between(low->cost[i], high->cost[i], part);
     }
     for (int i = 0; i < 3; i++) {
-        gait->lqr_gain[i] = between(low->lqr_gain[i], high->lqr_gain[i], share);
-        gait->deadbeat_gain[i] = between(low->deadbeat_gain[i], high->deadbeat_gain[i], share);
+        gait->lqr_gain[i] = between(low->lqr_gain[i], high->lqr_gain[i], part);
+        gait->deadbeat_gain[i] = between(low->deadbeat_gain[i], high->deadbeat_gain[i], part);
     }
     return branch->speed_min_rad_s + position * branch->speed_step_rad_s;
 }

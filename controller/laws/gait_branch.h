@@ -1,5 +1,5 @@
-/* What the laws know beforehand of their walker: its steady gaits by speed, and what it costs and
- * takes to return to each.
+/* What the laws know of their walker from the start: its steady gaits by speed, the cost of
+ * returning to each, and the gains that do it.
  *
  * One entry per forward apex speed, equally spaced, on the long-period branch. Per entry: the gait
  * (push-off and apex state), the infinite-horizon quadratic cost of the return map linearised there
@@ -62,8 +62,8 @@ real gait_branch_cost(const struct gait_branch *branch, const struct gait_branch
 
 /* Cost to go to the target gait by way of the branch: to the gait that is cheapest to reach now, and
  * from there along the branch:  min over s of  cost_s(apex) + travel_weight |v* - v_s|.
- * So a far target pulls the walker along the branch, as fast as the distance at which its gaits still
- * catch it allows, and a near one is reached straight. *target is the interpolated gait at v*.
+ * So a far target is approached along the branch, only as fast as its gaits still catch the walker,
+ * and a near one is reached directly. *target is the interpolated gait at v*.
  * Cost: about 20 operations an entry. */
 real gait_branch_distance(const struct gait_branch *branch, const struct gait_branch_point *target,
                           real target_speed_rad_s, const struct apex *apex, real r0_m);

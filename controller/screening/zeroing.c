@@ -27,7 +27,7 @@ static bool is_good(const struct leg_measurement *leg)
            real_is_finite(leg->ankle_extension_m);
 }
 
-static void collect(struct zeroing *zeroing, const struct leg_measurement leg[SIDE_COUNT])
+static void collect(struct zeroing *zeroing, const struct leg_measurement *leg)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         const real angle = leg[side].leg_angle_rad;
@@ -38,11 +38,11 @@ static void collect(struct zeroing *zeroing, const struct leg_measurement leg[SI
             zeroing->greatest_rad[side] = angle;
         }
         /* As means: sums of thousands would lose the float's last digits. */
-        const real share = REAL(1.0) / (real)(zeroing->samples + 1);
+        const real weight = REAL(1.0) / (real)(zeroing->samples + 1);
         real *mean = &zeroing->mean.angle_rad[side];
         real *ankle = &zeroing->mean.ankle_m[side];
-        *mean += share * (angle - *mean);
-        *ankle += share * (leg[side].ankle_extension_m - *ankle);
+        *mean += weight * (angle - *mean);
+        *ankle += weight * (leg[side].ankle_extension_m - *ankle);
     }
     zeroing->samples++;
 }
@@ -61,7 +61,7 @@ static enum zeroing_state verdict(const struct zeroing *zeroing)
     return zeroing->samples >= SAMPLES ? ZEROING_DONE : ZEROING_RUNNING;
 }
 
-void zeroing_update(struct zeroing *zeroing, const struct leg_measurement leg[SIDE_COUNT])
+void zeroing_update(struct zeroing *zeroing, const struct leg_measurement *leg)
 {
     if (zeroing->state != ZEROING_RUNNING) {
         return;

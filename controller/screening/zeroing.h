@@ -1,10 +1,10 @@
 /* Mounting offsets of the leg sensors, from quiet standing.
  *
- * Standing still on both feet, side by side, both legs are vertical: what the sensors
- * say then is their mounting error, and the ankles' extension is zero. The wearer
- * stands for ZEROING_S; if they move, or the readings are further from zero than a
- * mounting can be, nothing is changed and the reason is told. A lean of the body is
- * not told from an offset that both sensors share: stand as upright as one walks.
+ * A person who stands still on both feet, side by side, has both legs vertical and both ankles
+ * not extended. What the sensors read then is their mounting error. The person stands for
+ * ZEROING_S. If they move, or a reading is further from zero than a mounting error can be,
+ * nothing is changed and the state says why. A body that leans looks like the same offset of
+ * both sensors: stand as upright as you walk.
  */
 #ifndef CONTROLLER_SCREENING_ZEROING_H
 #define CONTROLLER_SCREENING_ZEROING_H
@@ -45,7 +45,7 @@ void zeroing_start(struct zeroing *zeroing);
 
 /* One tick's raw legs (no offset taken off). While not running, nothing happens.
  * Constant cost. */
-void zeroing_update(struct zeroing *zeroing, const struct leg_measurement leg[SIDE_COUNT]);
+void zeroing_update(struct zeroing *zeroing, const struct leg_measurement *leg);
 
 /* Gives up a run as ZEROING_MOVED; nothing else is changed. */
 void zeroing_stop(struct zeroing *zeroing);

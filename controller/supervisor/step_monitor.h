@@ -1,9 +1,8 @@
-/* Are these verified, steady steps? What engaging waits for and withdrawing looks at.
+/* Are these verified, steady steps? Engaging waits for them, and irregular ones end a walk.
  *
- * A step, from apex to apex, is steady when the sides alternate, the other foot was
- * seen to land in it exactly once, and it lasted as long as the step before and the
- * step before that, within a third: recorded people vary by 2 to 4 %, and limp by
- * 10 to 20 %. So two legs that disagree are not steady either.
+ * A step goes from apex to apex. It is steady when the sides alternate, the other foot landed in
+ * it exactly once, and it lasted as long as the two steps before it, within a third. Recorded
+ * people vary by 2 to 4 %, and limp by 10 to 20 %. Two legs that disagree are not steady either.
  */
 #ifndef CONTROLLER_SUPERVISOR_STEP_MONITOR_H
 #define CONTROLLER_SUPERVISOR_STEP_MONITOR_H

@@ -54,6 +54,9 @@ bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t co
 {
     const enum supervisor_state from = supervisor->state;
     uint16_t all = (uint16_t)(conditions & ~IF(LATCHED));
+    if (from == SUPERVISOR_INIT && (conditions & IF(NODES)) == 0) {
+        supervisor->since_tick = tick;
+    }
     if ((conditions & IF(FAULT)) != 0 && from != SUPERVISOR_INIT &&
         supervisor->latched == SUPERVISOR_FAULT_NONE) {
         supervisor->latched = fault;
@@ -62,7 +65,7 @@ bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t co
         all = (uint16_t)(all | IF(LATCHED));
     }
     const enum supervisor_state to = supervisor_next(supervisor_rows, SUPERVISOR_ROWS, from, all);
-    supervisor->judged_tick = tick;
+    supervisor->updated_tick = tick;
     if (to == from) {
         return false;
     }
@@ -76,14 +79,10 @@ bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t co
     return true;
 }
 
-bool supervisor_may_enable(enum supervisor_state state)
+void supervisor_force_fault(struct supervisor *supervisor, enum supervisor_fault fault)
 {
-    return (ASSISTING | IN(UNLOADING)) & (1u << state);
-}
-
-bool supervisor_may_assist(enum supervisor_state state)
-{
-    return ASSISTING & (1u << state);
+    supervisor->state = SUPERVISOR_FAULT;
+    supervisor->latched = fault;
 }
 
 const char *supervisor_fault_name(enum supervisor_fault fault)

@@ -5,14 +5,14 @@
  * that matches decides; stop rules stand before state rules.
  *
  *   INIT -> SELF_TEST -> STANDBY -> ENGAGING -> WALKING -> UNLOADING -> STANDBY
- *   any fault: a powered spring is unloaded first (UNLOADING), then torque goes
- *   off and FAULT is latched until a reset at standstill.
- *   In INIT nodes may be missing for as long as they like; once they are there, what is
- *   wrong then (a drive in fault from power-up on) is a fault after a while.
+ *   Any fault: a powered spring is unloaded first (UNLOADING), then torque goes off and
+ *   FAULT is latched until a reset at standstill.
+ *   In INIT nodes may be missing without a limit of time. Once they are all there, what is
+ *   wrong (a drive in fault since power-up) becomes a fault after unload_timeout_s.
  *
- * Engaging: with engage_steps = 0 (the bench: a hand holds the walker, which has no
- * push-off of its own) the first spring is loaded at once and the first apex counts;
- * otherwise the drives stand at zero spring until so many steady steps have been seen.
+ * Engaging: in test mode (engage_steps = 0: a hand supports a walker without a push-off of its
+ * own) the first spring is loaded at once and the first apex counts. Otherwise the drives stay
+ * at zero spring until so many steady steps have been seen.
  */
 #ifndef CONTROLLER_SUPERVISOR_SUPERVISOR_H
 #define CONTROLLER_SUPERVISOR_SUPERVISOR_H
@@ -25,8 +25,7 @@
 #define supervisor_init REAL_SYMBOL(supervisor_init)
 #define supervisor_next REAL_SYMBOL(supervisor_next)
 #define supervisor_update REAL_SYMBOL(supervisor_update)
-#define supervisor_may_enable REAL_SYMBOL(supervisor_may_enable)
-#define supervisor_may_assist REAL_SYMBOL(supervisor_may_assist)
+#define supervisor_force_fault REAL_SYMBOL(supervisor_force_fault)
 #define supervisor_rows REAL_SYMBOL(supervisor_rows)
 #define supervisor_fault_name REAL_SYMBOL(supervisor_fault_name)
 
@@ -68,8 +67,8 @@ enum supervisor_fault {
 
 /* Conditions, one bit each. */
 enum supervisor_condition {
-    SUPERVISOR_IF_FAULT = 1 << 0,     /* some fault condition holds now */
-    SUPERVISOR_IF_NODES = 1 << 1,     /* all nodes operational, or one tells of an error */
+    SUPERVISOR_IF_FAULT = 1 << 0,     /* some fault condition is true now */
+    SUPERVISOR_IF_NODES = 1 << 1,     /* all nodes operational, or one reports an error */
     SUPERVISOR_IF_PLAUSIBLE = 1 << 2, /* no fault, all values fresh, springs slack */
     SUPERVISOR_IF_WALK_REQUESTED = 1 << 3,
     SUPERVISOR_IF_ENABLED = 1 << 4,  /* both drives report enabled */
@@ -85,7 +84,7 @@ enum supervisor_condition {
 };
 
 /* From any state of `from` (bit mask of 1 << state): if all of `require` and
- * none of `forbid` hold, go to `to`. */
+ * none of `forbid` are true, go to `to`. */
 struct supervisor_row {
     uint16_t from;
     uint16_t require;
@@ -99,8 +98,8 @@ extern const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS];
 struct supervisor {
     enum supervisor_state state;
     enum supervisor_fault latched; /* the first fault since the last reset */
-    uint32_t since_tick;
-    uint32_t judged_tick; /* of the last supervisor_update that went through its rules */
+    uint32_t since_tick;           /* the state began; in INIT, the last tick without all nodes */
+    uint32_t updated_tick;         /* of the last supervisor_update that went through its rules */
 };
 
 /* Pure: where this table goes from `state` under `conditions` (IF_LATCHED among
@@ -113,17 +112,30 @@ void supervisor_init(struct supervisor *supervisor);
 /* One tick. conditions: bits of enum supervisor_condition (IF_LATCHED is set by
  * this function itself). fault: the reason when IF_FAULT is set. The first fault is
  * latched, in INIT only when it lasts (nodes are still missing); FAULT is never entered
- * without one. At most one transition a tick. Returns true when the state changed. */
+ * without one. In INIT the state's time begins anew while nodes are missing. At most one transition a tick. Returns true when the state changed. */
 bool supervisor_update(struct supervisor *supervisor, uint32_t tick, uint16_t conditions,
                        enum supervisor_fault fault);
+
+/* Enters FAULT at once and latches `fault`, whatever the table says: for a fault that is known
+ * outside the control loop (no usable settings, a restart). since_tick is left as it is. A reset
+ * at standstill ends it as any fault; call it again every tick to make it last. fault: not
+ * SUPERVISOR_FAULT_NONE. Constant cost; loop only. */
+void supervisor_force_fault(struct supervisor *supervisor, enum supervisor_fault fault);
 
 /* "emergency stop" and so on; a static string, never NULL, for any value. */
 const char *supervisor_fault_name(enum supervisor_fault fault);
 
 /* True in the states in which drives may be under torque. */
-bool supervisor_may_enable(enum supervisor_state state);
+static inline bool supervisor_may_enable(enum supervisor_state state)
+{
+    return state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING ||
+           state == SUPERVISOR_UNLOADING;
+}
 
 /* True in the states in which springs may be loaded and latches armed. */
-bool supervisor_may_assist(enum supervisor_state state);
+static inline bool supervisor_may_assist(enum supervisor_state state)
+{
+    return state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING;
+}
 
 #endif

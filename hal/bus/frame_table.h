@@ -13,58 +13,74 @@
 #ifndef HAL_BUS_FRAME_TABLE_H
 #define HAL_BUS_FRAME_TABLE_H
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-enum node_id {
-    NODE_DRIVE_LEFT = 1,
-    NODE_DRIVE_RIGHT = 2,
-    NODE_SENSOR_LEFT = 3,
-    NODE_SENSOR_RIGHT = 4,
-    NODE_CONTROLLER = 16
-};
+#include "model/tick.h"
+
+/* The nodes that the controller sets up, starts and watches, in this order: X(NAME, number,
+ * CiA profile). At most 8; their frames are rows of the table below. */
+#define NODE_TABLE(X)      \
+    X(DRIVE_LEFT, 1, 402)  \
+    X(DRIVE_RIGHT, 2, 402) \
+    X(SENSOR_LEFT, 3, 406) \
+    X(SENSOR_RIGHT, 4, 406)
+
+#define NODE_ID_ENTRY(name, number, profile) NODE_##name = number,
+enum node_id { NODE_TABLE(NODE_ID_ENTRY) NODE_CONTROLLER = 16 };
+#undef NODE_ID_ENTRY
 
 enum {
-    BUS_BITRATE = 1000000,
-    TICK_PERIOD_US = 1000,
-    SLOW_PDO_TICKS = 100,
+    SLOW_PDO_TICKS = TICKS_OF_MS(100),
     HEARTBEAT_PERIOD_MS = 100,
-    HEARTBEAT_TIMEOUT_MS = 250
+    HEARTBEAT_TIMEOUT_MS = 250,
+    HEARTBEAT_TIMEOUT_TICKS = TICKS_OF_MS(HEARTBEAT_TIMEOUT_MS)
 };
 
-#define FRAME_TABLE(X)                                          \
-    X(NMT, 0x000, 2, 100000, 100000, 16, A)                     \
-    X(SYNC, 0x080, 0, 1000, 1000, 16, S)                        \
-    X(EMCY_DRIVE_LEFT, 0x081, 8, 10000, 10000, 1, E)            \
-    X(EMCY_DRIVE_RIGHT, 0x082, 8, 10000, 10000, 2, E)           \
-    X(EMCY_SENSOR_LEFT, 0x083, 8, 10000, 10000, 3, E)           \
-    X(EMCY_SENSOR_RIGHT, 0x084, 8, 10000, 10000, 4, E)          \
-    X(EMCY_CONTROLLER, 0x090, 8, 10000, 10000, 16, E)           \
-    X(DRIVE_STATE_LEFT, 0x181, 6, 1000, 1000, 1, S)             \
-    X(DRIVE_STATE_RIGHT, 0x182, 6, 1000, 1000, 2, S)            \
-    X(TELEMETRY, 0x390, 8, 100000, 50000, 16, E)                \
-    X(DRIVE_TARGETS, 0x201, 8, 1000, 1000, 16, S)               \
-    X(LEG_STATE_LEFT, 0x283, 5, 1000, 1000, 3, S)               \
-    X(LEG_STATE_RIGHT, 0x284, 5, 1000, 1000, 4, S)              \
-    X(CONTROLLER_STATE, 0x290, 6, 10000, 10000, 16, E)          \
-    X(DRIVE_COMMAND_LEFT, 0x301, 6, 2000, 5000, 16, E)          \
-    X(DRIVE_COMMAND_RIGHT, 0x302, 6, 2000, 5000, 16, E)         \
-    X(DRIVE_SLOW_LEFT, 0x381, 8, 100000, 50000, 1, N)           \
-    X(DRIVE_SLOW_RIGHT, 0x382, 8, 100000, 50000, 2, N)          \
-    X(SDO_ANSWER_DRIVE_LEFT, 0x581, 8, 50000, 100000, 1, A)     \
-    X(SDO_ANSWER_DRIVE_RIGHT, 0x582, 8, 50000, 100000, 2, A)    \
-    X(SDO_ANSWER_SENSOR_LEFT, 0x583, 8, 50000, 100000, 3, A)    \
-    X(SDO_ANSWER_SENSOR_RIGHT, 0x584, 8, 50000, 100000, 4, A)   \
-    X(SDO_ANSWER_CONTROLLER, 0x590, 8, 50000, 100000, 16, A)    \
-    X(SDO_REQUEST_DRIVE_LEFT, 0x601, 8, 50000, 100000, 16, A)   \
-    X(SDO_REQUEST_DRIVE_RIGHT, 0x602, 8, 50000, 100000, 16, A)  \
-    X(SDO_REQUEST_SENSOR_LEFT, 0x603, 8, 50000, 100000, 16, A)  \
-    X(SDO_REQUEST_SENSOR_RIGHT, 0x604, 8, 50000, 100000, 16, A) \
-    X(SDO_REQUEST_CONTROLLER, 0x610, 8, 50000, 100000, 0, A)    \
-    X(HEARTBEAT_DRIVE_LEFT, 0x701, 1, 100000, 100000, 1, A)     \
-    X(HEARTBEAT_DRIVE_RIGHT, 0x702, 1, 100000, 100000, 2, A)    \
-    X(HEARTBEAT_SENSOR_LEFT, 0x703, 1, 100000, 100000, 3, A)    \
-    X(HEARTBEAT_SENSOR_RIGHT, 0x704, 1, 100000, 100000, 4, A)   \
+/* bit/s. A build may choose another, with a tick that fits it (scripts/bus-budget). */
+#ifndef BUS_BITRATE
+#define BUS_BITRATE 1000000
+#endif
+static_assert(BUS_BITRATE >= 10000 && BUS_BITRATE <= 1000000, "classic CAN: 10 kbit/s to 1 Mbit/s");
+static_assert(SLOW_PDO_TICKS >= 1 && SLOW_PDO_TICKS <= 240, "a PDO comes at most every 240th SYNC");
+
+/* A time in the table that goes with the tick. */
+#define FRAME_TICKS(n) ((n)*TICK_PERIOD_US)
+
+#define FRAME_TABLE(X)                                                      \
+    X(NMT, 0x000, 2, 100000, 100000, 16, A)                                 \
+    X(SYNC, 0x080, 0, FRAME_TICKS(1), FRAME_TICKS(1), 16, S)                \
+    X(EMCY_DRIVE_LEFT, 0x081, 8, 10000, 10000, 1, E)                        \
+    X(EMCY_DRIVE_RIGHT, 0x082, 8, 10000, 10000, 2, E)                       \
+    X(EMCY_SENSOR_LEFT, 0x083, 8, 10000, 10000, 3, E)                       \
+    X(EMCY_SENSOR_RIGHT, 0x084, 8, 10000, 10000, 4, E)                      \
+    X(EMCY_CONTROLLER, 0x090, 8, 10000, 10000, 16, E)                       \
+    X(DRIVE_STATE_LEFT, 0x181, 6, FRAME_TICKS(1), FRAME_TICKS(1), 1, S)     \
+    X(DRIVE_STATE_RIGHT, 0x182, 6, FRAME_TICKS(1), FRAME_TICKS(1), 2, S)    \
+    X(TELEMETRY, 0x390, 8, 100000, 50000, 16, E)                            \
+    X(DRIVE_TARGETS, 0x201, 8, FRAME_TICKS(1), FRAME_TICKS(1), 16, S)       \
+    X(LEG_STATE_LEFT, 0x283, 5, FRAME_TICKS(1), FRAME_TICKS(1), 3, S)       \
+    X(LEG_STATE_RIGHT, 0x284, 5, FRAME_TICKS(1), FRAME_TICKS(1), 4, S)      \
+    X(CONTROLLER_STATE, 0x290, 6, 10000, 10000, 16, E)                      \
+    X(DRIVE_COMMAND_LEFT, 0x301, 6, FRAME_TICKS(2), FRAME_TICKS(5), 16, E)  \
+    X(DRIVE_COMMAND_RIGHT, 0x302, 6, FRAME_TICKS(2), FRAME_TICKS(5), 16, E) \
+    X(DRIVE_SLOW_LEFT, 0x381, 8, 100000, 50000, 1, N)                       \
+    X(DRIVE_SLOW_RIGHT, 0x382, 8, 100000, 50000, 2, N)                      \
+    X(SDO_ANSWER_DRIVE_LEFT, 0x581, 8, 50000, 100000, 1, A)                 \
+    X(SDO_ANSWER_DRIVE_RIGHT, 0x582, 8, 50000, 100000, 2, A)                \
+    X(SDO_ANSWER_SENSOR_LEFT, 0x583, 8, 50000, 100000, 3, A)                \
+    X(SDO_ANSWER_SENSOR_RIGHT, 0x584, 8, 50000, 100000, 4, A)               \
+    X(SDO_ANSWER_CONTROLLER, 0x590, 8, 50000, 100000, 16, A)                \
+    X(SDO_REQUEST_DRIVE_LEFT, 0x601, 8, 50000, 100000, 16, A)               \
+    X(SDO_REQUEST_DRIVE_RIGHT, 0x602, 8, 50000, 100000, 16, A)              \
+    X(SDO_REQUEST_SENSOR_LEFT, 0x603, 8, 50000, 100000, 16, A)              \
+    X(SDO_REQUEST_SENSOR_RIGHT, 0x604, 8, 50000, 100000, 16, A)             \
+    X(SDO_REQUEST_CONTROLLER, 0x610, 8, 50000, 100000, 0, A)                \
+    X(HEARTBEAT_DRIVE_LEFT, 0x701, 1, 100000, 100000, 1, A)                 \
+    X(HEARTBEAT_DRIVE_RIGHT, 0x702, 1, 100000, 100000, 2, A)                \
+    X(HEARTBEAT_SENSOR_LEFT, 0x703, 1, 100000, 100000, 3, A)                \
+    X(HEARTBEAT_SENSOR_RIGHT, 0x704, 1, 100000, 100000, 4, A)               \
     X(HEARTBEAT_CONTROLLER, 0x710, 1, 100000, 100000, 16, A)
 
 #define FRAME_ID_ENTRY(name, id, bytes, period_us, deadline_us, node, kind) FRAME_##name = id,

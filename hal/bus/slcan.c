@@ -3,7 +3,14 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { CARRIAGE_RETURN = 0x0D, BELL = 0x07, STANDARD_DIGITS = 3, EXTENDED_DIGITS = 8 };
+enum {
+    CARRIAGE_RETURN = 0x0D,
+    LINE_FEED = 0x0A,
+    BELL = 0x07,
+    STANDARD_DIGITS = 3,
+    EXTENDED_DIGITS = 8,
+    TIME_STAMP_DIGITS = 4
+};
 
 static char digit_of(uint32_t value)
 {
@@ -80,15 +87,18 @@ static bool parse_frame(struct slcan_decoder *decoder)
     int digits = extended ? EXTENDED_DIGITS : STANDARD_DIGITS;
     int header = 1 + digits + 1;
     struct can_msg message;
-    uint32_t length, byte;
+    uint32_t length, byte, time_stamp;
 
     memset(&message, 0, sizeof message);
     if ((int)decoder->used < header || !read_hex(line + 1, digits, &message.id) ||
         !read_hex(line + 1 + digits, 1, &length) || length > CAN_FRAME_DATA_MAX) {
         return false;
     }
+    const int end = header + (remote ? 0 : 2 * (int)length);
+    const bool stamped = (int)decoder->used == end + TIME_STAMP_DIGITS;
     if (message.id > (extended ? (uint32_t)CAN_ID_EXTENDED_MAX : (uint32_t)CAN_ID_STANDARD_MAX) ||
-        (int)decoder->used != header + (remote ? 0 : 2 * (int)length)) {
+        ((int)decoder->used != end && !stamped) ||
+        (stamped && !read_hex(line + end, TIME_STAMP_DIGITS, &time_stamp))) {
         return false;
     }
     for (uint32_t i = 0; !remote && i < length; i++) {
@@ -112,6 +122,13 @@ static enum slcan_event malformed(struct slcan_decoder *decoder)
     return SLCAN_MALFORMED;
 }
 
+/* Z0: no time stamps; Z1 and above: of some kind. */
+static bool is_time_stamp_command(const struct slcan_decoder *decoder)
+{
+    return decoder->used == 2 && decoder->line[0] == 'Z' && decoder->line[1] >= '0' &&
+           decoder->line[1] <= '9';
+}
+
 static enum slcan_event finish_line(struct slcan_decoder *decoder)
 {
     enum slcan_event event;
@@ -129,7 +146,11 @@ static enum slcan_event finish_line(struct slcan_decoder *decoder)
         break;
     case 'z':
     case 'Z':
-        event = decoder->used == 1 ? SLCAN_ACKNOWLEDGED : malformed(decoder);
+        if (decoder->used == 1) {
+            event = SLCAN_ACKNOWLEDGED;
+        } else {
+            event = is_time_stamp_command(decoder) ? SLCAN_OTHER : malformed(decoder);
+        }
         break;
     default:
         event = SLCAN_OTHER;
@@ -157,6 +178,9 @@ enum slcan_event slcan_decode(struct slcan_decoder *decoder, char byte)
         decoder->used = 0;
         decoder->overrun = 0;
         return event;
+    }
+    if (byte == LINE_FEED && decoder->used == 0) {
+        return SLCAN_NOTHING; /* of an adapter that ends lines with both */
     }
     if (decoder->used >= SLCAN_LINE_MAX) {
         decoder->overrun = 1;

@@ -7,6 +7,8 @@
  *   Tiiiiiiiildd..  extended data frame  Riiiiiiiil  extended remote frame
  *   z CR / Z CR  the adapter's acknowledgement of a standard / extended frame
  *   CR          command done             BEL     command refused
+ * A received frame may have a time stamp behind it, four hexadecimal digits of milliseconds (command
+ * Z1); nobody here needs it. A line feed behind a line's end is ignored.
  */
 #ifndef HAL_BUS_SLCAN_H
 #define HAL_BUS_SLCAN_H
@@ -17,7 +19,7 @@
 #include "hal/bus/can_frame.h"
 
 enum {
-    SLCAN_LINE_MAX = 27 /* T + 8 + 1 + 16 + CR */
+    SLCAN_LINE_MAX = 31 /* T + 8 + 1 + 16 + time stamp 4 + CR */
 };
 
 /* Writes *message as one line, CR included, no NUL, to `out` (SLCAN_LINE_MAX

@@ -23,41 +23,71 @@ static bool is_applications(uint16_t index)
     return index > AREA_LAST || index == STORE_PARAMETERS || index == RESTORE_PARAMETERS;
 }
 
-static const uint32_t ID_BITS = 0x1FFFFFFFU;
-static const uint32_t EXTENDED_BIT = 0x20000000U;
-
-/* Identifiers a PDO must not take: CiA 301 table 41, restricted COB-IDs. */
+/* Identifiers that SYNC, EMCY, PDOs and SDOs must not be given: CiA 301 table 41, restricted
+ * CAN-IDs (as in CANopenNode's 301/CO_driver.h, CO_IS_RESTRICTED_CAN_ID). Of these objects only the
+ * PDOs' and the SYNC's can be written here. */
 static bool is_restricted(uint32_t id)
 {
     return id <= 0x07F || (id >= 0x101 && id <= 0x180) || (id >= 0x581 && id <= 0x5FF) ||
-           (id >= 0x601 && id <= 0x67F) || (id >= 0x6E0 && id <= 0x6FF) || id >= 0x701 ||
-           id == CO_COB_SYNC;
+           (id >= 0x601 && id <= 0x67F) || (id >= 0x6E0 && id <= 0x6FF) || id >= 0x701;
 }
 
-static uint32_t writing_cob_id(const struct co_pdo *pdo, uint32_t wanted)
+/* Bit 30 may be set in both directions: it is not part of the identifier. An RPDO keeps it as it
+ * was written (as in CANopenNode's 301/CO_PDO.c); tools set it, and some devices demand it. */
+static uint32_t writing_cob_id(const struct co_device *device, const struct co_pdo *pdo,
+                               uint32_t wanted)
 {
-    if ((wanted & EXTENDED_BIT) != 0) {
+    const uint32_t id = wanted & ~(CO_PDO_INVALID | CO_PDO_NO_RTR);
+    if (id > CAN_ID_STANDARD_MAX) { /* 29 bits of identifier, or bits that have no meaning */
         return CO_ABORT_VALUE;
     }
     if ((wanted & CO_PDO_INVALID) != 0) {
         return CO_ABORT_NONE;
     }
-    const uint32_t id = wanted & ID_BITS;
-    if (id > CAN_ID_STANDARD_MAX || is_restricted(id)) {
+    if (is_restricted(id) || id == CO_COB_SYNC ||
+        id == (device->comm.sync_cob_id & CAN_ID_STANDARD_MAX)) {
         return CO_ABORT_VALUE;
     }
     /* A living PDO keeps its identifier: switch it off first. */
-    if (co_pdo_is_valid(pdo) && (pdo->cob_id & ID_BITS) != id) {
-        return CO_ABORT_VALUE;
-    }
-    return CO_ABORT_NONE;
+    return co_pdo_is_valid(pdo) && co_pdo_id(pdo) != id ? CO_ABORT_VALUE : CO_ABORT_NONE;
 }
 
-static uint32_t writing_parameter(const struct co_pdo *pdo, uint8_t sub, const uint8_t *bytes)
+static bool is_of_a_pdo(const struct co_pdo *pdos, unsigned count, uint32_t id)
+{
+    bool is = false;
+    for (unsigned i = 0; i < count; i++) {
+        is = is || (co_pdo_is_valid(&pdos[i]) && co_pdo_id(&pdos[i]) == id);
+    }
+    return is;
+}
+
+/* 0x1005. Whether SYNC is sent (bit 30) is the device's own matter; while it is, the identifier
+ * stays (CiA 301 clause 7.5.2.5). */
+static uint32_t writing_sync(const struct co_comm *comm, uint32_t wanted)
+{
+    const uint32_t id = wanted & ~CO_SYNC_PRODUCER;
+    if (((wanted ^ comm->sync_cob_id) & CO_SYNC_PRODUCER) != 0 || id > CAN_ID_STANDARD_MAX ||
+        is_restricted(id) || is_of_a_pdo(comm->rpdo, comm->rpdo_count, id) ||
+        is_of_a_pdo(comm->tpdo, comm->tpdo_count, id)) {
+        return CO_ABORT_VALUE;
+    }
+    return (wanted & CO_SYNC_PRODUCER) != 0 && wanted != comm->sync_cob_id ? CO_ABORT_VALUE
+                                                                           : CO_ABORT_NONE;
+}
+
+/* 0x1006: who sends SYNC has a period that nobody can write here; who does not, waits for none. */
+static uint32_t writing_sync_period(const struct co_comm *comm, uint32_t wanted_us)
+{
+    const bool sends = (comm->sync_cob_id & CO_SYNC_PRODUCER) != 0;
+    return sends && wanted_us != comm->sync_period_us ? CO_ABORT_VALUE : CO_ABORT_NONE;
+}
+
+static uint32_t writing_parameter(const struct co_device *device, const struct co_pdo *pdo,
+                                  uint8_t sub, const uint8_t *bytes)
 {
     switch (sub) {
     case SUB_COB_ID:
-        return writing_cob_id(pdo, bytes_get_u32(bytes));
+        return writing_cob_id(device, pdo, bytes_get_u32(bytes));
     case SUB_TYPE: /* 241..253: reserved, or on remote request, which nobody here sends */
         return bytes[0] > CO_SYNC_MAX && bytes[0] < CO_EVENT_MANUFACTURER ? CO_ABORT_VALUE
                                                                           : CO_ABORT_NONE;
@@ -117,19 +147,21 @@ uint32_t co_comm_writing(void *context, const struct co_entry *entry, const uint
     }
     switch (index & 0xFF00) {
     case RPDO_COMMUNICATION:
-        return writing_parameter(&device->comm.rpdo[number], entry->sub, bytes);
+        return writing_parameter(device, &device->comm.rpdo[number], entry->sub, bytes);
     case RPDO_MAPPING:
         return writing_mapping(device, &device->comm.rpdo[number], entry->sub, bytes, CO_MAP_RX);
     case TPDO_COMMUNICATION:
-        return writing_parameter(&device->comm.tpdo[number], entry->sub, bytes);
+        return writing_parameter(device, &device->comm.tpdo[number], entry->sub, bytes);
     case TPDO_MAPPING:
         return writing_mapping(device, &device->comm.tpdo[number], entry->sub, bytes, CO_MAP_TX);
     default:
         break;
     }
     if (index == 0x1005) {
-        /* Consumer only: generating SYNC (bit 30) is not this device's business. */
-        return bytes_get_u32(bytes) > CAN_ID_STANDARD_MAX ? CO_ABORT_VALUE : CO_ABORT_NONE;
+        return writing_sync(&device->comm, bytes_get_u32(bytes));
+    }
+    if (index == 0x1006) {
+        return writing_sync_period(&device->comm, bytes_get_u32(bytes));
     }
     if (index == 0x1016) {
         return writing_consumer(device, entry->sub, bytes_get_u32(bytes));
@@ -152,15 +184,14 @@ void co_comm_written(void *context, const struct co_entry *entry)
         memset(device->comm.history, 0, sizeof device->comm.history);
     } else if (entry->index == 0x1016) {
         device->consumers[entry->sub - 1] = (struct co_consumer_state){.state = 0xFF};
+        co_device_clear_for(device, CO_EMCY_HEARTBEAT, entry->sub);
     } else if (entry->index == 0x1017) {
         device->heartbeat_due_ns = 0; /* the new period starts with a heartbeat */
     } else if ((entry->index & 0xFF00) == RPDO_COMMUNICATION) {
-        struct co_pdo *pdo = &device->comm.rpdo[entry->index & 0xFFU];
-        pdo->waiting = false;
-        pdo->seen = false;
-        pdo->timed_out = false;
+        co_device_forget_rpdo(device, entry->index & 0xFFU);
     } else if ((entry->index & 0xFF00) == TPDO_COMMUNICATION) {
         struct co_pdo *pdo = &device->comm.tpdo[entry->index & 0xFFU];
+        pdo->cob_id |= CO_PDO_NO_RTR; /* whatever was written: remote requests are not answered */
         pdo->sync_count = 0;
         pdo->waiting = pdo->type >= CO_EVENT_MANUFACTURER;
     }

@@ -77,6 +77,9 @@ enum co_error_register { /* object 0x1001 */
                          CO_ERROR_MANUFACTURER = 0x80
 };
 
+/* Bit 30 of 0x1005: this device sends SYNC (CiA 301 clause 7.5.2.5). */
+#define CO_SYNC_PRODUCER 0x40000000U
+
 enum { CO_COB_INVALID_BIT = 31, CO_NODE_MAX = 127 };
 
 #endif

@@ -16,10 +16,7 @@ static void enter_state(struct co_device *device, enum co_nmt_state state, uint6
     device->state = state;
     device->next_due_ns = 0;
     for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
-        struct co_pdo *rpdo = &device->comm.rpdo[i];
-        rpdo->waiting = false;
-        rpdo->seen = false;
-        rpdo->timed_out = false;
+        co_device_forget_rpdo(device, i);
     }
     for (unsigned i = 0; i < device->comm.tpdo_count; i++) {
         struct co_pdo *tpdo = &device->comm.tpdo[i];
@@ -65,6 +62,9 @@ static void predefined_values(struct co_device *device)
     predefined_pdos(comm->rpdo, comm->rpdo_count, CO_COB_RPDO1 + node);
     predefined_pdos(comm->tpdo, comm->tpdo_count, CO_COB_TPDO1 + node);
     device->config.defaults(device->config.context, comm);
+    for (unsigned i = 0; i < comm->tpdo_count; i++) {
+        comm->tpdo[i].cob_id |= CO_PDO_NO_RTR; /* remote requests are not answered */
+    }
 }
 
 static bool resolve(const struct co_device *device, struct co_pdo *pdo, unsigned count,
@@ -176,16 +176,20 @@ static void look_at_bus(struct co_device *device, uint64_t now_ns)
         can_bus_recover(&device->bus);
     } else if (status.error_state != CAN_BUS_OFF && device->was_bus_off) {
         device->was_bus_off = false;
-        co_device_raise(device, CO_EMCY_BUS_OFF_RECOVERED, CO_ERROR_COMMUNICATION, NULL);
-        co_device_clear(device, CO_EMCY_BUS_OFF_RECOVERED);
+        co_device_raise_for(device, CO_EMCY_BUS_OFF_RECOVERED, CO_CAUSE_BUS, CO_ERROR_COMMUNICATION,
+                            NULL);
+        co_device_clear_for(device, CO_EMCY_BUS_OFF_RECOVERED, CO_CAUSE_BUS);
         if (device->config.ops->bus_off != NULL) {
             device->config.ops->bus_off(device->config.context, false, now_ns);
         }
     }
     if (status.error_state == CAN_ERROR_PASSIVE) {
-        co_device_raise(device, CO_EMCY_CAN_PASSIVE, CO_ERROR_COMMUNICATION, NULL);
-    } else if (status.error_state == CAN_ERROR_ACTIVE) {
-        co_device_clear(device, CO_EMCY_CAN_PASSIVE);
+        device->was_passive = true;
+        co_device_raise_for(device, CO_EMCY_CAN_PASSIVE, CO_CAUSE_BUS, CO_ERROR_COMMUNICATION,
+                            NULL);
+    } else if (status.error_state != CAN_BUS_OFF) {
+        device->was_passive = false;
+        co_device_clear_for(device, CO_EMCY_CAN_PASSIVE, CO_CAUSE_BUS);
     }
 }
 
@@ -212,7 +216,7 @@ static void take_heartbeat(struct co_device *device, const struct can_msg *messa
         }
         if (consumer->lost) {
             consumer->lost = false;
-            co_device_clear(device, CO_EMCY_HEARTBEAT);
+            co_device_clear_for(device, CO_EMCY_HEARTBEAT, (uint8_t)(CO_CAUSE_FIRST + i));
             if (device->config.ops->heartbeat != NULL) {
                 device->config.ops->heartbeat(device->config.context, (uint8_t)node, true, now_ns);
             }
@@ -247,15 +251,20 @@ bool co_device_receive(struct co_device *device, const struct can_msg *message, 
     if (message->flags != 0) {
         return false; /* remote, extended or own */
     }
-    if (id == device->comm.sync_cob_id) {
+    if (id == (device->comm.sync_cob_id & CAN_ID_STANDARD_MAX)) {
         co_device_take_sync(device, now_ns);
         return true;
     }
+    bool is_rpdo = false;
     for (unsigned i = 0; i < device->comm.rpdo_count; i++) {
-        if (id == device->comm.rpdo[i].cob_id) { /* an invalid one has bit 31 */
+        const struct co_pdo *rpdo = &device->comm.rpdo[i];
+        if (co_pdo_is_valid(rpdo) && id == co_pdo_id(rpdo)) {
             co_device_take_rpdo(device, i, message, now_ns);
-            return true;
+            is_rpdo = true;
         }
+    }
+    if (is_rpdo) {
+        return true;
     }
     if (id == device->comm.sdo_request_id) {
         take_sdo(device, message, now_ns);
@@ -314,7 +323,8 @@ static uint64_t process_consumers(struct co_device *device, uint64_t now_ns)
         const uint8_t node = (uint8_t)(device->comm.consumer[i] >> 16 & 0xFFU);
         const uint8_t vendor[5] = {node};
         consumer->lost = true;
-        co_device_raise(device, CO_EMCY_HEARTBEAT, CO_ERROR_COMMUNICATION, vendor);
+        co_device_raise_for(device, CO_EMCY_HEARTBEAT, (uint8_t)(CO_CAUSE_FIRST + i),
+                            CO_ERROR_COMMUNICATION, vendor);
         if (device->config.ops->heartbeat != NULL) {
             device->config.ops->heartbeat(device->config.context, node, false, now_ns);
         }
@@ -325,6 +335,9 @@ static uint64_t process_consumers(struct co_device *device, uint64_t now_ns)
 
 void co_device_process(struct co_device *device, uint64_t now_ns)
 {
+    if (device->was_bus_off || device->was_passive) { /* its end may bring no error frame */
+        look_at_bus(device, now_ns);
+    }
     if (now_ns < device->next_due_ns) {
         return;
     }

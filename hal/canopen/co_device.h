@@ -22,7 +22,7 @@
 enum {
     CO_HEARTBEATS_MAX = 4,
     CO_HISTORY_MAX = 8,
-    CO_ACTIVE_ERRORS_MAX = 8,
+    CO_ACTIVE_ERRORS_MAX = 16,
     CO_EMCY_QUEUE = 8,
     CO_NAME_MAX = 32,
     CO_DICTIONARIES = 3
@@ -39,7 +39,7 @@ struct co_comm {
     uint32_t sync_period_us;
     char name[CO_NAME_MAX];
     char hardware_version[8];
-    char software_version[16];
+    char software_version[32];
     uint32_t emcy_cob_id;
     uint16_t emcy_inhibit_100us;
     uint8_t heartbeat_consumers;          /* highest sub-index: CO_HEARTBEATS_MAX */
@@ -91,17 +91,20 @@ struct co_consumer_state {
     uint64_t last_ns;
 };
 
+/* One code may be active for several causes at once: two heartbeats are lost, and one returns. */
 struct co_active_error {
     uint16_t code;
     uint8_t register_bits;
+    uint8_t cause; /* 0: the profile's; else which RPDO or consumer, from 1 */
 };
 
 struct co_device_counters { /* saturate */
     uint32_t send_failures;
     uint32_t sdo_requests;
     uint32_t rpdo_length_errors;
-    uint32_t emcy_lost;
-    uint32_t malformed; /* NMT, heartbeat or SDO frames of a wrong length */
+    uint32_t emcy_lost;        /* the oldest of a full queue, given up for a newer one */
+    uint32_t errors_untracked; /* told, but in no register: too many at once */
+    uint32_t malformed;        /* NMT, heartbeat or SDO frames of a wrong length */
 };
 
 struct co_device {
@@ -116,7 +119,7 @@ struct co_device {
     struct co_device_counters counters;
     enum co_nmt_state state;
     bool boot_unsent;
-    bool was_bus_off;
+    bool was_bus_off, was_passive;
     uint8_t emcy_count;
     uint8_t emcy_queue[CO_EMCY_QUEUE][8];
     uint64_t emcy_sent_ns;
@@ -143,14 +146,20 @@ void co_device_process(struct co_device *device, uint64_t now_ns);
  * it; without effect on synchronous ones (but acyclic type 0: at the next SYNC). */
 void co_device_trigger_tpdo(struct co_device *device, unsigned number);
 
-/* Reports an error: EMCY (once while it lasts), error register, history. vendor: 5
- * bytes or NULL. */
+/* Reports an error of the profile: EMCY (once while it lasts), error register, history. vendor: 5
+ * bytes or NULL. When the bus takes no EMCY the newest CO_EMCY_QUEUE wait. */
 void co_device_raise(struct co_device *device, uint16_t code, uint8_t register_bits,
                      const uint8_t *vendor);
 
-/* The error is over: EMCY 0x0000 with the register of what is left. */
+/* The profile's error is over: EMCY 0x0000 with the register of what is left. */
 void co_device_clear(struct co_device *device, uint16_t code);
 
+/* The same for one of several causes that share a code; cause 0 is the profile's own. */
+void co_device_raise_for(struct co_device *device, uint16_t code, uint8_t cause,
+                         uint8_t register_bits, const uint8_t *vendor);
+void co_device_clear_for(struct co_device *device, uint16_t code, uint8_t cause);
+
+/* Whether an error with this code is active, whatever its cause. */
 bool co_device_has_error(const struct co_device *device, uint16_t code);
 
 static inline bool co_device_is_operational(const struct co_device *device)

@@ -8,9 +8,11 @@
 
 static void queue_emcy(struct co_device *device, uint16_t code, const uint8_t *vendor)
 {
-    if (device->emcy_count == CO_EMCY_QUEUE) {
+    if (device->emcy_count == CO_EMCY_QUEUE) { /* the newest says how things are now */
         co_device_count(&device->counters.emcy_lost);
-        return;
+        device->emcy_count--;
+        memmove(device->emcy_queue[0], device->emcy_queue[1],
+                (size_t)device->emcy_count * sizeof device->emcy_queue[0]);
     }
     uint8_t *frame = device->emcy_queue[device->emcy_count++];
     memset(frame, 0, 8);
@@ -43,6 +45,16 @@ bool co_device_has_error(const struct co_device *device, uint16_t code)
     return false;
 }
 
+static struct co_active_error *find(struct co_device *device, uint16_t code, uint8_t cause)
+{
+    for (unsigned i = 0; i < CO_ACTIVE_ERRORS_MAX; i++) {
+        if (device->errors[i].code == code && device->errors[i].cause == cause) {
+            return &device->errors[i];
+        }
+    }
+    return NULL;
+}
+
 static void remember(struct co_device *device, uint16_t code, const uint8_t *vendor)
 {
     struct co_comm *comm = &device->comm;
@@ -54,36 +66,46 @@ static void remember(struct co_device *device, uint16_t code, const uint8_t *ven
     }
 }
 
-void co_device_raise(struct co_device *device, uint16_t code, uint8_t register_bits,
-                     const uint8_t *vendor)
+void co_device_raise_for(struct co_device *device, uint16_t code, uint8_t cause,
+                         uint8_t register_bits, const uint8_t *vendor)
 {
     HAL_ASSERT(code != CO_EMCY_NONE);
-    if (co_device_has_error(device, code)) {
+    if (find(device, code, cause) != NULL) {
         return;
     }
-    for (unsigned i = 0; i < CO_ACTIVE_ERRORS_MAX; i++) {
-        if (device->errors[i].code == CO_EMCY_NONE) {
-            device->errors[i] = (struct co_active_error){code, register_bits};
-            break;
-        }
+    struct co_active_error *error = find(device, CO_EMCY_NONE, 0);
+    if (error != NULL) {
+        *error = (struct co_active_error){code, register_bits, cause};
+    } else {
+        co_device_count(&device->counters.errors_untracked);
     }
     update_register(device);
     remember(device, code, vendor);
     queue_emcy(device, code, vendor);
 }
 
+void co_device_clear_for(struct co_device *device, uint16_t code, uint8_t cause)
+{
+    struct co_active_error *error = code != CO_EMCY_NONE ? find(device, code, cause) : NULL;
+    if (error == NULL) {
+        return;
+    }
+    *error = (struct co_active_error){CO_EMCY_NONE, 0, 0};
+    update_register(device);
+    uint8_t what[5] = {0};
+    bytes_put_u16(what, code); /* says which of them went away */
+    queue_emcy(device, CO_EMCY_NONE, what);
+}
+
+void co_device_raise(struct co_device *device, uint16_t code, uint8_t register_bits,
+                     const uint8_t *vendor)
+{
+    co_device_raise_for(device, code, CO_CAUSE_PROFILE, register_bits, vendor);
+}
+
 void co_device_clear(struct co_device *device, uint16_t code)
 {
-    for (unsigned i = 0; i < CO_ACTIVE_ERRORS_MAX; i++) {
-        if (code != CO_EMCY_NONE && device->errors[i].code == code) {
-            device->errors[i] = (struct co_active_error){CO_EMCY_NONE, 0};
-            update_register(device);
-            uint8_t what[5] = {0};
-            bytes_put_u16(what, code); /* says which of them went away */
-            queue_emcy(device, CO_EMCY_NONE, what);
-            return;
-        }
-    }
+    co_device_clear_for(device, code, CO_CAUSE_PROFILE);
 }
 
 uint64_t co_device_process_emcy(struct co_device *device, uint64_t now_ns)

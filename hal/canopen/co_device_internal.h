@@ -7,6 +7,9 @@
 #define CO_NS_PER_MS UINT64_C(1000000)
 #define CO_NS_PER_100US UINT64_C(100000)
 
+/* Causes of errors: RPDOs and heartbeat consumers count from 1. */
+enum { CO_CAUSE_PROFILE = 0, CO_CAUSE_FIRST = 1, CO_CAUSE_BUS = 1 };
+
 static inline void co_device_count(uint32_t *counter)
 {
     if (*counter < UINT32_MAX) {
@@ -31,6 +34,9 @@ void co_comm_reading(void *context, const struct co_entry *entry);
 
 void co_device_take_rpdo(struct co_device *device, unsigned number, const struct can_msg *message,
                          uint64_t now_ns);
+/* What was received of this RPDO, and what was wrong with it, is of the past: it was written, or
+ * PDOs came to life or ended. The errors are over. */
+void co_device_forget_rpdo(struct co_device *device, unsigned number);
 void co_device_take_sync(struct co_device *device, uint64_t now_ns);
 
 /* Each does what is due and returns when it wants to be called next. */

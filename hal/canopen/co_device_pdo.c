@@ -19,6 +19,39 @@ static void apply_rpdo(struct co_device *device, unsigned number, const uint8_t 
     }
 }
 
+static uint8_t cause_of(unsigned number)
+{
+    return (uint8_t)(CO_CAUSE_FIRST + number);
+}
+
+/* CiA 301 clause 7.2.7.1, table 26: 0x8210 when it is too short, 0x8220 when it is too long. */
+static void judge_length(struct co_device *device, unsigned number, unsigned length)
+{
+    const unsigned wanted = device->comm.rpdo[number].length;
+    const uint8_t cause = cause_of(number);
+    if (length == wanted) {
+        if (device->comm.error_register != 0) {
+            co_device_clear_for(device, CO_EMCY_PDO_TOO_SHORT, cause);
+            co_device_clear_for(device, CO_EMCY_PDO_TOO_LONG, cause);
+        }
+        return;
+    }
+    co_device_count(&device->counters.rpdo_length_errors);
+    co_device_raise_for(device, length < wanted ? CO_EMCY_PDO_TOO_SHORT : CO_EMCY_PDO_TOO_LONG,
+                        cause, CO_ERROR_COMMUNICATION, NULL);
+}
+
+void co_device_forget_rpdo(struct co_device *device, unsigned number)
+{
+    struct co_pdo *pdo = &device->comm.rpdo[number];
+    pdo->waiting = false;
+    pdo->seen = false;
+    pdo->timed_out = false;
+    co_device_clear_for(device, CO_EMCY_RPDO_TIMEOUT, cause_of(number));
+    co_device_clear_for(device, CO_EMCY_PDO_TOO_SHORT, cause_of(number));
+    co_device_clear_for(device, CO_EMCY_PDO_TOO_LONG, cause_of(number));
+}
+
 void co_device_take_rpdo(struct co_device *device, unsigned number, const struct can_msg *message,
                          uint64_t now_ns)
 {
@@ -26,17 +59,9 @@ void co_device_take_rpdo(struct co_device *device, unsigned number, const struct
     if (device->state != CO_STATE_OPERATIONAL) {
         return;
     }
+    judge_length(device, number, message->length);
     if (message->length < pdo->length) {
-        co_device_count(&device->counters.rpdo_length_errors);
-        co_device_raise(device, CO_EMCY_PDO_TOO_SHORT, CO_ERROR_COMMUNICATION, NULL);
         return;
-    }
-    if (message->length > pdo->length) {
-        co_device_count(&device->counters.rpdo_length_errors);
-        co_device_raise(device, CO_EMCY_PDO_TOO_LONG, CO_ERROR_COMMUNICATION, NULL);
-    } else if (device->comm.error_register != 0) {
-        co_device_clear(device, CO_EMCY_PDO_TOO_SHORT);
-        co_device_clear(device, CO_EMCY_PDO_TOO_LONG);
     }
     pdo->last_ns = now_ns;
     pdo->seen = true;
@@ -46,7 +71,7 @@ void co_device_take_rpdo(struct co_device *device, unsigned number, const struct
     }
     if (pdo->timed_out) {
         pdo->timed_out = false;
-        co_device_clear(device, CO_EMCY_RPDO_TIMEOUT);
+        co_device_clear_for(device, CO_EMCY_RPDO_TIMEOUT, cause_of(number));
         if (device->config.ops->rpdo_timeout != NULL) {
             device->config.ops->rpdo_timeout(device->config.context, number, false, now_ns);
         }
@@ -63,7 +88,7 @@ static bool send_tpdo(struct co_device *device, struct co_pdo *pdo, uint64_t now
 {
     uint8_t data[CAN_FRAME_DATA_MAX];
     const unsigned length = co_pdo_pack(pdo, data);
-    if (!co_device_send(device, pdo->cob_id & CAN_ID_STANDARD_MAX, data, length)) {
+    if (!co_device_send(device, co_pdo_id(pdo), data, length)) {
         return false;
     }
     pdo->last_ns = now_ns;
@@ -129,7 +154,8 @@ uint64_t co_device_process_rpdos(struct co_device *device, uint64_t now_ns)
         }
         const uint8_t vendor[5] = {(uint8_t)(i + 1)};
         pdo->timed_out = true;
-        co_device_raise(device, CO_EMCY_RPDO_TIMEOUT, CO_ERROR_COMMUNICATION, vendor);
+        co_device_raise_for(device, CO_EMCY_RPDO_TIMEOUT, cause_of(i), CO_ERROR_COMMUNICATION,
+                            vendor);
         if (device->config.ops->rpdo_timeout != NULL) {
             device->config.ops->rpdo_timeout(device->config.context, i, true, now_ns);
         }

@@ -22,7 +22,10 @@ enum co_transmission {
     CO_EVENT_PROFILE = 255
 };
 
-#define CO_PDO_INVALID 0x80000000U /* bit 31 of the COB-ID: PDO does not exist */
+/* Bits of the COB-ID beside the identifier (CiA 301 clauses 7.5.2.35 and 7.5.2.37). */
+#define CO_PDO_INVALID 0x80000000U  /* the PDO does not exist */
+#define CO_PDO_NO_RTR 0x40000000U   /* TPDO: not on remote request; RPDO: no meaning */
+#define CO_PDO_EXTENDED 0x20000000U /* 29 bits of identifier: nobody here has them */
 
 /* What one mapped byte range is, worked out when the mapping is switched on. */
 struct co_pdo_slot {
@@ -75,6 +78,12 @@ unsigned co_pdo_pack(const struct co_pdo *pdo, uint8_t *out);
 static inline bool co_pdo_is_valid(const struct co_pdo *pdo)
 {
     return (pdo->cob_id & CO_PDO_INVALID) == 0;
+}
+
+/* The 11 bits that are on the bus. */
+static inline uint32_t co_pdo_id(const struct co_pdo *pdo)
+{
+    return pdo->cob_id & CAN_ID_STANDARD_MAX;
 }
 
 static inline bool co_pdo_is_synchronous(const struct co_pdo *pdo)

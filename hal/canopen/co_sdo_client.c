@@ -173,6 +173,12 @@ static bool same_object(const struct co_sdo_client *client, const uint8_t *answe
     return bytes_get_u16(answer + 1) == client->index && answer[3] == client->sub;
 }
 
+/* Those that start a transfer or abort it (CiA 301 clause 7.2.4.3: multiplexor m); segments do not. */
+static bool names_object(unsigned command)
+{
+    return command == ANSWER_UPLOAD || command == ANSWER_DOWNLOAD || command == ANSWER_ABORT;
+}
+
 bool co_sdo_client_is_busy(const struct co_sdo_client *client)
 {
     return client->state != IDLE && client->state != FAILED;
@@ -189,19 +195,15 @@ bool co_sdo_client_receive(struct co_sdo_client *client, const struct can_msg *m
     }
     const uint8_t *answer = message->data;
     const unsigned command = answer[0] >> 5;
+    if (names_object(command) && !same_object(client, answer)) {
+        return true; /* to a transfer that was forgotten, or to another client */
+    }
     client->sent_ns = now_ns;
     if (command == ANSWER_ABORT) {
-        if (same_object(client, answer)) {
-            fail(client, bytes_get_u32(answer + 4), false);
-        }
+        fail(client, bytes_get_u32(answer + 4), false);
     } else if (client->state == READ_START && command == ANSWER_UPLOAD) {
-        if (same_object(client, answer)) {
-            take_upload_start(client, answer);
-        }
+        take_upload_start(client, answer);
     } else if (client->state == WRITE_START && command == ANSWER_DOWNLOAD) {
-        if (!same_object(client, answer)) {
-            return true; /* an answer to an earlier, forgotten transfer */
-        }
         if (client->length <= 4) {
             client->state = IDLE;
         } else {

@@ -1,12 +1,15 @@
 #include "hal/canopen/network.h"
 
+#include <assert.h>
+
 #include "hal/bus/bytes.h"
-#include "hal/bus/frame_table.h"
 
-enum { START_REPEAT_TICKS = 50 };
+enum { START_REPEAT_TICKS = TICKS_OF_MS(50) };
 
-static const uint8_t node_ids[NETWORK_NODES] = {NODE_DRIVE_LEFT, NODE_DRIVE_RIGHT, NODE_SENSOR_LEFT,
-                                                NODE_SENSOR_RIGHT};
+#define NODE_ID(name, number, profile) number,
+static const uint8_t node_ids[NETWORK_NODES] = {NODE_TABLE(NODE_ID)};
+#undef NODE_ID
+static_assert(NETWORK_NODES <= 8, "a bit of a byte for each node (network_update, bring_up.h)");
 
 void network_init(struct network *network)
 {
@@ -100,10 +103,11 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
         struct network_node *node = &network->node[i];
-        if (node->silent_ticks >= HEARTBEAT_TIMEOUT_MS) {
-            node->state = NMT_UNKNOWN;
-        } else {
+        if (node->silent_ticks <= HEARTBEAT_TIMEOUT_TICKS) {
             node->silent_ticks++;
+        }
+        if (node->silent_ticks > HEARTBEAT_TIMEOUT_TICKS) {
+            node->state = NMT_UNKNOWN;
         }
         if (node->start_wait > 0) {
             node->start_wait--;

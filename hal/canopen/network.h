@@ -1,6 +1,6 @@
 /* The master's view of the network: who is alive, in which NMT state.
  *
- * Consumes the four nodes' heartbeats (CiA 301, 7.2.8) and starts each node that
+ * Consumes the nodes' heartbeats (CiA 301, 7.2.8) and starts each node that
  * reports pre-operational and may be started. The states are those of the
  * heartbeat frame. (The own heartbeat is the controller node's.)
  */
@@ -11,8 +11,12 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
+#include "hal/bus/frame_table.h"
+#include "model/tick.h"
 
-enum { NETWORK_NODES = 4 };
+#define NETWORK_COUNT(name, number, profile) +1
+enum { NETWORK_NODES = NODE_TABLE(NETWORK_COUNT) };
+#undef NETWORK_COUNT
 
 enum nmt_state {
     NMT_BOOT_UP = 0,
@@ -49,7 +53,7 @@ enum nmt_command {
 /* Starts with all nodes unknown. */
 void network_init(struct network *network);
 
-/* Takes boot-up, heartbeat and emergency frames of the four nodes; says whether it did. */
+/* Takes boot-up, heartbeat and emergency frames of the nodes; says whether it did. */
 bool network_receive(struct network *network, const struct can_msg *message);
 
 /* Once a tick: ages, time-outs, and NMT start for nodes that wait in pre-operational
@@ -63,7 +67,7 @@ enum can_result network_command(const struct can_bus *bus, enum nmt_command comm
  * drive unloads by itself (0x6007). They are started again after NETWORK_STOP_TICKS, or when
  * they boot; until then they are `stop_pending`. Returns what the bus says. */
 enum can_result network_stop_all(struct network *network, const struct can_bus *bus);
-enum { NETWORK_STOP_TICKS = 1000 };
+enum { NETWORK_STOP_TICKS = TICKS_OF_MS(1000) };
 
 /* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
 unsigned network_index(uint8_t node);
@@ -71,7 +75,7 @@ unsigned network_index(uint8_t node);
 /* Forgets who booted. */
 void network_clear_booted(struct network *network);
 
-/* True when all four are alive, operational, and without an error of their own device
+/* True when all are alive, operational, and without an error of their own device
  * (emergencies about communication are left to its time-outs). */
 bool network_all_operational(const struct network *network);
 

@@ -19,6 +19,13 @@ enum {
     TARGET_TIMEOUT_MS = 50
 };
 
+/* The tick as object 0x60C2 says it: a value times a power of ten, in seconds. */
+enum {
+    TICK_IS_WHOLE_MS = TICK_PERIOD_US % 1000 == 0,
+    INTERPOLATION_VALUE = TICK_IS_WHOLE_MS ? TICK_PERIOD_US / 1000 : TICK_PERIOD_US / 100,
+    INTERPOLATION_EXPONENT = TICK_IS_WHOLE_MS ? 0xFD : 0xFC /* -3 or -4, INTEGER8 */
+};
+
 enum step_kind { STEP_EXPECT, STEP_WRITE, STEP_SCALING, STEP_END };
 
 struct setup_step {
@@ -118,9 +125,9 @@ static struct setup_step drive_step(const struct node_setup_config *config, uint
     case 1:
         return EXPECT(0x6061, 0, MODE_CYCLIC_SYNCHRONOUS_POSITION, 0xFF);
     case 2:
-        return WRITE(0x60C2, 1, 1, 1);
+        return WRITE(0x60C2, 1, 1, INTERPOLATION_VALUE);
     case 3:
-        return WRITE(0x60C2, 2, 1, 0xFD); /* 1 * 10^-3 s */
+        return WRITE(0x60C2, 2, 1, INTERPOLATION_EXPONENT);
     case 4:
         return WRITE(0x6007, 0, 2, ABORT_CONNECTION_IS_FAULT);
     case 5:
@@ -185,11 +192,23 @@ static struct setup_step sensor_step(const struct node_setup_config *config, uin
     }
 }
 
+static bool is_drive(uint8_t node)
+{
+    switch (node) {
+#define NODE_CASE(name, number, profile) \
+    case (number):                       \
+        return (profile) == 402;
+        NODE_TABLE(NODE_CASE)
+#undef NODE_CASE
+    default:
+        return false;
+    }
+}
+
 static struct setup_step current_step(const struct node_setup *setup)
 {
-    const bool drive = setup->node == NODE_DRIVE_LEFT || setup->node == NODE_DRIVE_RIGHT;
-    return drive ? drive_step(setup->config, setup->node, setup->step)
-                 : sensor_step(setup->config, setup->node, setup->step);
+    return is_drive(setup->node) ? drive_step(setup->config, setup->node, setup->step)
+                                 : sensor_step(setup->config, setup->node, setup->step);
 }
 
 void node_setup_start(struct node_setup *setup, const struct node_setup_config *config,
@@ -348,8 +367,7 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
         step = current_step(setup);
     }
     if (step.kind == STEP_END) {
-        const bool drive = setup->node == NODE_DRIVE_LEFT || setup->node == NODE_DRIVE_RIGHT;
-        return drive ? check_drive(setup) : SETUP_DONE;
+        return is_drive(setup->node) ? check_drive(setup) : SETUP_DONE;
     }
     begin_transfer(setup, &step, now_ns);
     (void)co_sdo_client_poll(&setup->client, bus, now_ns);

@@ -61,7 +61,7 @@ struct node_setup {
     uint32_t scaling[SETUP_SCALING_VALUES]; /* 0x608F, 0x6091, 0x6092, 0x6076 as read */
 };
 
-/* Begins with node NODE_DRIVE_LEFT .. NODE_SENSOR_RIGHT; *config must outlive. */
+/* Begins with a node of NODE_TABLE; *config must outlive. */
 void node_setup_start(struct node_setup *setup, const struct node_setup_config *config,
                       uint8_t node, uint64_t now_ns);
 

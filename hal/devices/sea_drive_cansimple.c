@@ -2,7 +2,7 @@
 
 #include "hal/bus/frame_table.h"
 
-enum { REPEAT_TICKS = 100 };
+enum { REPEAT_TICKS = TICKS_OF_MS(100) };
 
 void cansimple_drives_init(struct cansimple_drives *drives,
                            const struct cansimple_axis_config *config)
@@ -67,7 +67,7 @@ static bool receive(void *context, const struct can_msg *message)
 
 static enum drive_state state_of(const struct cansimple_axis *axis)
 {
-    if (axis->heartbeat_age_ticks > HEARTBEAT_TIMEOUT_MS) {
+    if (axis->heartbeat_age_ticks > HEARTBEAT_TIMEOUT_TICKS) {
         return DRIVE_UNKNOWN;
     }
     if (axis->axis_error != 0) {

@@ -1,7 +1,7 @@
 /* SEA drives that speak ODrive's CANSimple (firmware 0.5.x).
  *
  * Identifier = node << 5 | command, little-endian. Position in turns; the drive
- * sends its encoder estimates cyclically (set encoder_rate_ms = 1) and its
+ * sends its encoder estimates cyclically (set encoder_rate_ms to the tick, whole ms) and its
  * heartbeat every 100 ms. Node ids must keep clear of CANopen: node 4 owns 0x080.
  * Facts: ODrive documentation "CAN Protocol" (0.5.4); the crate odrive-cansimple
  * (command and state numbers); Open FFBoard ODriveCAN.h (mode numbers).

@@ -2,7 +2,12 @@
 
 #include "hal/bus/frame_table.h"
 
-enum { ENTER_REPEAT_TICKS = 100, POSITION_BITS = 16, FIELD_BITS = 12, ANSWER_BYTES_MIN = 6 };
+enum {
+    ENTER_REPEAT_TICKS = TICKS_OF_MS(100),
+    POSITION_BITS = 16,
+    FIELD_BITS = 12,
+    ANSWER_BYTES_MIN = 6
+};
 
 uint32_t mit_encode(float value, float range, bool from_zero, unsigned bits)
 {
@@ -77,7 +82,7 @@ static bool receive(void *context, const struct can_msg *message)
 
 static enum drive_state state_of(const struct mit_axis *axis)
 {
-    if (axis->age_ticks > HEARTBEAT_TIMEOUT_MS) {
+    if (axis->age_ticks > HEARTBEAT_TIMEOUT_TICKS) {
         return DRIVE_UNKNOWN;
     }
     if (axis->error != 0 || axis->refused) {

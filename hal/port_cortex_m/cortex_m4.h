@@ -12,6 +12,7 @@
 #include "hal/storage/crash_record.h"
 
 #define SCB_ICSR (*(volatile uint32_t *)0xE000ED04u)
+#define SCB_VTOR (*(volatile uint32_t *)0xE000ED08u)
 #define SCB_AIRCR (*(volatile uint32_t *)0xE000ED0Cu)
 #define SCB_CCR (*(volatile uint32_t *)0xE000ED14u)
 #define SCB_SHCSR (*(volatile uint32_t *)0xE000ED24u)
@@ -35,7 +36,9 @@ union vector {
 /* ---- The linker script's places ----------------------------------------------- */
 extern uint32_t handler_stack_bottom[], handler_stack_top[];
 extern uint32_t thread_stack_bottom[], thread_stack_top[];
-extern struct crash_record crash_record; /* in memory that a reset does not clear */
+extern const union vector vector_table[]; /* the board's, at the beginning of its flash */
+extern struct crash_record crash_record;  /* both in memory that a reset does not clear */
+extern struct crash_streak crash_streak;
 
 /* ---- For the vector table --------------------------------------------------------
  * reset_handler: sets up floating point, stacks and their guards, memory; calls
@@ -65,7 +68,7 @@ int main(void);
 bool board_survives(uint32_t exception);
 
 /* Called before the reset: nothing must reach the bus any more. Sets
- * record->cause where the board knows better than the exception number. */
+ * record->build_id, and record->cause where the board knows better than the exception number. */
 void board_last_will(struct crash_record *record);
 
 /* Milliseconds since start, callable in a fault; 0 when not known. */

@@ -1,7 +1,5 @@
 /* Faults: what happened is written down, the bus is left alone, the processor
  * restarts. The drives notice the missing heartbeat and unload by themselves. */
-#include <string.h>
-
 #include "hal/port_cortex_m/cortex_m4.h"
 
 /* Words of the exception frame (Armv7-M, B1.5.6). */
@@ -67,10 +65,7 @@ static void copy_frame(struct crash_record *record, const uint32_t *frame, uint3
 
 static void begin_record(struct crash_record *record)
 {
-    uint32_t count = crash_record_count(record);
-
-    memset(record, 0, sizeof *record);
-    record->count = count;
+    crash_record_begin(record);
     record->time_ms = board_time_ms();
 }
 
@@ -78,6 +73,7 @@ _Noreturn static void finish_record(struct crash_record *record)
 {
     board_last_will(record);
     crash_record_seal(record);
+    crash_streak_add(&crash_streak);
     cortex_m4_reset();
 }
 

@@ -43,6 +43,8 @@ __attribute__((used)) static void prepare_memory(void)
 {
     const uint32_t *from = data_load;
 
+    /* A loader or a debugger may have left it elsewhere; the table begins the flash, aligned. */
+    SCB_VTOR = (uint32_t)(uintptr_t)vector_table;
     SCB_CPACR |= CPACR_FULL_CP10_CP11;
     cortex_m4_barrier();
     for (volatile uint32_t *to = data_start; to < data_end; to++) {

@@ -2,18 +2,15 @@
 
 #include <string.h>
 
-#include "hal/bus/frame_table.h"
 #include "hal/port_mps2/mps2_registers.h"
 
-enum { COUNTS_PER_MS = MPS2_CLOCK_HZ / 1000, NS_PER_COUNT = 1000000000 / MPS2_CLOCK_HZ };
+enum { COUNTS_PER_MS = MPS2_CLOCK_HZ / 1000 };
 
 /* ---- Clock ---------------------------------------------------------------------- */
 
 void mps2_clock_init(struct mps2_clock *clock)
 {
     clock->milliseconds = 0;
-    clock->waiting = 0;
-    clock->missed = 0;
     TIMER0_CTRL = 0;
     TIMER0_RELOAD = COUNTS_PER_MS - 1;
     TIMER0_VALUE = COUNTS_PER_MS - 1;
@@ -24,49 +21,6 @@ void mps2_clock_interrupt(struct mps2_clock *clock)
 {
     TIMER0_INTCLEAR = 1;
     clock->milliseconds = clock->milliseconds + 1u;
-    if (clock->waiting > 0u) {
-        clock->missed = clock->missed + 1u;
-    }
-    clock->waiting = clock->waiting + 1u;
-}
-
-static uint64_t now_ns(void *context)
-{
-    const struct mps2_clock *clock = context;
-    uint32_t before, counts;
-
-    do { /* again when a millisecond ended in between */
-        before = clock->milliseconds;
-        counts = (uint32_t)COUNTS_PER_MS - 1u - TIMER0_VALUE;
-    } while (before != clock->milliseconds);
-    return (uint64_t)before * 1000000u + (uint64_t)counts * NS_PER_COUNT;
-}
-
-static bool take_tick(void *context)
-{
-    struct mps2_clock *clock = context;
-
-    if (clock->waiting == 0u) {
-        return false;
-    }
-    __asm volatile("cpsid i" ::: "memory");
-    clock->waiting = clock->waiting - 1u;
-    __asm volatile("cpsie i" ::: "memory");
-    return true;
-}
-
-static uint32_t missed_ticks(void *context)
-{
-    const struct mps2_clock *clock = context;
-    return clock->missed;
-}
-
-static const struct clock_ops clock_ops = {now_ns, take_tick, missed_ticks};
-
-struct clock mps2_clock_interface(struct mps2_clock *clock)
-{
-    struct clock interface = {&clock_ops, clock};
-    return interface;
 }
 
 /* ---- Watchdog -------------------------------------------------------------------- */

@@ -6,7 +6,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/clock.h"
 #include "hal/emergency_stop.h"
 #include "hal/storage/nv_store.h"
 #include "hal/watchdog.h"
@@ -16,8 +15,6 @@ enum { MPS2_WATCHDOG_MS = 60, MPS2_NV_WORDS = 512, MPS2_NV_BASE = 0x21000000 };
 /* Timer 0: one interrupt a millisecond. */
 struct mps2_clock {
     volatile uint32_t milliseconds;
-    volatile uint32_t waiting;
-    volatile uint32_t missed;
 };
 
 /* Starts timer 0. Start-up only. */
@@ -25,8 +22,6 @@ void mps2_clock_init(struct mps2_clock *clock);
 
 /* Its interrupt. */
 void mps2_clock_interrupt(struct mps2_clock *clock);
-
-struct clock mps2_clock_interface(struct mps2_clock *clock);
 
 /* Starts the watchdog: its first time-out is an NMI, the second a reset. */
 void mps2_watchdog_start(void);

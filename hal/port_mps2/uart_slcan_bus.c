@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "hal/bus/slcan_rate.h"
 #include "hal/port_mps2/mps2_registers.h"
 
 enum { UART_DIVISOR = 16 }; /* 25 MHz / 16 = 1.5625 Mbaud, the fastest */
@@ -25,10 +26,10 @@ static void put_text(const char *text, size_t length)
 void uart_slcan_bus_open(struct uart_slcan_bus *bus)
 {
     memset(bus, 0, sizeof *bus);
-    slcan_decoder_init(&bus->decoder);
+    slcan_channel_init(&bus->channel);
     UART0_BAUDDIV = UART_DIVISOR;
     UART0_CTRL = UART_CTRL_TX_RX;
-    put_text("\rC\rS8\rO\r", 8); /* whatever it was doing: end the line, close, 1 Mbit/s, open */
+    put_text(slcan_open_commands, strlen(slcan_open_commands));
 }
 
 static enum can_result bus_send(void *context, const struct can_msg *message)
@@ -40,28 +41,12 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
     if (length == 0) {
         return CAN_INVALID;
     }
-    if (bus->pending_count >= UART_SLCAN_PENDING) {
+    if (!slcan_channel_sent(&bus->channel, message->id)) {
         bus->status.tx_refused++;
         return CAN_FULL;
     }
-    bus->pending[bus->pending_count++] = (uint16_t)message->id;
     put_text(line, length);
     return CAN_OK;
-}
-
-/* The oldest frame sent was acknowledged. Returns true when it was the SYNC. */
-static bool count_acknowledgement(struct uart_slcan_bus *bus)
-{
-    bool is_sync;
-
-    if (bus->pending_count == 0u) {
-        return false;
-    }
-    is_sync = bus->pending[0] == FRAME_SYNC;
-    bus->pending_count--;
-    memmove(&bus->pending[0], &bus->pending[1], bus->pending_count * sizeof bus->pending[0]);
-    bus->status.tx_frames++;
-    return is_sync;
 }
 
 static enum can_result bus_receive(void *context, struct can_msg *message, uint64_t *time_ns)
@@ -72,21 +57,19 @@ static enum can_result bus_receive(void *context, struct can_msg *message, uint6
         *time_ns = 0; /* the line tells none */
     }
     while ((UART0_STATE & UART_STATE_RX_FULL) != 0u) {
-        switch (slcan_decode(&bus->decoder, (char)UART0_DATA)) {
+        switch (slcan_channel_receive(&bus->channel, (char)UART0_DATA)) {
         case SLCAN_FRAME:
-            *message = bus->decoder.message;
+            *message = bus->channel.decoder.message;
             bus->status.rx_frames++;
             return CAN_OK;
         case SLCAN_ACKNOWLEDGED:
-            if (count_acknowledgement(bus)) {
+            bus->status.tx_frames++;
+            if (bus->channel.answered_id == FRAME_SYNC) {
                 *message = (struct can_msg){.id = FRAME_SYNC, .flags = CAN_FRAME_OWN};
                 return CAN_OK;
             }
             break;
         case SLCAN_REFUSED:
-            (void)count_acknowledgement(bus);
-            bus->status.error_frames++;
-            break;
         case SLCAN_MALFORMED:
             bus->status.error_frames++;
             break;

@@ -11,18 +11,14 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
-#include "hal/bus/slcan.h"
-
-enum { UART_SLCAN_PENDING = 16 };
+#include "hal/bus/slcan_channel.h"
 
 struct uart_slcan_bus {
-    struct slcan_decoder decoder;
-    uint16_t pending[UART_SLCAN_PENDING]; /* identifiers sent and not acknowledged */
-    uint32_t pending_count;
+    struct slcan_channel channel;
     struct can_bus_status status;
 };
 
-/* Sets the UART up and opens the adapter's channel at 1 Mbit/s (commands S8, O). */
+/* Sets the UART up and opens the adapter's channel at the bit rate of the bus (slcan_open_commands). */
 void uart_slcan_bus_open(struct uart_slcan_bus *bus);
 
 struct can_bus uart_slcan_bus_interface(struct uart_slcan_bus *bus);

@@ -17,6 +17,7 @@
 #define HAL_PORT_SOCKETCAN_SOCKETCAN_BUS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
@@ -25,7 +26,8 @@ enum {
     SOCKETCAN_FILTERS_MAX = 32,
     SOCKETCAN_TX_QUEUE = 32,
     SOCKETCAN_RX_BATCH = 64,
-    SOCKETCAN_NAME_MAX = 16
+    SOCKETCAN_NAME_MAX = 16,
+    SOCKETCAN_ADVICE_MAX = 320
 };
 
 /* A standard frame passes when (frame id & mask) == (id & mask) for one of them. */
@@ -60,6 +62,8 @@ struct socketcan_bus {
     struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
     struct can_bus_status status;
     struct socketcan_counters counters;
+    int restart_error; /* of the newest request for a restart, negative errno */
+    bool was_advised;
     unsigned tx_count;
     struct can_msg tx[SOCKETCAN_TX_QUEUE]; /* sorted by identifier, last is next */
     unsigned rx_next, rx_count;            /* of the batch fetched from the kernel */
@@ -84,8 +88,13 @@ void socketcan_bus_close(struct socketcan_bus *bus);
 
 /* The interface as the portable code sees it; valid until close. Its recover() asks
  * the kernel over netlink to restart the controller, which needs CAP_NET_ADMIN; without,
- * set `restart-ms` with ip(8). */
+ * set `restart-ms` with ip(8). Bus-off ends with any word of the driver that the controller is
+ * restarted or error-active, and with any frame that is received. */
 struct can_bus socketcan_bus_interface(struct socketcan_bus *bus);
+
+/* Once, after a restart that was asked for could not be: true, and what to do in text[size]
+ * (SOCKETCAN_ADVICE_MAX is enough). For a program's standard error; cheap when there is nothing. */
+bool socketcan_bus_advice(struct socketcan_bus *bus, char *text, size_t size);
 
 /* Sleeps until a frame waits or CLOCK_MONOTONIC reaches deadline_ns; meanwhile frames
  * that wait here are sent and an interface that came back is taken up. Returns 1 when

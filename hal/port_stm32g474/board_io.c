@@ -2,6 +2,7 @@
 
 #include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/mmio.h"
+#include "hal/port_stm32g474/peripheral_clock.h"
 #include "hal/port_stm32g474/system_registers.h"
 
 enum { LSI_HZ = 32000, IWDG_DIVISOR = 4, NS_PER_US = 1000 };
@@ -15,8 +16,7 @@ void tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
     clock->high = 0;
     clock->waiting = 0;
     clock->missed = 0;
-    mmio_set(RCC_APB1ENR1, RCC_APB1_TIM2);
-    (void)mmio_read(RCC_APB1ENR1); /* the clock needs two cycles to arrive */
+    peripheral_clock_enable(RCC_APB1ENR1, RCC_APB1_TIM2);
     mmio_write(TIM2_PSC, timer_clock_hz / 1000000U - 1U);
     mmio_write(TIM2_ARR, 0xFFFFFFFFU);
     mmio_write(TIM2_EGR, TIM_EGR_UG); /* loads the prescaler, sets UIF */
@@ -172,9 +172,8 @@ static void pin_alternate(uint32_t port, uint32_t pin, uint32_t function)
 
 void board_io_init(void)
 {
-    mmio_set(RCC_AHB2ENR, RCC_AHB2_GPIOA | RCC_AHB2_GPIOC);
-    mmio_set(RCC_APB1ENR1, RCC_APB1_FDCAN);
-    (void)mmio_read(RCC_APB1ENR1);
+    peripheral_clock_enable(RCC_AHB2ENR, RCC_AHB2_GPIOA | RCC_AHB2_GPIOC);
+    peripheral_clock_enable(RCC_APB1ENR1, RCC_APB1_FDCAN);
     mmio_set(RCC_APB1RSTR1, RCC_APB1_FDCAN); /* whatever a crash left behind */
     mmio_clear(RCC_APB1RSTR1, RCC_APB1_FDCAN);
     mmio_change(GPIOA_BASE + GPIO_PUPDR, 3U << 22U, GPIO_PULL_UP << 22U); /* PA11 idles recessive */

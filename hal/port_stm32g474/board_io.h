@@ -38,7 +38,7 @@ uint64_t tim2_clock_now_ns(void *clock);
 uint32_t tim2_clock_now_ms(const struct tim2_clock *clock);
 
 enum {
-    WATCHDOG_TIMEOUT_MS = 120, /* saving keeps the loop for 80 ms; the drives wait 250 ms */
+    WATCHDOG_TIMEOUT_MS = 120, /* erasing two pages takes 49 ms; the drives wait 250 ms */
     WATCHDOG_POLLS = 2000000
 };
 
@@ -52,7 +52,7 @@ extern const struct watchdog iwdg_watchdog;
 /* Switches the pins and FDCAN1's clock on. Start-up only. */
 void board_io_init(void);
 
-/* PC1, push-pull: toggles with every feed of the watchdog while the drives may have power. */
+/* PC1, push-pull: toggles once a tick that feeds the watchdog, while the drives may have power. */
 extern const struct drive_power_enable pc1_drive_power_enable;
 
 /* PC0, pulled down: high only while the closed contact feeds it. */

@@ -2,6 +2,7 @@
 
 #include "hal/port_cortex_m/mmio.h"
 #include "hal/port_stm32g474/flash_registers.h"
+#include "hal/port_stm32g474/peripheral_clock.h"
 #include "hal/port_stm32g474/system_registers.h"
 
 #define PLL_M 6u
@@ -19,15 +20,18 @@ static bool wait_for(uint32_t address, uint32_t mask, uint32_t value)
     return false;
 }
 
-/* RM0440: regulator into boost mode, wait states first, then the switch at half
- * the bus clock, and full speed 1 us later. */
+/* Without it the core must not run above 150 MHz (RM0440), so it is read back. */
+static bool switch_to_boost(void)
+{
+    peripheral_clock_enable(RCC_APB1ENR1, RCC_APB1_PWR);
+    mmio_clear(PWR_CR5, PWR_CR5_R1MODE);
+    return wait_for(PWR_CR5, PWR_CR5_R1MODE, 0) && wait_for(PWR_SR2, PWR_SR2_VOSF, 0);
+}
+
+/* RM0440: wait states first, then the switch at half the bus clock, and full speed 1 us
+ * later. The regulator is in its boost mode. */
 static bool switch_to_pll(void)
 {
-    mmio_set(RCC_APB1ENR1, RCC_APB1_PWR);
-    mmio_clear(PWR_CR5, PWR_CR5_R1MODE);
-    if (!wait_for(PWR_SR2, PWR_SR2_VOSF, 0)) {
-        return false;
-    }
     mmio_change(FLASH_ACR, FLASH_ACR_LATENCY_MASK,
                 WAIT_STATES | FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN);
     if (!wait_for(FLASH_ACR, FLASH_ACR_LATENCY_MASK, WAIT_STATES)) {
@@ -61,12 +65,25 @@ enum clock_tree_result clock_tree_init(void)
     mmio_write(RCC_PLLCFGR, RCC_PLLCFGR_SRC_HSE | ((PLL_M - 1U) << RCC_PLLCFGR_M_POS) |
                                 (PLL_N << RCC_PLLCFGR_N_POS) | RCC_PLLCFGR_REN);
     mmio_set(RCC_CR, RCC_CR_PLLON);
-    if (!wait_for(RCC_CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY) || !switch_to_pll()) {
+    if (!wait_for(RCC_CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY)) {
+        return CLOCK_TREE_NO_PLL;
+    }
+    if (!switch_to_boost()) {
+        return CLOCK_TREE_NO_BOOST;
+    }
+    if (!switch_to_pll()) {
         return CLOCK_TREE_NO_PLL;
     }
     mmio_set(RCC_CR, RCC_CR_CSSON);
     mmio_clear(RCC_CCIPR, RCC_CCIPR_FDCANSEL_MASK); /* the crystal itself */
     return CLOCK_TREE_OK;
+}
+
+uint32_t clock_tree_hz(void)
+{
+    const uint32_t source = (mmio_read(RCC_CFGR) >> RCC_CFGR_SWS_POS) & RCC_CFGR_SW_MASK;
+
+    return source == RCC_CFGR_SW_PLL ? (uint32_t)CORE_HZ : (uint32_t)FALLBACK_HZ;
 }
 
 bool clock_tree_crystal_failed(void)

@@ -18,13 +18,24 @@ enum {
 enum clock_tree_result {
     CLOCK_TREE_OK = 0,          /* 170 MHz from the crystal, clock security on */
     CLOCK_TREE_NO_CRYSTAL = -1, /* runs on the 16 MHz RC oscillator (1 % off: no CAN) */
-    CLOCK_TREE_NO_PLL = -2      /* likewise; the crystal runs, the PLL does not lock */
+    CLOCK_TREE_NO_PLL = -2,     /* likewise; the crystal runs, the PLL does not lock */
+    CLOCK_TREE_NO_BOOST = -3    /* likewise; the regulator does not go into its boost mode */
 };
 
 /* Sets the clocks up after reset. On any failure the core stays on the RC
  * oscillator at FALLBACK_HZ: the caller must go to the safe state, never onto the
  * bus. Start-up only, interrupts off; below 0.2 s. */
 enum clock_tree_result clock_tree_init(void);
+
+/* What the core runs at now: CORE_HZ or FALLBACK_HZ. O(1). */
+uint32_t clock_tree_hz(void);
+
+/* How often an empty loop over a volatile counter must turn for `time_ms` (up to 10,000) at
+ * `clock_hz`: 7.6 cycles a turn (load, add, store, load, compare, branch). Within some 10 %. */
+static inline uint32_t clock_tree_wait_polls(uint32_t clock_hz, uint32_t time_ms)
+{
+    return clock_hz / 1000u * 10u / 76u * time_ms;
+}
 
 /* From the NMI handler: true when the crystal has stopped (clock security
  * system). The core then runs on the RC oscillator, FDCAN has no clock any more

@@ -86,6 +86,31 @@ static bool wait_until_idle(void)
     return false;
 }
 
+/* ES0430 (errata of this family), "Data cache might be corrupted during flash memory
+ * read-while-write operation": interrupts go on and read the other bank meanwhile, so the
+ * cache is off from before an operation until it is over. */
+static void switch_data_cache_off(void)
+{
+    mmio_clear(FLASH_ACR, FLASH_ACR_DCEN);
+}
+
+/* It may hold what was there before (RM0440, flash erase): it is emptied, which is
+ * allowed only while it is off. */
+static void switch_data_cache_on(void)
+{
+    const uint32_t acr = mmio_read(FLASH_ACR) & ~(FLASH_ACR_DCEN | FLASH_ACR_DCRST);
+
+    mmio_write(FLASH_ACR, acr);
+    mmio_write(FLASH_ACR, acr | FLASH_ACR_DCRST);
+    mmio_write(FLASH_ACR, acr);
+    mmio_write(FLASH_ACR, acr | FLASH_ACR_DCEN);
+}
+
+static void clear_operation(void)
+{
+    mmio_clear(FLASH_CR, FLASH_CR_PG | FLASH_CR_PER | FLASH_CR_PNB_MASK | FLASH_CR_BKER);
+}
+
 /* Opens the control register. RM0440: a wrong key locks it until the next reset. */
 static bool unlock(void)
 {
@@ -97,34 +122,31 @@ static bool unlock(void)
         mmio_write(FLASH_KEYR, FLASH_KEY_2);
     }
     mmio_write(FLASH_SR, FLASH_SR_ERRORS | FLASH_SR_EOP); /* old errors block new work */
-    return (mmio_read(FLASH_CR) & FLASH_CR_LOCK) == 0U;
+    if ((mmio_read(FLASH_CR) & FLASH_CR_LOCK) != 0U) {
+        return false;
+    }
+    clear_operation(); /* what an operation that did not end left */
+    switch_data_cache_off();
+    return true;
 }
 
-/* Ends an operation: waits, looks for errors, closes the control register. */
+/* Ends an operation: waits, looks for errors, closes the control register. While it goes
+ * on, neither that register nor the cache may be touched: the next unlock waits again. */
 static enum nv_result finish(struct flash_store *store)
 {
-    bool idle = wait_until_idle();
-    bool good = idle && (mmio_read(FLASH_SR) & FLASH_SR_ERRORS) == 0U;
+    const bool idle = wait_until_idle();
+    const bool good = idle && (mmio_read(FLASH_SR) & FLASH_SR_ERRORS) == 0U;
 
-    mmio_write(FLASH_SR, FLASH_SR_ERRORS | FLASH_SR_EOP);
-    mmio_clear(FLASH_CR, FLASH_CR_PG | FLASH_CR_PER | FLASH_CR_PNB_MASK | FLASH_CR_BKER);
-    mmio_set(FLASH_CR, FLASH_CR_LOCK);
+    if (idle) {
+        mmio_write(FLASH_SR, FLASH_SR_ERRORS | FLASH_SR_EOP);
+        clear_operation();
+        mmio_set(FLASH_CR, FLASH_CR_LOCK);
+        switch_data_cache_on();
+    }
     if (!good && store->failures < UINT32_MAX) {
         store->failures++;
     }
     return good ? NV_OK : NV_FAILED;
-}
-
-/* The data cache may hold what was there before (RM0440, flash erase): it is
- * emptied, which is allowed only while it is off. */
-static void forget_cached_data(void)
-{
-    uint32_t acr = mmio_read(FLASH_ACR);
-
-    mmio_write(FLASH_ACR, acr & ~FLASH_ACR_DCEN);
-    mmio_write(FLASH_ACR, (acr & ~FLASH_ACR_DCEN) | FLASH_ACR_DCRST);
-    mmio_write(FLASH_ACR, acr & ~(FLASH_ACR_DCEN | FLASH_ACR_DCRST));
-    mmio_write(FLASH_ACR, acr & ~FLASH_ACR_DCRST);
 }
 
 static enum nv_result erase_page(struct flash_store *store, uint32_t page)
@@ -150,7 +172,6 @@ static enum nv_result store_erase(void *context, uint32_t bank)
     for (uint32_t i = 0; i < FLASH_STORE_PAGES && result == NV_OK; i++) {
         result = erase_page(store, first + i);
     }
-    forget_cached_data();
     return result;
 }
 
@@ -159,7 +180,6 @@ static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t in
 {
     struct flash_store *store = context;
     uint32_t half[2] = {0, 0}, state;
-    enum nv_result result;
 
     if (!in_range(bank, index)) {
         return NV_OUT_OF_RANGE;
@@ -176,9 +196,7 @@ static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t in
     mmio_barrier();
     mmio_write(address_of(bank, index) + 4U, half[1]);
     mmio_unlock(state);
-    result = finish(store);
-    forget_cached_data();
-    return result;
+    return finish(store);
 }
 
 static const struct nv_store_ops store_ops = {store_bank_words, store_read_word, store_map,

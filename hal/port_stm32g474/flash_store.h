@@ -1,7 +1,8 @@
 /* The last four flash pages of the STM32G474's second bank as an nv_store of two banks.
  *
  * The program runs from the first bank, which stays readable while the second is
- * erased or written: interrupts go on; the caller waits. That needs the option bit DBANK, as
+ * erased or written: interrupts go on; the caller waits. Meanwhile the data cache is off, for
+ * that reading may corrupt it (flash_store.c). That needs the option bit DBANK, as
  * delivered; without it the store refuses to erase and write.
  *
  * A word that a power failure tore can fail the error correction when it is read:

@@ -72,6 +72,17 @@ bool black_box_is_valid(const struct black_box *box)
            header->state <= (uint32_t)BLACK_BOX_FROZEN;
 }
 
+static bool is_open(const struct black_box *box)
+{
+    return box->header.state != (uint32_t)BLACK_BOX_FROZEN &&
+           box->header.current < (uint32_t)BLACK_BOX_BLOCK_COUNT;
+}
+
+bool black_box_has_recording(const struct black_box *box)
+{
+    return black_box_is_valid(box) && is_open(box);
+}
+
 void black_box_start(struct black_box *box, uint32_t build_id, uint32_t parameter_crc)
 {
     memset(&box->header, 0, sizeof box->header);
@@ -90,12 +101,6 @@ static void set_used(struct black_box_block *block, uint32_t used)
 {
     block->used = used;
     block->used_inverted = ~used;
-}
-
-static bool is_open(const struct black_box *box)
-{
-    return box->header.state != (uint32_t)BLACK_BOX_FROZEN &&
-           box->header.current < (uint32_t)BLACK_BOX_BLOCK_COUNT;
 }
 
 /* Appends the bytes of half a frame (4 bytes from `at`) that differ from `last`. */

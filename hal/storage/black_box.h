@@ -31,6 +31,9 @@ enum {
     BLACK_BOX_ROW_MAX = 48
 };
 
+/* A bit of the reason that is no fault: a reset that nobody announced cut the recording short. */
+#define BLACK_BOX_REASON_RESET 0x80000000u
+
 enum black_box_state {
     BLACK_BOX_RECORDING = 1,
     BLACK_BOX_CLOSING = 2, /* triggered, still recording some ticks */
@@ -103,6 +106,9 @@ void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot
 /* Freezes the recording `more_ticks` ticks after `tick`; the first trigger wins.
  * `reason` is kept with the image. Any context; O(1). */
 void black_box_trigger(struct black_box *box, uint32_t reason, uint32_t tick, uint32_t more_ticks);
+
+/* True when a recording has begun that nothing has ended yet. */
+bool black_box_has_recording(const struct black_box *box);
 
 /* At start, after a crash: freezes an image whose recording a reset cut short. */
 void black_box_freeze(struct black_box *box, uint32_t reason);

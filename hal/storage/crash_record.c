@@ -1,6 +1,7 @@
 #include "hal/storage/crash_record.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "hal/storage/crc.h"
 
@@ -12,6 +13,14 @@ static uint32_t crc_of(const struct crash_record *record)
 static bool is_sealed(const struct crash_record *record)
 {
     return record->magic == (uint32_t)CRASH_RECORD_MAGIC && record->crc == crc_of(record);
+}
+
+void crash_record_begin(struct crash_record *record)
+{
+    const uint32_t count = crash_record_count(record);
+
+    memset(record, 0, sizeof *record);
+    record->count = count;
 }
 
 void crash_record_seal(struct crash_record *record)

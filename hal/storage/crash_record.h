@@ -41,9 +41,46 @@ struct crash_record {
     uint32_t detail;                   /* interrupt number, or line of a failed assertion */
     uint32_t time_ms;                  /* since start, 0 when unknown */
     uint32_t count;                    /* crashes since power-up, this one included */
+    uint32_t build_id;                 /* of the firmware that wrote the record */
     uint32_t stack[CRASH_STACK_WORDS]; /* what lay above the exception frame */
     uint32_t crc;                      /* CRC-32 of all before */
 };
+
+/* Crashes since the bus last worked, in memory that a reset does not clear. Apart from the
+ * record, which nobody changes while it is read over the bus. */
+struct crash_streak {
+    uint32_t length;
+    uint32_t inverted; /* its complement; anything else: memory after power-up, 0 */
+};
+
+/* From this length on the start must not rely on anything that it can do without. */
+enum { CRASH_STREAK_LIMIT = 3 };
+
+/* Number of crashes since crash_streak_end or power-up. O(1). */
+static inline uint32_t crash_streak_length(const struct crash_streak *streak)
+{
+    return streak->inverted == ~streak->length ? streak->length : 0U;
+}
+
+/* One more crash; saturates. Any context, faults included; O(1). */
+static inline void crash_streak_add(struct crash_streak *streak)
+{
+    const uint32_t length = crash_streak_length(streak);
+
+    streak->length = length < UINT32_MAX ? length + 1U : length;
+    streak->inverted = ~streak->length;
+}
+
+/* The bus worked. Loop only; O(1). */
+static inline void crash_streak_end(struct crash_streak *streak)
+{
+    streak->length = 0;
+    streak->inverted = UINT32_MAX;
+}
+
+/* Empties a record but for the number of crashes that it knows of. Any context, faults
+ * included; about 2,000 instructions. */
+void crash_record_begin(struct crash_record *record);
 
 /* Seals a record that the caller filled, `count` being the crashes before this
  * one (crash_record_count): sets magic, counts this one, computes the CRC. Any

@@ -65,14 +65,19 @@ static bool is_newer(uint32_t a, uint32_t b)
     return a != b && (a - b) < 0x80000000U;
 }
 
+void param_store_attach(struct param_store *store, const struct nv_store *nv)
+{
+    memset(store, 0, sizeof *store);
+    store->nv = *nv;
+}
+
 enum param_store_result param_store_open(struct param_store *store, const struct nv_store *nv,
                                          uint16_t version, uint16_t payload_bytes)
 {
     bool found = false;
     struct bank_header best = {0};
 
-    memset(store, 0, sizeof *store);
-    store->nv = *nv;
+    param_store_attach(store, nv);
     store->version = version;
     store->payload_bytes = payload_bytes;
     if (words_of(payload_bytes) + PAYLOAD_WORD > nv->ops->bank_words(nv->context)) {
@@ -130,6 +135,21 @@ const void *param_store_map(const struct param_store *store, uint32_t offset)
     return bank != NULL ? bank + PAYLOAD_WORD * NV_WORD_BYTES + offset : NULL;
 }
 
+static void pause_between_parts(const struct param_store *store)
+{
+    if (store->between != NULL) {
+        store->between(store->between_context);
+    }
+}
+
+static enum nv_result erase(const struct param_store *store, uint32_t bank)
+{
+    pause_between_parts(store);
+    const enum nv_result result = store->nv.ops->erase(store->nv.context, bank);
+    pause_between_parts(store);
+    return result;
+}
+
 /* Writes header and payload of a new copy; returns its CRC in *crc. */
 static bool write_copy(struct param_store *store, uint32_t bank, uint32_t sequence,
                        param_store_source source, const void *context, uint32_t *crc)
@@ -144,6 +164,9 @@ static bool write_copy(struct param_store *store, uint32_t bank, uint32_t sequen
         return false;
     }
     for (uint32_t i = 0; i < words_of(store->payload_bytes); i++) {
+        if (i % (uint32_t)PARAM_STORE_PART_WORDS == 0U) {
+            pause_between_parts(store);
+        }
         source(context, i * NV_WORD_BYTES, word);
         *crc = crc32_update(*crc, word, sizeof word);
         if (nv->ops->write_word(nv->context, bank, PAYLOAD_WORD + i, word) != NV_OK) {
@@ -170,8 +193,7 @@ enum param_store_result param_store_save(struct param_store *store, param_store_
     if (words_of(store->payload_bytes) + PAYLOAD_WORD > nv->ops->bank_words(nv->context)) {
         return PARAM_STORE_TOO_LARGE;
     }
-    if (nv->ops->erase(nv->context, bank) != NV_OK ||
-        !write_copy(store, bank, sequence, source, context, &crc)) {
+    if (erase(store, bank) != NV_OK || !write_copy(store, bank, sequence, source, context, &crc)) {
         return PARAM_STORE_FAILED;
     }
     bytes_put_u32(word, PARAM_STORE_MAGIC);
@@ -189,13 +211,11 @@ enum param_store_result param_store_save(struct param_store *store, param_store_
 
 enum param_store_result param_store_forget(struct param_store *store, bool standstill)
 {
-    const struct nv_store *nv = &store->nv;
-
     if (!standstill) {
         return PARAM_STORE_MOVING;
     }
-    if (nv->ops->erase(nv->context, store->active_bank ^ 1U) != NV_OK ||
-        nv->ops->erase(nv->context, store->active_bank) != NV_OK) {
+    if (erase(store, store->active_bank ^ 1U) != NV_OK ||
+        erase(store, store->active_bank) != NV_OK) {
         return PARAM_STORE_FAILED;
     }
     store->sequence = store->crc = 0;

@@ -17,7 +17,10 @@
 
 #include "hal/storage/nv_store.h"
 
-enum { PARAM_STORE_MAGIC = 0x4F464150 }; /* "PAFO" in memory order */
+enum {
+    PARAM_STORE_MAGIC = 0x4F464150, /* "PAFO" in memory order */
+    PARAM_STORE_PART_WORDS = 64
+};
 
 enum param_store_result {
     PARAM_STORE_OK = 0,
@@ -25,7 +28,8 @@ enum param_store_result {
     PARAM_STORE_VERSION = -2,   /* load: the newest copy has another format version or size */
     PARAM_STORE_MOVING = -3,    /* save: refused, not at standstill */
     PARAM_STORE_TOO_LARGE = -4, /* save or load: payload does not fit a bank */
-    PARAM_STORE_FAILED = -5     /* save: memory refused, or the copy does not read back */
+    PARAM_STORE_FAILED = -5,    /* save: memory refused, or the copy does not read back */
+    PARAM_STORE_NOT_READ = -6   /* load: the store is not opened, param_store_attach only */
 };
 
 struct param_store {
@@ -36,6 +40,10 @@ struct param_store {
     uint32_t active_bank;   /* where that copy is */
     uint32_t crc;           /* its CRC-32, 0 when there is none: the identity of the set */
     bool usable;            /* that copy has the right version and size */
+    /* Called between parts of saving and forgetting that each block for as long as one erase or
+     * PARAM_STORE_PART_WORDS words take: the watchdog is fed there. NULL = nobody is. */
+    void (*between)(const void *context);
+    const void *between_context;
     uint32_t corrupt_words; /* words that failed error correction while looking; saturates */
 };
 
@@ -45,6 +53,9 @@ struct param_store {
  * PARAM_STORE_TOO_LARGE. */
 enum param_store_result param_store_open(struct param_store *store, const struct nv_store *nv,
                                          uint16_t version, uint16_t payload_bytes);
+
+/* Prepares a store without looking at the memory: it can only be forgotten. O(1). */
+void param_store_attach(struct param_store *store, const struct nv_store *nv);
 
 /* Copies `length` bytes of the newest valid payload from `offset` on to `out`.
  * Loop only; reads the words asked for. Returns PARAM_STORE_OK, PARAM_STORE_EMPTY

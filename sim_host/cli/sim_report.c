@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "firmware/version.h"
+#include "model/tick.h"
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/recording_report.h"
 #include "sim_host/cli/sim_experiment.h"
@@ -61,7 +62,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     }
     walked_json(&json, record);
     json_number(&json, "bus_load", sim_bus_load(&loop->bus), 9);
-    json_number(&json, "simulated_s", (double)loop->tick * 1e-3, 9);
+    json_number(&json, "simulated_s", (double)loop->tick * (TICK_PERIOD_US / 1e6), 9);
     json_open_object(&json, "experiment");
     experiment_identity(&json, options->argc, options->argv);
     sim_experiment_json(&json, options, &loop->config);
@@ -250,7 +251,7 @@ static const char *plural(uint32_t count)
 void sim_report_text(FILE *stream, const struct sim_options *options, const struct loop *loop,
                      const struct walk_record *record, const struct sim_outcome *outcome)
 {
-    const double simulated_s = (double)loop->tick * 1e-3;
+    const double simulated_s = (double)loop->tick * (TICK_PERIOD_US / 1e6);
     const struct walk_summary last = walk_record_summary(record, 20);
     fprintf(stream, "\n  program    afo %s (build %08x)\n", version_text(),
             (unsigned)version_build_id());
@@ -269,8 +270,9 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
                 100.0 * (last.greatest_rad_s - last.least_rad_s) / last.mean_rad_s);
     }
     fallback_line(stream, record);
-    fprintf(stream, "  bus        %.1f %% load at 1 Mbit/s, %llu frames, %llu error frames\n",
-            100.0 * sim_bus_load(&loop->bus), (unsigned long long)loop->bus.stats.frames,
+    fprintf(stream, "  bus        %.1f %% load at %g kbit/s, %llu frames, %llu error frames\n",
+            100.0 * sim_bus_load(&loop->bus), BUS_BITRATE / 1e3,
+            (unsigned long long)loop->bus.stats.frames,
             (unsigned long long)loop->bus.stats.error_frames);
     fprintf(stream, "  time       %.1f s of walking in %.2f s, %.0f times real time\n", simulated_s,
             outcome->wall_s, outcome->wall_s > 0.0 ? simulated_s / outcome->wall_s : 0.0);

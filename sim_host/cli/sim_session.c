@@ -4,6 +4,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "model/tick.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/progress.h"
 #include "sim_host/cli/recording_options.h"
@@ -165,7 +166,7 @@ void sim_session_walk(struct sim_session *session, const volatile sig_atomic_t *
         sim_tick_header(session->csv.stream);
     }
     if (session->options.real_time) {
-        pacer_start(&session->pacer, 1000000);
+        pacer_start(&session->pacer, UINT64_C(1000) * TICK_PERIOD_US);
     }
     do {
         if (session->options.real_time) {

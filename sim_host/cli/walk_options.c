@@ -17,7 +17,9 @@ static const struct argp_option option_list[] = {
      "gain of eq. (16) in m per rad/s (default: 0.042 scaled to the subject, or the subject's own where that does "
      "not hold its gaits)",
      0},
-    {"law", KEY_LAW, "NAME", 0, "proportional (default), dlqr, deadbeat, predictive or person", 0},
+    {"law", KEY_LAW, "NAME", 0,
+     "law of the push-off (default: the subject's)" LAW_NAMES_TEXT "; open-loop takes --open-loop",
+     0},
     {"open-loop", KEY_OPEN_LOOP, 0, 0,
      "no law: constant precompression --r0, reached by a slow ramp", 0},
     {"r0", KEY_R0, "M", 0, "precompression of --open-loop, metres", 0},
@@ -158,8 +160,7 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
         name_file(options->subject_path, message);
         return -1;
     }
-    if (options->kp >= 0.0 &&
-        (params->law == (real)LAW_DLQR || params->law == (real)LAW_DEADBEAT)) {
+    if (options->kp >= 0.0 && law_of(params->law)->has_own_gains) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "--kp does nothing with the law %s: its gains are the branch's",
                  law_name_of((enum law_mode)params->law));

@@ -3,13 +3,14 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/tick.h"
 #include "sim_host/loop/walk_watch.h"
 
 enum {
     /* What a restart costs before the first SYNC, with the watchdog's time-out. */
-    DEAD_TICKS = 150,
-    AFTER_FAULT_TICKS = 2500,
-    SDO_PATIENCE_TICKS = 200,
+    DEAD_TICKS = TICKS_OF_MS(150),
+    AFTER_FAULT_TICKS = TICKS_OF_MS(2500),
+    SDO_PATIENCE_TICKS = TICKS_OF_MS(200),
     PORT_DRIVE_LEFT = LOOP_PORT_FIRST_NODE,
     PORT_SENSOR_LEFT = LOOP_PORT_FIRST_NODE + 1
 };

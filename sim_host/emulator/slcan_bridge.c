@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "hal/bus/slcan_rate.h"
 
 void slcan_bridge_init(struct slcan_bridge *bridge, struct emulator *emulator)
 {
@@ -21,11 +22,13 @@ static void tell(struct slcan_bridge *bridge, const char *text, size_t length)
     }
 }
 
-/* Commands of the adapter: closing, bit rate 8 (1 Mbit/s), opening; all else is refused. */
+/* Commands of the adapter: closing, the bus's bit rate, no time stamps, opening; all else is
+ * refused. */
 static void obey(struct slcan_bridge *bridge, const char *line)
 {
-    const bool is_known =
-        strcmp(line, "C") == 0 || strcmp(line, "S8") == 0 || strcmp(line, "O") == 0;
+    static const char rate[] = {'S', SLCAN_RATE_DIGIT, '\0'};
+    const bool is_known = strcmp(line, "C") == 0 || strcmp(line, rate) == 0 ||
+                          strcmp(line, "Z0") == 0 || strcmp(line, "O") == 0;
 
     if (line[0] == 'C') {
         bridge->is_open = false;

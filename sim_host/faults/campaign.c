@@ -53,7 +53,8 @@ static void plan_shot(uint64_t *state, enum fault_kind kind, struct fault_shot *
     const double part = injector_random(state); /* cubed: short ones more often than long */
     shot->kind = kind;
     shot->node = (uint8_t)(injector_random(state) * 4.0);
-    shot->duration_ticks = info->shortest_ms + (uint32_t)(span * part * part * part + 0.5);
+    shot->duration_ticks =
+        TICKS_OF_MS(info->shortest_ms + (uint32_t)(span * part * part * part + 0.5));
     shot->magnitude = info->least + (info->greatest - info->least) * injector_random(state);
     shot->seed = (uint64_t)(injector_random(state) * 0x1p53);
 }
@@ -163,7 +164,8 @@ static int walk_scene(struct campaign *campaign, unsigned index)
         return -1;
     }
     injector_begin(&injector, loop, NULL, 0);
-    while (loop->tick < SETTLE_TICKS_MAX && loop->rig.task.controller.law.steps < spec->steps) {
+    while (loop->tick < SETTLE_TICKS_MAX &&
+           loop->rig.task.controller.plan.law.steps < spec->steps) {
         injector_tick(&injector);
     }
     if (loop->rig.task.output.state != SUPERVISOR_WALKING ||
@@ -227,8 +229,9 @@ static void set_deadline(struct oracle *oracle, const struct campaign_plan *plan
 {
     const struct fault_kind_info *info = &fault_kinds[plan->shot[0].kind];
     if (plan->count == 1 && info->notice_ms > 0 &&
-        plan->shot[0].duration_ticks >= info->lasting_ms && oracle->effect_tick != ORACLE_NEVER) {
-        oracle->must_notice_tick = oracle->effect_tick + info->notice_ms;
+        plan->shot[0].duration_ticks >= TICKS_OF_MS(info->lasting_ms) &&
+        oracle->effect_tick != ORACLE_NEVER) {
+        oracle->must_notice_tick = oracle->effect_tick + TICKS_OF_MS(info->notice_ms);
     }
 }
 

@@ -6,7 +6,7 @@
 
 enum rhythm { FIXED_PHASE, DRIFTING, FAST, SLOW, SPORADIC, ONCE, RHYTHMS };
 
-static const double TICK_NS = 1e6;
+static const double TICK_NS = TICK_PERIOD_US * 1e3;
 static const double CLOCK_OFF = 0.01;
 static const double PI = 3.14159265358979323846;
 

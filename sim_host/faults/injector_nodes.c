@@ -49,7 +49,7 @@ static void hold_sensor(struct shot_state *state, struct loop *loop)
         measure(state, loop, angle_rad + strength, ankle);
         break;
     case FAULT_ANGLE_DRIFT:
-        state->held[0] += 0.001 * strength;
+        state->held[0] += TICK_PERIOD_US / 1e6 * strength;
         measure(state, loop, angle_rad + state->held[0], ankle);
         break;
     case FAULT_ANGLE_NOISE:

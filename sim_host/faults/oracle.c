@@ -108,13 +108,14 @@ static void check_loaded(struct oracle *oracle)
     const uint32_t from = known && oracle->noticed_tick < oracle->must_notice_tick
                               ? oracle->noticed_tick
                               : oracle->must_notice_tick;
-    if (from != ORACLE_NEVER && oracle->tick == from + ORACLE_UNLOAD_MS && !slack &&
+    if (from != ORACLE_NEVER && oracle->tick == from + TICKS_OF_MS(ORACLE_UNLOAD_MS) && !slack &&
         oracle->unloaded_tick == ORACLE_NEVER) {
         blame(oracle, UNSAFE_LOADED);
     }
     const struct control_params *params = &oracle->loop->config.params;
     const uint32_t stop_ms = (uint32_t)(1000.0f * params->step_timeout_s) + 150 + ORACLE_UNLOAD_MS;
-    if (!slack && oracle->down_tick != ORACLE_NEVER && oracle->tick > oracle->down_tick + stop_ms) {
+    if (!slack && oracle->down_tick != ORACLE_NEVER &&
+        oracle->tick > oracle->down_tick + TICKS_OF_MS(stop_ms)) {
         blame(oracle, UNSAFE_FALLEN);
     }
 }

@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "model/tick.h"
+
 enum { ROW_PAIRS = FAULT_KINDS, ROW_ALL = FAULT_KINDS + 1, ROWS = FAULT_KINDS + 2 };
 
 struct row {
@@ -9,6 +11,11 @@ struct row {
     uint32_t *notice_ms, *unload_ms; /* of the noticed ones */
     unsigned notices, unloads;
 };
+
+static uint32_t ms_of(uint32_t ticks)
+{
+    return (uint32_t)((uint64_t)ticks * TICK_PERIOD_US / 1000u);
+}
 
 static int by_size(const void *a, const void *b)
 {
@@ -36,9 +43,9 @@ static void add_result(struct row *row, const struct campaign_result *result)
         return;
     }
     row->noticed++;
-    row->notice_ms[row->notices++] = result->noticed_tick - result->effect_tick;
+    row->notice_ms[row->notices++] = ms_of(result->noticed_tick - result->effect_tick);
     if (result->unloaded_tick != ORACLE_NEVER) {
-        row->unload_ms[row->unloads++] = result->unloaded_tick - result->noticed_tick;
+        row->unload_ms[row->unloads++] = ms_of(result->unloaded_tick - result->noticed_tick);
     }
 }
 

@@ -148,6 +148,13 @@ static int explain(const struct sdo_upload *upload, enum sdo_upload_result resul
         snprintf(message, size, "node %d refuses %s: abort code 0x%08X%s", NODE_CONTROLLER, what,
                  (unsigned)upload->abort_code,
                  upload->abort_code == 0x08000022u ? " (not in its present state)" : "");
+    } else if (result == SDO_UPLOAD_DISTURBED) {
+        snprintf(message, size,
+                 "another SDO client spoke with node %d in the middle of %s: stop it and try again",
+                 NODE_CONTROLLER, what);
+    } else if (result == SDO_UPLOAD_TOO_LARGE) {
+        snprintf(message, size, "node %d has more to say than this program has room for: %s",
+                 NODE_CONTROLLER, what);
     } else {
         snprintf(message, size, "node %d does not answer to %s", NODE_CONTROLLER, what);
     }

@@ -5,6 +5,8 @@
  * Seconds and microseconds, interface, identifier (3 hex digits, or 8 for a
  * 29-bit one), data; `#R` for a remote frame (with a length digit if not 0).
  * Error frames have an 8-digit identifier with bit 29 set, as Linux prints it.
+ * Read are also short seconds, a direction behind the frame (` R`, ` T`), line ends with CR, and the
+ * columns that candump prints on the screen with -t a, d or z (their times as they stand there).
  * Facts: can-utils lib.c (snprintf_canframe, parse_canframe) and candump.c.
  */
 #ifndef SIM_HOST_LOG_CANDUMP_LOG_H
@@ -38,9 +40,9 @@ struct candump_error {
 size_t candump_format(char *line, uint64_t time_us, const char *interface_name,
                       const struct can_msg *message);
 
-/* Reads one line of `length` bytes (with or without newline). Strict: anything
- * candump -L would not have written is refused. Returns true and fills *record,
- * or false and fills error->column and error->reason. */
+/* Reads one line of `length` bytes (with or without newline). What candump or python-can would not
+ * have written is refused, and so are CAN FD frames, by their name. Returns true and fills *record, or
+ * false and fills error->column and error->reason. */
 bool candump_parse(const char *line, size_t length, struct candump_record *record,
                    struct candump_error *error);
 
@@ -50,7 +52,7 @@ bool candump_write(FILE *file, uint64_t time_us, const char *interface_name,
 
 enum candump_read_result { CANDUMP_RECORD = 1, CANDUMP_END = 0, CANDUMP_BAD = -1 };
 
-/* Reads the next record of an open file; *line_number starts at 0 and counts
+/* Reads the next record of an open file, past blank lines; *line_number starts at 0 and counts
  * the lines. CANDUMP_BAD fills *error (also for a read error). */
 enum candump_read_result candump_read(FILE *file, unsigned long *line_number,
                                       struct candump_record *record, struct candump_error *error);

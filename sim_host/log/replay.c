@@ -84,6 +84,15 @@ int replay_init(struct replay *replay, const struct subject *subject,
     return switch_on(replay);
 }
 
+bool replay_set_interface(struct replay *replay, const char *name)
+{
+    if (strlen(name) >= sizeof replay->interface) {
+        return false;
+    }
+    strcpy(replay->interface, name);
+    return true;
+}
+
 /* ---- cycle by cycle -------------------------------------------------------- */
 
 /* The emergency stop as the task read it at the SYNC that began the cycle just read. */
@@ -234,8 +243,10 @@ static void keep(struct replay *replay, const struct candump_record *record, uns
 }
 
 /* A SYNC ends a cycle. Returns false where none can be. */
-static bool take_sync(struct replay *replay, unsigned long line)
+static bool take_sync(struct replay *replay, const struct candump_record *record,
+                      unsigned long line)
 {
+    replay_gaps_look(replay, line, record->time_us);
     if (replay->cut) {
         snprintf(replay->message, sizeof replay->message,
                  "line %lu: more than %d frames without a SYNC, and no boot-up before this one",
@@ -253,9 +264,23 @@ static bool take_sync(struct replay *replay, unsigned long line)
     return true;
 }
 
-/* Says of a difference in the first ticks where it may come from. */
+/* The task is not to blame for what it never heard. */
+static void blame_the_recorder(struct replay *replay)
+{
+    char found[REPLAY_MESSAGE_MAX], why[REPLAY_MESSAGE_MAX];
+    if (replay_gaps_explain(replay, why, sizeof why)) {
+        memcpy(found, replay->message, sizeof found);
+        snprintf(
+            replay->message, sizeof replay->message,
+            "%.220s (a larger receive buffer loses none: candump -r 268435456). Found by: %.200s",
+            why, found);
+    }
+}
+
+/* Says of a difference where it may come from. */
 static void explain(struct replay *replay)
 {
+    blame_the_recorder(replay);
     const size_t used = strlen(replay->message);
     if (!replay->boot_seen && replay->snapshots == 0 && replay->all_ticks <= LATE_BOOT_TICKS) {
         snprintf(replay->message + used, sizeof replay->message - used,
@@ -279,7 +304,7 @@ static bool take(struct replay *replay, const struct candump_record *record, uns
         return false;
     }
     if (record->message.id == FRAME_SYNC && !replay->next_is_foreign) {
-        return take_sync(replay, line);
+        return take_sync(replay, record, line);
     }
     keep(replay, record, line);
     return true;
@@ -292,9 +317,20 @@ enum replay_verdict replay_run(struct replay *replay, FILE *log)
     unsigned long line = 0;
     enum candump_read_result result = CANDUMP_RECORD;
 
+    if (!replay_choose_interface(replay, log)) {
+        return REPLAY_BAD_LOG;
+    }
     while (!replay->differs &&
            (result = candump_read(log, &line, &record, &error)) == CANDUMP_RECORD) {
-        if (!take(replay, &record, line)) {
+        if (replay_is_on_interface(replay, &record)) {
+            if (!take(replay, &record, line)) {
+                return REPLAY_BAD_LOG;
+            }
+        } else if (replay->interfaces == 0) {
+            snprintf(replay->message, sizeof replay->message,
+                     "line %lu: a second interface, %s, in a log that can be read only once: name "
+                     "one of them (--interface)",
+                     line, record.interface_name);
             return REPLAY_BAD_LOG;
         }
     }

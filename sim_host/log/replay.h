@@ -13,6 +13,9 @@
  * controller did, which the task did not, only the caller can say (unheard_frames). A
  * foreign SYNC cannot be told so from an own one; a black box knows which was which.
  *
+ * A log may hold frames of several interfaces, and may lack frames that the recorder lost:
+ * replay_interface.c, replay_gaps.c.
+ *
  * A log recorded on a bus may hold what others said before the controller was switched on,
  * and more than one run of it, each begun by a boot-up frame. How much the controller had
  * still heard of what lies before its first SYNC is not in the log's order; the first digest
@@ -53,7 +56,21 @@ struct replay_queue {
     uint64_t tick[REPLAY_QUEUE];
 };
 
+/* Signs that the log lacks frames: replay_gaps.c. */
+struct replay_gaps {
+    uint64_t present; /* cyclic frames of the cycle before */
+    bool has_sign, step_seen;
+    uint8_t step;
+    uint64_t sign_tick, pause_tick;
+    uint64_t sync_us, mean_period_us, mean_deviation_us, periods, pause_us;
+    unsigned long pause_line;
+    char sign[160];
+};
+
 struct replay {
+    char interface[CANDUMP_INTERFACE_MAX]; /* of the log; "" before it is chosen */
+    unsigned interfaces;                   /* in the log; 0 = not known, it is a pipe */
+    struct replay_gaps gaps;
     const struct subject *subject;
     const struct control_params *params;
     double desired_speed_rad_s;
@@ -96,7 +113,12 @@ struct replay {
 int replay_init(struct replay *replay, const struct subject *subject,
                 const struct control_params *params, double desired_speed_rad_s);
 
-/* Replays a whole log. replay->message explains every verdict but REPLAY_EQUAL, which may leave unheard_frames. */
+/* The interface to be replayed of a log that has several; without, it is the one with the most kinds of
+ * frames that the controller sends. Returns false when the name is too long. Before replay_run(). */
+bool replay_set_interface(struct replay *replay, const char *name);
+
+/* Replays a whole log. A log that is not seekable may have one interface only. A difference that
+ * missing frames explain is told as missing frames. replay->message explains every verdict but REPLAY_EQUAL, which may leave unheard_frames. */
 enum replay_verdict replay_run(struct replay *replay, FILE *log);
 
 /* Whether a frame of this identifier comes from the controller. */

@@ -143,6 +143,7 @@ void replay_compare(struct replay *replay, struct replay_frame *frame)
     }
     if (sent->id == FRAME_CONTROLLER_STATE) {
         clear_of_suspicion(replay, queue->tick[queue->head]);
+        replay_gaps_agreed(replay, queue->tick[queue->head]);
     }
     keep_identity(replay, &frame->message);
     queue->head = (queue->head + 1) % REPLAY_QUEUE;

@@ -18,6 +18,22 @@ void replay_check_missing(struct replay *replay);
 /* The log is over: what was not cleared by then differs. */
 void replay_end_suspicion(struct replay *replay);
 
+/* A SYNC ends the cycle in replay->next: looks for signs of missing frames. */
+void replay_gaps_look(struct replay *replay, unsigned long line, uint64_t time_us);
+
+/* The digest of this tick agreed: what came before it was complete. */
+void replay_gaps_agreed(struct replay *replay, uint64_t told_tick);
+
+/* Whether missing frames explain a difference now; says where and why. */
+bool replay_gaps_explain(const struct replay *replay, char *text, size_t size);
+
+/* Sets replay->interface by what the whole log holds, and goes back to its beginning. False: there is none
+ * of the name asked for, or the log cannot be read twice; replay->message says it. */
+bool replay_choose_interface(struct replay *replay, FILE *log);
+
+/* Whether the record is of the interface that is replayed (of a pipe: the first one). */
+bool replay_is_on_interface(struct replay *replay, const struct candump_record *record);
+
 /* Keeps what an extended frame of a black box's log says; others change nothing. */
 void replay_take_note(struct replay *replay, const struct can_msg *message);
 

@@ -12,9 +12,10 @@
 
 enum sdo_upload_result {
     SDO_UPLOAD_DONE = 0,
-    SDO_UPLOAD_ABORTED = -1,  /* abort_code is the node's */
-    SDO_UPLOAD_SILENT = -2,   /* no answer within the waits allowed */
-    SDO_UPLOAD_TOO_LARGE = -3 /* more than the memory holds */
+    SDO_UPLOAD_ABORTED = -1,   /* abort_code is the node's */
+    SDO_UPLOAD_SILENT = -2,    /* no answer within the waits allowed */
+    SDO_UPLOAD_TOO_LARGE = -3, /* more than the memory holds */
+    SDO_UPLOAD_DISTURBED = -4  /* another client spoke with the node in the middle of it */
 };
 
 struct sdo_upload {
@@ -27,7 +28,9 @@ struct sdo_upload {
     uint32_t abort_code;
 };
 
-/* Reads index:sub into bytes[capacity] and its length into *length. Blocks as wait does. */
+/* Reads index:sub into bytes[capacity] and its length into *length. Blocks as wait does. Answers
+ * that name another object are another client's and are left alone. What waits to be received when
+ * it is called is dropped. */
 enum sdo_upload_result sdo_upload(struct sdo_upload *upload, uint16_t index, uint8_t sub,
                                   uint8_t *bytes, size_t capacity, size_t *length);
 

@@ -5,6 +5,7 @@
 
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
+#include "sim_host/bus/bus_budget.h"
 #include "sim_host/log/black_box_log.h"
 #include "sim_host/log/candump_log.h"
 
@@ -174,6 +175,9 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     loop->config = *config;
     loop->log = log;
     own_push_init(&loop->own_push, &config->own_push);
+    if (bus_budget_check_build(message, LOOP_MESSAGE_MAX) != 0) {
+        return -1;
+    }
     sim_bus_init(&loop->bus, BUS_BITRATE);
     sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
     sim_bus_set_fault_hook(&loop->bus, inject, loop);

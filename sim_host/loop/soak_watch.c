@@ -1,4 +1,5 @@
 #include "sim_host/loop/soak_watch.h"
+#include "model/tick.h"
 
 #include <malloc.h>
 #include <stdio.h>
@@ -69,7 +70,7 @@ void soak_watch_tick(struct soak_watch *watch, struct loop *loop)
          *counter[0] != UINT32_MAX - SOAK_TICKS_BEFORE_WRAP + (uint32_t)ends);
     note(watch, SOAK_CLOCK_WRONG,
          task->tick != (uint32_t)(UINT32_MAX - SOAK_TICKS_BEFORE_WRAP + watch->ticks) ||
-             task->now_ns != watch->now_begin_ns + watch->ticks * UINT64_C(1000000));
+             task->now_ns != watch->now_begin_ns + watch->ticks * UINT64_C(1000) * TICK_PERIOD_US);
     if (watch->ticks == SOAK_SAMPLES_SET_AT) {
         loop->rig.task.controller.observer.samples = UINT32_MAX - SOAK_SAMPLES_BEFORE_END;
     }

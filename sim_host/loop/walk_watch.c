@@ -1,7 +1,13 @@
 #include "sim_host/loop/walk_watch.h"
+#include "model/tick.h"
 
 /* Behind the last apex the controller's record of it is still to come. */
-enum { RECORD_DELAY_TICKS = 150, FIRST_STEP_TICKS = 20000, STEP_TICKS = 10000, TICKS_PER_S = 1000 };
+enum {
+    RECORD_DELAY_TICKS = TICKS_OF_MS(150),
+    FIRST_STEP_TICKS = TICKS_OF_MS(20000),
+    STEP_TICKS = TICKS_OF_MS(10000),
+    TICKS_PER_S = TICKS_OF_MS(1000)
+};
 
 void walk_watch_init(struct walk_watch *watch, uint32_t steps, bool is_recording)
 {

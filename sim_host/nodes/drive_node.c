@@ -126,7 +126,7 @@ static void default_objects(struct drive_node *node)
         (uint32_t)node_round_i32(objects->encoder_increments * 1e9 / (double)config->counts_per_m);
     objects->feed_revolutions = 1;
     objects->rated_torque_mNm = rated_torque_mNm(config, objects->encoder_increments);
-    objects->interpolation_value = 1;
+    objects->interpolation_value = 1; /* as delivered: 1 ms, until it is told */
     objects->interpolation_exponent = -3;
     objects->output_mask = DRIVE_OUTPUT_LATCH_ARMED | OUTPUT_BRAKE;
     objects->supported_modes = SUPPORTS_CYCLIC_SYNCHRONOUS_POSITION;

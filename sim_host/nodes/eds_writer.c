@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
 
 enum {
     OBJECT_DOMAIN = 2,
@@ -12,8 +13,14 @@ enum {
     OBJECT_ARRAY = 8,
     OBJECT_RECORD = 9,
     MANUFACTURER_FIRST = 0x2000,
-    MANUFACTURER_LAST = 0x5FFF,
-    BUILD_IDENTITY = 0x2030 /* of the controller: differs with every build */
+    MANUFACTURER_LAST = 0x5FFF
+};
+
+/* What a default of the data sheet says. */
+enum default_kind {
+    DEFAULT_NONE,    /* measured, or not the same in every device of the type */
+    DEFAULT_FIXED,   /* this value */
+    DEFAULT_BY_NODE, /* goes with the node's number: CiA 306, $NODEID */
 };
 
 /* ---- what the dictionaries hold ----------------------------------------------- */
@@ -79,7 +86,7 @@ static void write_head(FILE *stream, const struct co_device *device, const struc
             comm->vendor, comm->name, comm->product, comm->revision);
     static const unsigned rates[] = {10, 20, 50, 125, 250, 500, 800, 1000};
     for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
-        fprintf(stream, "BaudRate_%u=%d\n", rates[i], rates[i] == 1000 ? 1 : 0);
+        fprintf(stream, "BaudRate_%u=%d\n", rates[i], rates[i] * 1000U == BUS_BITRATE ? 1 : 0);
     }
     fprintf(stream,
             "SimpleBootUpMaster=0\nSimpleBootUpSlave=1\nGranularity=8\nDynamicChannelsSupported=0\n"
@@ -110,9 +117,10 @@ static void write_list(FILE *stream, const struct co_device *device, const char 
     }
 }
 
-static const char *access_name(unsigned access)
+/* Constant is what every device of the type has. */
+static const char *access_name(unsigned access, enum default_kind kind)
 {
-    if ((access & CO_CONST) != 0) {
+    if ((access & CO_CONST) != 0 && kind != DEFAULT_NONE) {
         return "const";
     }
     if ((access & CO_READ) == 0) {
@@ -124,19 +132,50 @@ static const char *access_name(unsigned access)
     return "rw";
 }
 
-static bool has_default(const struct co_entry *entry)
+/* The value as it is read over the bus. */
+static unsigned load(struct co_device *device, const struct co_entry *entry, const void *base,
+                     uint8_t *bytes)
 {
-    if (entry->index == BUILD_IDENTITY || entry->index == 0x100A || entry->type == CO_DOMAIN) {
-        return false;
-    }
-    return (entry->access & (CO_CONST | CO_WRITE)) != 0 || (entry->access & CO_ADD_NODE) != 0;
+    memset(bytes, 0, CO_VALUE_MAX);
+    device->hooks.reading(device, entry);
+    return co_od_load(entry, base, bytes);
 }
 
-static void write_value(FILE *stream, const struct co_entry *entry, const void *base)
+static enum default_kind default_kind(const struct eds_subject *subject, unsigned at)
+{
+    uint8_t own[CO_VALUE_MAX], others[CO_VALUE_MAX];
+    const void *base, *other_base;
+    const struct co_entry *entry = entry_at(subject->device, at, &base);
+    const int node = subject->device->config.node_id;
+    const int other_node = subject->other->config.node_id;
+    (void)entry_at(subject->other, at, &other_base);
+    if (entry->type == CO_DOMAIN ||
+        (entry->access & ((unsigned)CO_CONST | CO_WRITE | CO_ADD_NODE)) == 0) {
+        return DEFAULT_NONE;
+    }
+    if ((entry->access & CO_ADD_NODE) != 0) {
+        return DEFAULT_BY_NODE;
+    }
+    const unsigned length = load(subject->device, entry, base, own);
+    if (load(subject->other, entry, other_base, others) == length &&
+        memcmp(own, others, sizeof own) == 0) {
+        return DEFAULT_FIXED;
+    }
+    return entry->type == CO_UNSIGNED32 && entry->index < MANUFACTURER_FIRST &&
+                   co_od_number(entry, others) - co_od_number(entry, own) == other_node - node
+               ? DEFAULT_BY_NODE
+               : DEFAULT_NONE;
+}
+
+static void write_value(FILE *stream, struct co_device *device, const struct co_entry *entry,
+                        const void *base, enum default_kind kind)
 {
     uint8_t bytes[CO_VALUE_MAX];
-    const unsigned length = co_od_load(entry, base, bytes);
-    if (entry->type == CO_VISIBLE_STRING) {
+    const unsigned length = load(device, entry, base, bytes);
+    if (kind == DEFAULT_BY_NODE) {
+        fprintf(stream, "$NODEID+0x%llX",
+                (unsigned long long)(co_od_number(entry, bytes) - device->config.node_id));
+    } else if (entry->type == CO_VISIBLE_STRING) {
         fwrite(bytes, 1, length, stream);
     } else if (entry->type == CO_REAL32) {
         const uint32_t bits = bytes_get_u32(bytes);
@@ -159,31 +198,36 @@ static void write_limit(FILE *stream, const char *key, const struct co_entry *en
     }
 }
 
-static void write_variable(FILE *stream, const struct co_entry *entry, const void *base)
+static void write_variable(FILE *stream, const struct eds_subject *subject, unsigned at,
+                           const char *name)
 {
-    fprintf(stream, "ParameterName=%s\nObjectType=0x%X\nDataType=0x%04X\nAccessType=%s\n",
-            entry->name, entry->type == CO_DOMAIN ? OBJECT_DOMAIN : OBJECT_VAR, entry->type,
-            access_name(entry->access));
+    const void *base;
+    const struct co_entry *entry = entry_at(subject->device, at, &base);
+    const enum default_kind kind = default_kind(subject, at);
+    fprintf(stream, "ParameterName=%s\nObjectType=0x%X\nDataType=0x%04X\nAccessType=%s\n", name,
+            entry->type == CO_DOMAIN ? OBJECT_DOMAIN : OBJECT_VAR, entry->type,
+            access_name(entry->access, kind));
     if (entry->low <= entry->high) {
         write_limit(stream, "LowLimit", entry, entry->low);
         write_limit(stream, "HighLimit", entry, entry->high);
     }
     fputs("DefaultValue=", stream);
-    if (has_default(entry)) {
-        write_value(stream, entry, base);
+    if (kind != DEFAULT_NONE) {
+        write_value(stream, subject->device, entry, base, kind);
     }
     fprintf(stream, "\nPDOMapping=%d\n",
             (entry->access & ((unsigned)CO_MAP_RX | CO_MAP_TX)) != 0 ? 1 : 0);
 }
 
-static void write_object(FILE *stream, const struct co_device *device, unsigned at)
+static void write_object(FILE *stream, const struct eds_subject *subject, unsigned at)
 {
+    const struct co_device *device = subject->device;
     const void *base;
     const struct co_entry *entry = entry_at(device, at, &base);
     const unsigned size = group_size(device, at);
     if (size == 1 && entry->sub == 0) {
         fprintf(stream, "\n[%04X]\n", entry->index);
-        write_variable(stream, entry, base);
+        write_variable(stream, subject, at, entry->name);
         return;
     }
     const void *unused;
@@ -199,24 +243,39 @@ static void write_object(FILE *stream, const struct co_device *device, unsigned 
     for (unsigned i = 0; i < size; i++) {
         const struct co_entry *sub = entry_at(device, at + i, &base);
         fprintf(stream, "\n[%04Xsub%X]\n", sub->index, sub->sub);
-        if (sub->sub == 0) {
-            struct co_entry count = *sub;
-            count.name = "Highest sub-index supported";
-            write_variable(stream, &count, base);
-        } else {
-            write_variable(stream, sub, base);
-        }
+        write_variable(stream, subject, at + i,
+                       sub->sub == 0 ? "Highest sub-index supported" : sub->name);
     }
 }
 
-bool eds_write(FILE *stream, const struct co_device *device, const struct eds_text *text)
+/* A reader of the file takes an equals sign for the end of a key, a semicolon for a remark. */
+static bool is_plain(const char *text)
 {
+    return strpbrk(text, "=;\r\n") == NULL;
+}
+
+static bool can_be_written(const struct co_device *device, const struct eds_text *text)
+{
+    bool can = is_plain(text->file_name) && is_plain(text->description);
+    for (unsigned at = 0; at < entry_count(device); at++) {
+        const void *base;
+        can = can && is_plain(entry_at(device, at, &base)->name);
+    }
+    return can;
+}
+
+bool eds_write(FILE *stream, const struct eds_subject *subject, const struct eds_text *text)
+{
+    const struct co_device *device = subject->device;
+    if (!can_be_written(device, text)) {
+        return false;
+    }
     write_head(stream, device, text);
     write_list(stream, device, "MandatoryObjects", LIST_MANDATORY);
     write_list(stream, device, "OptionalObjects", LIST_OPTIONAL);
     write_list(stream, device, "ManufacturerObjects", LIST_MANUFACTURER);
     for (unsigned at = 0; at < entry_count(device); at += group_size(device, at)) {
-        write_object(stream, device, at);
+        write_object(stream, subject, at);
     }
     return fflush(stream) == 0 && ferror(stream) == 0;
 }

@@ -12,9 +12,16 @@ struct eds_text {
     const char *description;
 };
 
-/* Writes the data sheet of a device in its power-on state: every object of both its
- * dictionaries with type, access, limits and default value. Defaults are left out
- * where they are measured or belong to one build. False when the stream failed. */
-bool eds_write(FILE *stream, const struct co_device *device, const struct eds_text *text);
+/* A data sheet describes a type, not one device: `other` is a second device of the type in its
+ * power-on state, with another node number and other settings. What both have alike is a default;
+ * what moved with the node number is one relative to $NODEID; all else has none. */
+struct eds_subject {
+    struct co_device *device, *other;
+};
+
+/* Writes the data sheet: every object of all dictionaries with type, access, limits and default
+ * value. Defaults are left out where they are measured. False when the stream failed, or a name has
+ * a character that the file cannot hold (= ; line end). */
+bool eds_write(FILE *stream, const struct eds_subject *subject, const struct eds_text *text);
 
 #endif

@@ -2,7 +2,7 @@
  *
  * Until a device helps, the wearer pushes off like a spring of the device's stiffness and
  * regulates the step's precompression themselves, by the same law as the controller's
- * (model.md, eq. (16) in forward speed) on the true apex speed. What the device has
+ * (model/README.md, eq. (16) in forward speed) on the true apex speed. What the device has
  * already loaded and armed behind the trailing foot the wearer feels, and leaves that
  * share of the energy, (motor / wanted)^2, to it; what is not armed they do
  * themselves. So the push-off is handed over while the device engages and taken back

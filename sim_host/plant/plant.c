@@ -1,5 +1,7 @@
 #include "sim_host/plant/plant.h"
 
+#include "model/tick.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -46,7 +48,7 @@ void plant_config_for(const struct walker3_params *body, double spring_N_per_m,
     };
     memset(config, 0, sizeof *config);
     config->kind = PLANT_WALKER;
-    config->tick_s = 1e-3;
+    config->tick_s = TICK_PERIOD_US / 1e6;
     config->seed = 1;
     walk_params_default(body, &config->walk);
     start_pose(body, spring_N_per_m, &config->start);

@@ -1,7 +1,9 @@
 #include "sim_host/plant/sea.h"
 
+#include "model/tick.h"
+
 /* Cyclic synchronous position: a new target is reached linearly over one tick. */
-static const double INTERPOLATION_S = 0.001;
+static const double INTERPOLATION_S = TICK_PERIOD_US / 1e6;
 
 /* Low-pass of the differentiated encoder, per drive period. */
 static const double SPEED_FILTER = 0.3;

@@ -11,7 +11,7 @@
 #include "sim_host/log/black_box_log.h"
 #include "sim_host/programs/commands.h"
 
-enum { WAIT_NS = 20000000, WAITS_MAX = 100 };
+enum { WAIT_NS = 20000000, WAITS_MAX = 100, RECOVERY_WAITS = 5 };
 
 struct options {
     const char *interface, *out_path;
@@ -61,7 +61,15 @@ static error_t take(int key, char *text, struct argp_state *state)
 static bool wait(void *context, unsigned waits)
 {
     struct socketcan_bus *socket = context;
+    const struct can_bus bus = socketcan_bus_interface(socket);
+    char advice[SOCKETCAN_ADVICE_MAX];
 
+    if (waits % RECOVERY_WAITS == 0) {
+        can_bus_recover(&bus); /* nothing, unless it is bus-off */
+    }
+    if (socketcan_bus_advice(socket, advice, sizeof advice)) {
+        program_complain("%s", advice);
+    }
     (void)socketcan_bus_wait(socket, socketcan_now_ns() + WAIT_NS);
     return waits < WAITS_MAX;
 }

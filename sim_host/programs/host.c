@@ -3,6 +3,7 @@
 
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
+#include "sim_host/bus/bus_budget.h"
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/programs/commands.h"
@@ -75,6 +76,10 @@ int afo_host(int argc, char **argv)
     bus_program_catch_signals();
     if (walk_options_resolve(&host.options.walk, &host.subject, &host.params, &host.speed_rad_s,
                              message) != 0) {
+        program_complain("%s", message);
+        return EXIT_USAGE;
+    }
+    if (bus_budget_check_build(message, sizeof message) != 0) {
         program_complain("%s", message);
         return EXIT_USAGE;
     }

@@ -6,6 +6,7 @@
 
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
+#include "model/tick.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/loop/lock_step.h"
 
@@ -17,13 +18,13 @@
 #define REAL_TIME_MARGIN_NS (3 * TICK_NS / 10)
 /* A stop that was asked for must have unloaded the springs by then; what the bus does not
  * take is set directly. */
-enum { STOP_TICKS = 3000, STOP_ASK_TICKS = 100, SILENT_CYCLES = 40 };
+enum { STOP_TICKS = TICKS_OF_MS(3000), STOP_ASK_TICKS = TICKS_OF_MS(100), SILENT_CYCLES = 40 };
 /* So many answers in a row that did not come, and nobody is waited for any more. */
 enum { PATIENT_CYCLES = 3 };
 /* After the last step asked for its telemetry has still to come out. */
 enum { LAST_FRAMES_TICKS = 3 };
 /* Between two resets of --auto-reset: the drives take theirs at a rising edge. */
-enum { RESET_TICKS = 50 };
+enum { RESET_TICKS = TICKS_OF_MS(50) };
 /* A log that names its build early is known by its beginning. */
 enum { IDENTITY_TICK = 10 };
 
@@ -54,10 +55,30 @@ static void tell_interface(struct host *host)
     }
 }
 
+static void tell_bus_off(struct host *host)
+{
+    const struct can_bus_status *status = &host->socket.status;
+    const char *name = host->options.bus.interface;
+    char advice[SOCKETCAN_ADVICE_MAX];
+    if (status->bus_off_count != host->told_bus_off) {
+        host->told_bus_off = status->bus_off_count;
+        host->is_bus_off = true;
+        program_complain("%s is bus-off: the controller chip took itself off the bus", name);
+    }
+    if (host->is_bus_off && status->error_state != CAN_BUS_OFF) {
+        host->is_bus_off = false;
+        program_complain("%s is on the bus again", name);
+    }
+    if (socketcan_bus_advice(&host->socket, advice, sizeof advice)) {
+        program_complain("%s", advice);
+    }
+}
+
 static void tell(struct host *host)
 {
     const struct control_task *task = &host->rig.task;
     tell_interface(host);
+    tell_bus_off(host);
     host_report_refusal(task, &host->told_refusal);
     if (task->output.state != host->told_state && !host->options.bus.quiet &&
         !host->options.bus.json) {

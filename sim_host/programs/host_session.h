@@ -28,6 +28,8 @@ struct host {
     unsigned unanswered;         /* in a row */
     uint32_t step_tick;          /* in which the last one was told */
     uint32_t told_down, told_up; /* times that the interface went down and came back */
+    uint32_t told_bus_off;       /* times that the controller chip left the bus */
+    bool is_bus_off;             /* by what was told */
     uint64_t next_recovery_ns;
     uint32_t told_refusal; /* number of the last one that was told */
     enum supervisor_state told_state;

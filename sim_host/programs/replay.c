@@ -12,14 +12,17 @@
 struct options {
     struct walk_options walk;
     const char *log_path;
+    const char *interface; /* NULL: the controller's */
     bool quiet;
     bool foreign_nodes;
 };
 
-enum { KEY_FOREIGN_NODES = 0x600 };
+enum { KEY_FOREIGN_NODES = 0x600, KEY_INTERFACE };
 
 static const struct argp_option option_list[] = {
     {"quiet", 'q', 0, 0, "say nothing when all is equal", 2},
+    {"interface", KEY_INTERFACE, "NAME", 0,
+     "which interface of the log (default: the one with the controller's frames)", 2},
     {"foreign-nodes", KEY_FOREIGN_NODES, 0, 0,
      "other nodes spoke with identifiers of the controller (a tool's SDO requests, NMT): what it does not hear itself "
      "is theirs",
@@ -35,6 +38,12 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case 'q':
         options->quiet = true;
+        break;
+    case KEY_INTERFACE:
+        if (text[0] == '\0' || strlen(text) >= CANDUMP_INTERFACE_MAX) {
+            argp_error(state, "an interface has a name of 1 to 15 characters, not \"%s\"", text);
+        }
+        options->interface = text;
         break;
     case KEY_FOREIGN_NODES:
         options->foreign_nodes = true;
@@ -78,6 +87,9 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
                 printf(", in %u runs", replay->runs);
             }
             putchar('\n');
+            if (replay->interfaces > 1) {
+                printf("of interface %s, the log has %u\n", replay->interface, replay->interfaces);
+            }
             if (replay->foreign_frames > 0) {
                 printf("%llu frame%s of another node with identifiers of the controller\n",
                        (unsigned long long)replay->foreign_frames,
@@ -137,6 +149,9 @@ int afo_replay(int argc, char **argv)
         program_complain("the control task refuses these parameters");
         fclose(log);
         return EXIT_USAGE;
+    }
+    if (options.interface != NULL) {
+        (void)replay_set_interface(&replay, options.interface);
     }
     const enum replay_verdict verdict = replay_run(&replay, log);
     fclose(log);

@@ -10,6 +10,8 @@
 
 #include "hal/bus/frame_table.h"
 #include "hal/port_socketcan/socketcan_bus.h"
+#include "model/tick.h"
+#include "sim_host/bus/bus_budget.h"
 #include "sim_host/cli/bus_program.h"
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/program.h"
@@ -21,8 +23,9 @@
 
 enum { CLOCK_TICKS_AT_ONCE = 20 };
 
-static const uint64_t NS_PER_MS = 1000000;
+static const uint64_t NS_PER_MS = 1000000, TICK_NS = UINT64_C(1000) * TICK_PERIOD_US;
 static const uint64_t IDLE_NS = 5000000; /* longest sleep while nobody is heard */
+static const uint64_t RECOVERY_NS = 100000000;
 
 /* ---- the walker ------------------------------------------------------------ */
 
@@ -36,7 +39,7 @@ struct session {
     uint32_t sdo_requests; /* when the filters were last set */
     uint64_t start_ns;     /* CLOCK_MONOTONIC */
     uint64_t last_sync_ns; /* CLOCK_MONOTONIC; 0: none yet */
-    uint64_t next_clock_ns;
+    uint64_t next_clock_ns, next_recovery_ns;
     uint64_t time_ns; /* the nodes' time */
     bool by_clock;
     struct walker_figures figures;
@@ -147,7 +150,7 @@ static void take_frame(struct session *session, const struct can_msg *message, u
 {
     const bool is_sync = message->id == FRAME_SYNC && message->flags == 0;
     if (is_sync) {
-        session->time_ns += session->last_sync_ns != 0 ? NS_PER_MS : 0;
+        session->time_ns += session->last_sync_ns != 0 ? TICK_NS : 0;
         session->last_sync_ns = stamp_ns;
         session->by_clock = false;
         session->is_late = socketcan_bus_has_fetched(&session->bus, FRAME_SYNC);
@@ -182,14 +185,27 @@ static void go_by_clock(struct session *session, uint64_t now_ns)
         session->next_clock_ns = now_ns;
     }
     for (int i = 0; i < CLOCK_TICKS_AT_ONCE && now_ns >= session->next_clock_ns; i++) {
-        session->next_clock_ns += NS_PER_MS;
-        session->time_ns += NS_PER_MS;
+        session->next_clock_ns += TICK_NS;
+        session->time_ns += TICK_NS;
         session->figures.clock_ticks++;
         walker_nodes_process(&session->nodes, session->time_ns);
         finish_tick(session);
     }
     if (now_ns >= session->next_clock_ns) {
-        session->next_clock_ns = now_ns + NS_PER_MS; /* the process was stopped: no burst */
+        session->next_clock_ns = now_ns + TICK_NS; /* the process was stopped: no burst */
+    }
+}
+
+/* The nodes ask for a restart once; the controller chip may need more, and may not be ours to restart. */
+static void look_after_bus(struct session *session, const struct can_bus *bus, uint64_t now_ns)
+{
+    char advice[SOCKETCAN_ADVICE_MAX];
+    if (session->bus.status.error_state == CAN_BUS_OFF && now_ns >= session->next_recovery_ns) {
+        session->next_recovery_ns = now_ns + RECOVERY_NS;
+        can_bus_recover(bus);
+    }
+    if (socketcan_bus_advice(&session->bus, advice, sizeof advice)) {
+        program_complain("%s", advice);
     }
 }
 
@@ -208,6 +224,7 @@ static void serve(struct session *session)
         }
         if (!frames || session->by_clock || session->last_sync_ns == 0) {
             now_ns = socketcan_now_ns();
+            look_after_bus(session, &bus, now_ns);
             go_by_clock(session, now_ns);
         }
     }
@@ -236,6 +253,11 @@ int afo_walker(int argc, char **argv)
     static struct session session;
     bus_program_catch_signals();
     walker_options_parse(&session.options, argc, argv);
+    char message[BUS_BUDGET_MESSAGE_MAX];
+    if (bus_budget_check_build(message, sizeof message) != 0) {
+        program_complain("%s", message);
+        return EXIT_USAGE;
+    }
     if (prepare(&session) != 0) {
         return EXIT_USAGE;
     }

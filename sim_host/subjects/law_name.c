@@ -4,10 +4,9 @@
 
 #include "sim_host/subjects/nearest.h"
 
-const struct law_name law_names[LAW_NAMES] = {
-    {"proportional", LAW_PROPORTIONAL}, {"open-loop", LAW_OPEN_LOOP},   {"dlqr", LAW_DLQR},
-    {"deadbeat", LAW_DEADBEAT},         {"predictive", LAW_PREDICTIVE}, {"person", LAW_PERSON},
-};
+#define ENTRY(value, number, id, name) {name, value},
+const struct law_name law_names[LAW_NAMES] = {LAW_TABLE(ENTRY)};
+#undef ENTRY
 
 int law_from_name(const char *name, enum law_mode *law)
 {

@@ -247,7 +247,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
                 (real)subject->control_override[i];
         }
     }
-    if (params->law == (real)LAW_PREDICTIVE &&
+    if (law_of(params->law) != NULL && law_of(params->law)->keeps_within_reach &&
         !overridden(subject, offsetof(struct control_params, r0_change_max_m))) {
         params->r0_change_max_m =
             params->r0_max_m; /* what the motor can do limits it, step by step */

@@ -48,10 +48,10 @@ static enum supervisor_state state_of(struct rig *rig)
 static void walk(struct rig *rig, uint32_t steps)
 {
     const uint64_t limit = rig->loop.tick + 20000;
-    while (controller_of(rig)->law.steps < steps && rig->loop.tick < limit) {
+    while (controller_of(rig)->plan.law.steps < steps && rig->loop.tick < limit) {
         injector_tick(&rig->injector);
     }
-    ck_assert_uint_ge(controller_of(rig)->law.steps, steps);
+    ck_assert_uint_ge(controller_of(rig)->plan.law.steps, steps);
 }
 
 static void run(struct rig *rig, int ticks)
@@ -79,7 +79,7 @@ START_TEST(the_bench_walks_and_stops_when_asked)
     struct rig *rig = start(0.6, 0);
     walk(rig, 6);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
-    assert_close((double)controller_of(rig)->assist_level, 1.0, 0.0, 0.0);
+    assert_close((double)controller_of(rig)->plan.assist_level, 1.0, 0.0, 0.0);
     rig->loop.rig.task.node.objects.walk_requested = 0;
     run(rig, 2);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
@@ -110,20 +110,20 @@ START_TEST(the_bench_does_not_load_again_by_itself)
 }
 END_TEST
 
-START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
+START_TEST(a_person_is_engaged_step_by_step_and_let_go)
 {
     struct rig *rig = start(0.45, 4);
     walk(rig, 4);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
-    assert_close((double)controller_of(rig)->assist_level, 0.0, 0.0, 0.0);
+    assert_close((double)controller_of(rig)->plan.assist_level, 0.0, 0.0, 0.0);
     assert_close(motor_m(rig, SIDE_LEFT), 0.0, 1e-3, 0.0);
     walk(rig, 9);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
-    ck_assert(controller_of(rig)->assist_level > REAL(0.1) &&
-              controller_of(rig)->assist_level < REAL(0.5));
+    ck_assert(controller_of(rig)->plan.assist_level > REAL(0.1) &&
+              controller_of(rig)->plan.assist_level < REAL(0.5));
     walk(rig, 22);
-    assert_close((double)controller_of(rig)->assist_level, 1.0, 0.0, 0.0);
-    double least = 1.0; /* share of the push-off that is still the wearer's */
+    assert_close((double)controller_of(rig)->plan.assist_level, 1.0, 0.0, 0.0);
+    double least = 1.0; /* share of the push-off that is still the person's */
     for (int i = 0; i < 2000; i++) {
         injector_tick(&rig->injector);
         least = rig->loop.own_push.share < least ? rig->loop.own_push.share : least;
@@ -136,7 +136,7 @@ START_TEST(a_wearer_is_engaged_step_by_step_and_let_go)
     rig->loop.rig.task.node.objects.walk_requested = 1;
     run(rig, 200); /* and are verified anew */
     ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
-    assert_close((double)controller_of(rig)->assist_level, 0.0, 0.0, 0.0);
+    assert_close((double)controller_of(rig)->plan.assist_level, 0.0, 0.0, 0.0);
     const struct step_record before = controller_of(rig)->last_step;
     ck_assert_uint_gt(before.number, 20);
     ck_assert(before.r0_m > REAL(0.02));
@@ -152,19 +152,19 @@ START_TEST(an_unsteady_step_does_not_raise_the_share)
 {
     struct rig *rig = start(0.45, 4);
     walk(rig, 9);
-    const real share = controller_of(rig)->assist_level;
+    const real share = controller_of(rig)->plan.assist_level;
     ck_assert(share > REAL(0.0) && share < REAL(1.0));
     controller_of(rig)->step_monitor.step_ticks[0] *= 2;
     walk(rig, 10);
     run(rig, 1);
     ck_assert_uint_eq(controller_of(rig)->step_monitor.unsteady, 1);
-    ck_assert(controller_of(rig)->assist_level == share);
+    ck_assert(controller_of(rig)->plan.assist_level == share);
     ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
     free(rig);
 }
 END_TEST
 
-/* A wearer whose steps turn irregular: two unsteady ones in a row. */
+/* A person whose steps turn irregular: two unsteady ones in a row. */
 START_TEST(irregular_steps_withdraw_the_assistance)
 {
     struct rig *rig = start(0.45, 4);
@@ -220,22 +220,22 @@ START_TEST(the_last_gate)
     struct rig *rig = start(0.6, 0);
     walk(rig, 4);
     const enum side stance = controller_of(rig)->observer.state.stance;
-    struct sea_reference *sea = &controller_of(rig)->sea[stance];
-    const real before = controller_of(rig)->request[stance].precompression_m;
+    struct sea_reference *sea = &controller_of(rig)->springs.sea[stance];
+    const real before = controller_of(rig)->guard.last[stance].precompression_m;
     sea->position_m = sea->target_m = before + REAL(0.2);
     run(rig, 1);
-    ck_assert(controller_of(rig)->request[stance].precompression_m < before + REAL(0.003));
+    ck_assert(controller_of(rig)->guard.last[stance].precompression_m < before + REAL(0.003));
     for (int beyond = -1; beyond <= 1; beyond += 2) {
-        controller_of(rig)->request[stance].enable = false; /* no rise to be limited */
+        controller_of(rig)->guard.last[stance].enable = false; /* no rise to be limited */
         sea->position_m = sea->target_m = (real)beyond * REAL(0.45);
         run(rig, 1);
-        ck_assert(!controller_of(rig)->request[stance].enable);
-        ck_assert(controller_of(rig)->request[stance].precompression_m == REAL(0.0));
+        ck_assert(!controller_of(rig)->guard.last[stance].enable);
+        ck_assert(controller_of(rig)->guard.last[stance].precompression_m == REAL(0.0));
     }
     sea->position_m = sea->target_m = (real)__builtin_nanf("");
     run(rig, 1);
-    ck_assert(!controller_of(rig)->request[stance].enable);
-    ck_assert(controller_of(rig)->request[stance].precompression_m == REAL(0.0));
+    ck_assert(!controller_of(rig)->guard.last[stance].enable);
+    ck_assert(controller_of(rig)->guard.last[stance].precompression_m == REAL(0.0));
     free(rig);
 }
 END_TEST
@@ -254,7 +254,7 @@ START_TEST(the_step_of_r0_is_bounded_without_the_parameters)
     for (unsigned i = 0; i < params->table.count; i++) {
         params->table.speed_rad_s[i] *= REAL(0.5); /* asks for much more push-off */
     }
-    controller_of(rig)->law.steps += (uint32_t)_i;
+    controller_of(rig)->plan.law.steps += (uint32_t)_i;
     for (int i = 0; i < 3000 && controller_of(rig)->last_step.number == number; i++) {
         rig->loop.rig.task.node.guard.at = 0; /* the checksum's round never ends */
         run(rig, 1);
@@ -299,7 +299,7 @@ int main(void)
     tcase_add_test(tests, bad_parameters_are_refused);
     tcase_add_test(tests, the_bench_walks_and_stops_when_asked);
     tcase_add_test(tests, the_bench_does_not_load_again_by_itself);
-    tcase_add_test(tests, a_wearer_is_engaged_step_by_step_and_let_go);
+    tcase_add_test(tests, a_person_is_engaged_step_by_step_and_let_go);
     tcase_add_test(tests, an_unsteady_step_does_not_raise_the_share);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);

@@ -37,10 +37,10 @@ static struct controller *controller(void)
 
 static void walk(uint32_t steps)
 {
-    for (int i = 0; i < 20000 && controller()->law.steps < steps; i++) {
+    for (int i = 0; i < 20000 && controller()->plan.law.steps < steps; i++) {
         loop_tick(loop);
     }
-    ck_assert_uint_ge(controller()->law.steps, steps);
+    ck_assert_uint_ge(controller()->plan.law.steps, steps);
     ck_assert_int_eq(loop->rig.task.output.state, SUPERVISOR_WALKING);
 }
 
@@ -62,8 +62,8 @@ START_TEST(a_reference_that_jumps_is_not_followed_at_once)
     const enum side side = controller()->last_step.side;
     const float most = 1.25f * params.sea_speed_max_m_s * 0.001f;
     float last = loop->rig.task.output.sea[side].precompression_m, risen = 0.0f;
-    controller()->sea[side].position_m += 0.1f;
-    controller()->sea[side].target_m += 0.1f;
+    controller()->springs.sea[side].position_m += 0.1f;
+    controller()->springs.sea[side].target_m += 0.1f;
     for (int i = 0; i < 20 && loop->rig.task.output.sea[side].enable; i++) {
         const float now = rise(side, &last);
         ck_assert_msg(now <= most * 1.001f, "rose by %g of %g", (double)now, (double)most);
@@ -80,8 +80,8 @@ START_TEST(a_reference_out_of_reach_is_none)
     walk(4);
     const enum side side = controller()->last_step.side;
     const float reach = params.r0_max_m + 0.1f * params.leg_length_m;
-    controller()->request[side].precompression_m = shares[_i] * reach;
-    controller()->sea[side] = (struct sea_reference){
+    controller()->guard.last[side].precompression_m = shares[_i] * reach;
+    controller()->springs.sea[side] = (struct sea_reference){
         .phase = SEA_TRIMMED, .position_m = shares[_i] * reach, .target_m = shares[_i] * reach};
     loop_tick(loop);
     ck_assert(!loop->rig.task.output.sea[side].enable);
@@ -95,8 +95,8 @@ START_TEST(a_reference_within_reach_is_one)
     walk(4);
     const enum side side = controller()->last_step.side;
     const float there = 0.98f * (params.r0_max_m + 0.1f * params.leg_length_m);
-    controller()->request[side].precompression_m = there;
-    controller()->sea[side] =
+    controller()->guard.last[side].precompression_m = there;
+    controller()->springs.sea[side] =
         (struct sea_reference){.phase = SEA_TRIMMED, .position_m = there, .target_m = there};
     loop_tick(loop);
     ck_assert(loop->rig.task.output.sea[side].enable);
@@ -111,16 +111,16 @@ START_TEST(armed_too_early_is_not_armed)
     int armed = 0, held = 0;
     for (int i = 0; i < 4000; i++) {
         for (int side = 0; side < SIDE_COUNT; side++) {
-            if (controller()->sea[side].phase != SEA_UNLOADED &&
-                controller()->sea[side].phase != SEA_UNLOADING) {
-                controller()->sea[side].phase = SEA_ARMED;
+            if (controller()->springs.sea[side].phase != SEA_UNLOADED &&
+                controller()->springs.sea[side].phase != SEA_UNLOADING) {
+                controller()->springs.sea[side].phase = SEA_ARMED;
             }
         }
         loop_tick(loop);
         for (int side = 0; side < SIDE_COUNT; side++) {
             const struct gait_state *gait = &controller()->observer.state;
             if (!loop->rig.task.output.sea[side].latch_armed) {
-                held += controller()->sea[side].phase == SEA_ARMED ? 1 : 0;
+                held += controller()->springs.sea[side].phase == SEA_ARMED ? 1 : 0;
                 continue;
             }
             armed++;

@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "firmware/version.h"
+
 #include "hal/bus/bytes.h"
 #include "sim_host/gait/gait_curve.h"
 #include "sim_host/subjects/subject.h"
@@ -302,6 +304,69 @@ START_TEST(a_fault_and_its_reset_are_told)
 }
 END_TEST
 
+START_TEST(each_fault_and_each_refused_node_is_told)
+{
+    struct setup_failure failure = {.verdict = SETUP_DIFFERS, .node = 1, .index = 0x6092};
+    telemetry_report_refused_node(&node.objects, &node.device, &failure);
+    run(15);
+    fake_bus_clear(&fake);
+    failure.node = 2;
+    telemetry_report_refused_node(&node.objects, &node.device, &failure);
+    run(15);
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x090), 1);
+    ck_assert_uint_eq(fake_bus_last(&fake, 0x090)->data[3], 2);
+    telemetry_clear_refused_node(&node.objects, &node.device, 1);
+    run(15);
+    ck_assert_uint_eq(bytes_get_u16(fake_bus_last(&fake, 0x090)->data), 0);
+    ck_assert_uint_eq(read_u32(0x1001, 0), 1); /* the other is still refused */
+    telemetry_clear_refused_node(&node.objects, &node.device, 2);
+    ck_assert_uint_eq(read_u32(0x1001, 0), 0);
+    output.fault = SUPERVISOR_FAULT_SENSOR_STALE;
+    run(15);
+    fake_bus_clear(&fake);
+    output.fault = SUPERVISOR_FAULT_EMERGENCY_STOP;
+    run(15);
+    bool told = false;
+    for (unsigned i = 0; i < fake.sent_count; i++) {
+        told = told || (fake.sent[i].id == 0x090 &&
+                        bytes_get_u16(fake.sent[i].data) == CONTROLLER_EMCY_FAULT &&
+                        fake.sent[i].data[4] == SUPERVISOR_FAULT_EMERGENCY_STOP);
+    }
+    ck_assert(told);
+    ck_assert_uint_eq(read_u32(0x1001, 0), 1);
+}
+END_TEST
+
+/* CiA 301 clauses 7.5.2.5 and 7.5.2.6: who sends SYNC has bit 30 of 0x1005 set, and its period in us in
+ * 0x1006. Neither can be written: the control loop is its clock. */
+START_TEST(it_says_that_it_sends_sync)
+{
+    ck_assert_uint_eq(read_u32(0x1005, 0), 0x40000080);
+    ck_assert_uint_eq(read_u32(0x1006, 0), 1000);
+    ck_assert_uint_eq(ask(0x23, 0x1005, 0, 0x80)[0], 0x80);
+    ck_assert_uint_eq(ask(0x23, 0x1005, 0, 0x40000081)[0], 0x80);
+    ck_assert_uint_eq(ask(0x23, 0x1005, 0, 0x40000080)[0], 0x60);
+    ck_assert_uint_eq(ask(0x23, 0x1006, 0, 0)[0], 0x80);
+    ck_assert_uint_eq(ask(0x23, 0x1006, 0, 1000)[0], 0x60);
+}
+END_TEST
+
+START_TEST(it_says_which_hardware_and_software_it_is)
+{
+    char software[36] = "";
+    ck_assert_uint_ne(ask(0x40, 0x1009, 0, 0)[4], 0);
+    (void)ask(0x40, 0x100A, 0, 0); /* longer than four characters: by segments */
+    for (unsigned i = 0, toggle = 0x60; i < 5; i++, toggle ^= 0x10) {
+        const uint8_t *segment = ask((uint8_t)toggle, 0, 0, 0);
+        memcpy(software + 7 * i, segment + 1, 7);
+        if ((segment[0] & 1) != 0) {
+            break;
+        }
+    }
+    ck_assert_str_eq(software, version_text());
+}
+END_TEST
+
 START_TEST(a_refused_node_is_told_until_it_is_set_up)
 {
     const struct setup_failure failure = {SETUP_DIFFERS, 2, 1, 0x6091, 1000, 2000};
@@ -419,6 +484,9 @@ int main(void)
     tcase_add_test(tests, a_flag_is_0_or_1);
     tcase_add_test(tests, a_steps_last_byte_holds_side_fallback_and_fault);
     tcase_add_test(tests, a_fault_and_its_reset_are_told);
+    tcase_add_test(tests, each_fault_and_each_refused_node_is_told);
+    tcase_add_test(tests, it_says_that_it_sends_sync);
+    tcase_add_test(tests, it_says_which_hardware_and_software_it_is);
     tcase_add_test(tests, a_refused_node_is_told_until_it_is_set_up);
     tcase_add_test(tests, found_offsets_become_parameters);
     tcase_add_test(tests, without_a_memory_nothing_is_kept);

@@ -49,3 +49,20 @@ def test_the_debugger_stops_the_watchdog_and_the_clock():
     """RM0440, DBGMCU_APB1FZR1 at 0xE0042008: TIM2 is bit 0, the independent watchdog bit 12."""
     text = make("debug", path="/usr/bin:/bin").stdout
     assert f"set {{unsigned}}0xE0042008 = {1 << 12 | 1 << 0:#x}" in text
+
+
+def test_the_programmer_s_work_area_lies_on_nothing_that_is_kept():
+    """Black box and crash record must outlive a programmer or a debugger that comes to look at them."""
+    board = ROOT / "firmware/boards/nucleo_g474re"
+    text = (board / "openocd.cfg").read_text()
+    area = re.search(r"-work-area-phys (0x\w+) -work-area-size (0x\w+)", text)
+    assert text.index("source [find target/stm32g4x.cfg]") < area.start()  # whose own setting it replaces
+    begin, size = (int(number, 16) for number in area.groups())
+    assert 0x20000000 <= begin and begin + size <= 0x20020000  # DS12288: 128 KiB, CCM SRAM included
+    regions = re.findall(r"\(rw\) : ORIGIN = (0x\w+), LENGTH = (\d+)K", (board / "link.ld").read_text())
+    assert len(regions) == 2
+    for origin, length in regions:
+        assert begin + size <= int(origin, 16) or begin >= int(origin, 16) + int(length) * 1024
+    for target in ("flash", "debug"):
+        command = make(target, path="/usr/bin:/bin").stdout
+        assert "-f firmware/boards/nucleo_g474re/openocd.cfg" in command and "target/stm32g4x" not in command

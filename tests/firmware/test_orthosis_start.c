@@ -13,7 +13,10 @@ static struct fake_bus fake;
 static struct black_box box;
 static struct orthosis orthosis;
 static struct orthosis_config config;
+static struct crash_streak streak;
 static unsigned feeds, toggles;
+static unsigned reads;                    /* of the memory */
+static double now_ms, fed_ms, longest_ms; /* what erasing and writing take; between two feeds */
 
 /* ---- The board ---------------------------------------------------------------------------- */
 
@@ -31,6 +34,7 @@ static uint8_t *word(uint32_t bank, uint32_t index)
 static enum nv_result read_word(void *context, uint32_t bank, uint32_t index, uint8_t *out)
 {
     (void)context;
+    reads++;
     memcpy(out, word(bank, index), NV_WORD_BYTES);
     return NV_OK;
 }
@@ -44,6 +48,7 @@ static const uint8_t *map(void *context, uint32_t bank)
 static enum nv_result erase(void *context, uint32_t bank)
 {
     (void)context;
+    now_ms += 49; /* two pages at their longest, DS12288 */
     memset(word(bank, 0), 0xFF, (size_t)SETTINGS_IMAGE_WORDS * NV_WORD_BYTES);
     return NV_OK;
 }
@@ -51,6 +56,7 @@ static enum nv_result erase(void *context, uint32_t bank)
 static enum nv_result write_word(void *context, uint32_t bank, uint32_t index, const uint8_t *bytes)
 {
     (void)context;
+    now_ms += 0.0834;
     memcpy(word(bank, index), bytes, NV_WORD_BYTES);
     return NV_OK;
 }
@@ -59,6 +65,8 @@ static void feed(void *context)
 {
     (void)context;
     feeds++;
+    longest_ms = now_ms - fed_ms > longest_ms ? now_ms - fed_ms : longest_ms;
+    fed_ms = now_ms;
 }
 
 static void toggle(void *context)
@@ -86,12 +94,14 @@ static void setup(void)
     fake_bus_init(&fake);
     memset(image, 0xFF, sizeof image);
     memset(&box, 0, sizeof box);
-    feeds = toggles = 0;
+    memset(&streak, 0, sizeof streak);
+    feeds = toggles = reads = 0;
     config = (struct orthosis_config){.bus = fake_bus_interface(&fake),
                                       .stop = {&stop_ops, NULL},
                                       .watchdog = &watchdog,
                                       .drive_power = &drive_power,
                                       .nv = &nv,
+                                      .streak = &streak,
                                       .black_box = &box};
 }
 
@@ -191,6 +201,61 @@ START_TEST(after_a_crash_it_waits_for_a_reset)
 }
 END_TEST
 
+/* Somebody must get at it whatever the memory does to it: crash by crash, no SYNC between. */
+START_TEST(the_settings_are_not_read_after_three_crashes_without_a_sync)
+{
+    keep(0.6f, 1);
+    config.restarted = true;
+    for (int crashes = 1; crashes <= 5; crashes++) {
+        crash_streak_add(&streak);
+        reads = 0;
+        orthosis_init(&orthosis, &config);
+        ck_assert_int_eq(reads == 0, crashes >= 3);
+        ck_assert_int_eq(orthosis.forced_fault,
+                         crashes >= 3 ? SUPERVISOR_FAULT_PARAMETERS : SUPERVISOR_FAULT_NONE);
+    }
+    ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 0);
+    ck_assert_uint_eq(orthosis.task.node.objects.crash_streak, 5);
+    const struct can_msg *emcy = NULL;
+    for (int i = 0; i < 50 && emcy == NULL; i++) { /* it says so, by itself */
+        run(1);
+        emcy = fake_bus_last(&fake, 0x090);
+        emcy = emcy != NULL && emcy->data[0] == 0x00 && emcy->data[1] == 0x61 ? emcy : NULL;
+    }
+    ck_assert_ptr_nonnull(emcy);
+    ck_assert_uint_eq(emcy->data[3], 5);
+    ck_assert_int_eq(state(), SUPERVISOR_FAULT);
+    for (int i = 0; i < 1000; i++) { /* and no reset request lifts it */
+        orthosis.task.node.objects.reset_requested = 1;
+        run(1);
+        ck_assert_int_eq(state(), SUPERVISOR_FAULT);
+    }
+    reads = 0; /* "load" erases without reading, so that the next start finds none */
+    const struct write_rules *rules = &orthosis.task.node.rules;
+    ck_assert_uint_eq(rules->settings_store->forget_settings(rules->settings_store_context), 0);
+    ck_assert_uint_eq(reads, 0);
+    ck_assert_uint_eq(image[0], 0xFF);
+}
+END_TEST
+
+START_TEST(a_sync_that_came_back_ends_the_streak)
+{
+    keep(0.6f, 0);
+    crash_streak_add(&streak);
+    crash_streak_add(&streak);
+    crash_streak_add(&streak);
+    orthosis_init(&orthosis, &config);
+    for (int i = 0; i < 9; i++) {
+        (void)orthosis_poll(&orthosis);
+    }
+    ck_assert_uint_eq(crash_streak_length(&streak), 3);
+    run(1);
+    ck_assert_uint_eq(crash_streak_length(&streak), 0);
+    orthosis_init(&orthosis, &config);
+    ck_assert_int_eq(orthosis.forced_fault, SUPERVISOR_FAULT_NONE);
+}
+END_TEST
+
 /* What was recorded before the crash is frozen; a box that is no box is started anew. */
 START_TEST(the_record_of_a_crash_is_kept)
 {
@@ -206,6 +271,14 @@ START_TEST(the_record_of_a_crash_is_kept)
     config.restarted = false; /* and over the next power-on, as long as the memory lasts */
     orthosis_init(&orthosis, &config);
     ck_assert_uint_eq(box.header.state, BLACK_BOX_FROZEN);
+    black_box_start(&box, 0, 0);
+    config.restarted = false; /* a reset at the pin, in the middle of recording */
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_RECORDING); /* there was nothing in it yet */
+    run(50);
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_FROZEN);
+    ck_assert_uint_eq(box.header.reason, BLACK_BOX_REASON_RESET);
     box.header.magic ^= 1;
     config.restarted = true;
     orthosis_init(&orthosis, &config);
@@ -229,12 +302,74 @@ START_TEST(without_a_tick_it_is_not_fed)
         (void)orthosis_poll(&orthosis);
     }
     ck_assert_uint_eq(feeds, 15);
-    ck_assert_uint_eq(toggles, feeds); /* the drives' power is permitted by the same sign */
     config.drive_power = NULL;
     orthosis_init(&orthosis, &config);
     run(3);
-    ck_assert_uint_eq(toggles, 15);
     ck_assert_uint_eq(feeds, 18);
+}
+END_TEST
+
+/* On a bus that is dead no drive can be told to stop: the relay must fall, also after a restart. */
+START_TEST(without_a_bus_the_drives_get_no_power)
+{
+    keep(0.6f, 0);
+    for (int restart = 0; restart < 2; restart++) {
+        toggles = feeds = 0;
+        config.restarted = restart != 0;
+        orthosis_init(&orthosis, &config);
+        for (int i = 0; i < 3000; i++) {
+            orthosis_start_cycle(&orthosis);
+            (void)orthosis_poll(&orthosis);
+        }
+        ck_assert_uint_eq(feeds, 3000);
+        ck_assert_uint_eq(toggles, 0);
+        for (unsigned ticks = 1; ticks <= 10; ticks++) { /* once a tick, however often it polls */
+            run(1);
+            for (int i = 0; i < 7; i++) {
+                (void)orthosis_poll(&orthosis);
+            }
+            ck_assert_uint_eq(toggles, ticks);
+        }
+    }
+}
+END_TEST
+
+/* The number of the tick wraps after 49 days: that is no start. */
+START_TEST(the_wrap_of_the_tick_is_no_start)
+{
+    keep(0.6f, 0);
+    orthosis_init(&orthosis, &config);
+    run(1);
+    orthosis.task.tick = UINT32_MAX;
+    feeds = toggles = 0;
+    run(1);
+    ck_assert_uint_eq(orthosis.task.tick, 0);
+    for (int i = 0; i < 9; i++) {
+        (void)orthosis_poll(&orthosis);
+    }
+    ck_assert_uint_eq(feeds, 1);
+    ck_assert_uint_eq(toggles, 1);
+}
+END_TEST
+
+/* Of the watchdog's 120 ms at most half is used, whatever is asked for. */
+START_TEST(it_is_fed_while_settings_are_saved_and_forgotten)
+{
+    keep(0.6f, 0);
+    orthosis_init(&orthosis, &config);
+    run(1);
+    const struct write_rules *rules = &orthosis.task.node.rules;
+    for (int forget = 0; forget < 2; forget++) {
+        now_ms = fed_ms = longest_ms = 0;
+        const uint32_t verdict =
+            forget ? rules->settings_store->forget_settings(rules->settings_store_context)
+                   : rules->settings_store->save_settings(rules->settings_store_context);
+        ck_assert_uint_eq(verdict, 0);
+        ck_assert_double_gt(now_ms, 70);
+        run(1);
+        ck_assert_double_gt(longest_ms, 40);
+        ck_assert_double_le(longest_ms, 60);
+    }
 }
 END_TEST
 
@@ -274,8 +409,13 @@ int main(void)
     tcase_add_test(tests, settings_that_do_not_pass_are_not_used);
     tcase_add_test(tests, one_changed_bit_in_the_memory_is_noticed);
     tcase_add_test(tests, after_a_crash_it_waits_for_a_reset);
+    tcase_add_test(tests, the_settings_are_not_read_after_three_crashes_without_a_sync);
+    tcase_add_test(tests, a_sync_that_came_back_ends_the_streak);
     tcase_add_test(tests, the_record_of_a_crash_is_kept);
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
+    tcase_add_test(tests, without_a_bus_the_drives_get_no_power);
+    tcase_add_test(tests, the_wrap_of_the_tick_is_no_start);
+    tcase_add_test(tests, it_is_fed_while_settings_are_saved_and_forgotten);
     tcase_add_test(tests, a_bus_that_is_off_is_asked_back_now_and_then);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

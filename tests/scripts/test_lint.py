@@ -54,6 +54,8 @@ def test_a_seeded_finding_is_reported(tree, check):
         clean = lint(tree, check)
         assert clean.returncode == 0, clean.stdout
     text, word = SEEDED[check]
+    (tree / "hal").mkdir()
+    (tree / "hal" / "nothing.h").write_text("")  # what is not there is another finding
     (tree / "model" / "probe.c").write_text(text)
     done = lint(tree, check)
     assert done.returncode == 1

@@ -5,7 +5,9 @@ It is run on small trees of its own: a copy of the script beside tests made up h
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
+import time
 
 import pytest
 
@@ -144,3 +146,98 @@ def test_long_tests_run_only_when_asked_for(tree):
 def test_no_test_at_all_is_no_success(tree):
     status, _, last = run(tree, "--python")
     assert (status, last) == (1, "0 passed, 0 failed")
+
+
+SLOW = """
+import os
+import pathlib
+import subprocess
+import time
+
+
+def test_quick():
+    pass
+
+
+def test_slow():
+    # A child in a session of its own is out of reach of a signal to the test's group.
+    child = subprocess.Popen(["sleep", "600"], start_new_session=True)
+    place = pathlib.Path(__file__).parents[2] / f"started-{os.getpid()}"
+    place.write_text(f"{os.getpid()} {child.pid}")
+    time.sleep(600)
+"""
+
+
+def alive(pid):
+    """Whether the process runs; one that ended and waits for its parent does not."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
+def started(tree):
+    return [int(word) for path in tree.glob("started-*") for word in path.read_text().split()]
+
+
+def interrupt(tree, command, number):
+    """Starts command on a tree of one quick and three slow files, sends the signal to its whole
+    process group as a terminal does, and returns (status, output, seconds until it ended)."""
+    add_file(tree, "test_a.py", "def test_x():\n    pass\n")
+    for name in ("test_b.py", "test_c.py", "test_d.py"):
+        add_file(tree, name, SLOW)
+    with open(tree / "output", "w+", encoding="utf-8") as output:
+        process = subprocess.Popen(command, cwd=tree, stdout=output, stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            limit = time.monotonic() + 60
+            while len(started(tree)) < 4 or "test_a.py" not in (tree / "output").read_text():
+                assert time.monotonic() < limit and process.poll() is None, (tree / "output").read_text()
+                time.sleep(0.05)
+            begin = time.monotonic()
+            os.killpg(process.pid, number)
+            status = process.wait(timeout=30)
+            seconds = time.monotonic() - begin
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+            for pid in started(tree):
+                if alive(pid):
+                    left.append(pid)
+                    os.kill(pid, signal.SIGKILL)
+        output.seek(0)
+        return status, output.read(), seconds
+
+
+left = []  # processes that outlived an interrupted run
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_stops_at_once(tree, number):
+    left.clear()
+    status, output, seconds = interrupt(tree, [tree / "scripts" / "run-tests", "--python", "--jobs", "2"], number)
+    assert seconds < 2.0
+    assert not left, "a test's process outlived the run"
+    assert len(started(tree)) == 4, "a new test was started after the signal"
+    assert status == 128 + number
+    last = output.splitlines()[-1]
+    assert last.startswith("1 passed, 0 failed, interrupted: 3 of 4 files did not end"), output
+    assert "Traceback" not in output
+
+
+def test_make_obeys_an_interrupt_too(tree):
+    (tree / "Makefile").write_text("test:\n\t@scripts/run-tests --python --jobs 2\n")
+    left.clear()
+    status, output, seconds = interrupt(tree, ["make", "test"], signal.SIGINT)
+    assert seconds < 2.0 and status != 0 and not left
+    assert "1 passed, 0 failed, interrupted" in output
+
+
+def test_progress_and_length_are_told(tree):
+    for name in ("test_b.py", "test_c.py"):
+        add_file(tree, name, "def test_x():\n    pass\n")
+    _, output, _ = run(tree, "--python", "--jobs", "1")
+    assert output.splitlines()[0].startswith("2 files, 1 at a time")
+    assert "[1/2]" in output and "[2/2]" in output
+    _, output, _ = run(tree, "--python", "--jobs", "1")
+    assert "last time" in output.splitlines()[0]
+    assert "[2/2]" in (tree / "build" / "run-tests.log").read_text()

@@ -5,6 +5,8 @@ import os
 import pathlib
 import subprocess
 
+import pytest
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ.get("AFO_BUILD", ROOT / "build")).resolve()
 AFO = BUILD / "afo"
@@ -31,7 +33,19 @@ def walk(*arguments):
     return done.returncode, json.loads(done.stdout)
 
 
+def data(name):
+    """A file of the folder that AFO_DATA names; the calling test bears the mark `data`.
+
+    The files belong to other people and lie outside the tree. One that is not there is a skip,
+    and a failure where CI=true.
+    """
+    path = pathlib.Path(os.environ["AFO_DATA"]) / name
+    if not path.is_file():
+        complain = pytest.fail if os.environ.get("CI") == "true" else pytest.skip
+        complain(f"AFO_DATA={os.environ['AFO_DATA']} holds no {name}")
+    return path
+
+
 def recording():
-    """The recorded human walk, which belongs to other people and lies outside the tree."""
-    place = os.environ.get("AFO_GAIT_CSV")
-    return pathlib.Path(place) if place else ROOT.parent / "shared" / "data" / "gait_young.csv"
+    """The recorded walk of a healthy adult on level ground, 50 s."""
+    return data("gait_young.csv")

@@ -114,8 +114,8 @@ def main():
     stop = threading.Event()
     try:
         scan(network)
-        node = BaseNode402(1, canopen.import_od(EDS + "drive-left.eds"))
-        sensor = canopen.RemoteNode(3, canopen.import_od(EDS + "sensor-left.eds"))
+        node = BaseNode402(1, canopen.import_od(EDS + "drive-left.eds", 1))
+        sensor = canopen.RemoteNode(3, canopen.import_od(EDS + "sensor-left.eds", 3))
         for one in (node, sensor):
             one.sdo.RESPONSE_TIMEOUT = 20.0
             network.add_node(one)

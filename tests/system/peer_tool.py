@@ -39,7 +39,7 @@ def main():
     # Only what is for it: a whole walk in lock-step is too much for a script.
     filters = [{"can_id": identifier, "can_mask": 0x7FF} for identifier in (0x590, 0x710)]
     network.connect(interface="socketcan", channel="vcan0", can_filters=filters)
-    node = canopen.RemoteNode(16, canopen.import_od(EDS + "controller.eds"))
+    node = canopen.RemoteNode(16, canopen.import_od(EDS + "controller.eds", 16))
     node.sdo.RESPONSE_TIMEOUT = 20.0
     network.add_node(node)
     try:

@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from afo import AFO, ROOT, recording, run
+from afo import AFO, ROOT, run
 
 COMMANDS = ("sim", "study", "faults", "soak", "replay", "walker", "host", "blackbox", "settings", "eds", "pil", "slcan")
 STUDIES = ("fixed-point", "continue", "doublings", "bifurcation", "basin", "gain", "noise", "map", "atlas", "laws",
@@ -145,19 +145,18 @@ def test_json_is_json_without_a_single_number_to_tell():
     assert report["steps"] <= 1
 
 
-@pytest.mark.skipif(not recording().is_file(), reason=f"no recording at {recording()}; set AFO_GAIT_CSV to one")
-def test_a_recordings_table_has_the_recordings_own_clock(tmp_path):
-    with open(recording(), newline="", encoding="utf-8") as file:
+def test_a_recordings_table_has_the_recordings_own_clock(person, tmp_path):
+    with open(person, newline="", encoding="utf-8") as file:
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
     strikes = [b["time_s"] for a, b in zip(rows, rows[1:]) if not a["contact_l"] and b["contact_l"]]
-    done = run("--recording", recording(), "--quiet", "--json", "--ticks", "--csv", tmp_path / "ticks.csv")
+    done = run("--recording", person, "--quiet", "--json", "--ticks", "--csv", tmp_path / "ticks.csv")
     assert done.stdout
     with open(tmp_path / "ticks.csv", newline="", encoding="utf-8") as file:
         ticks = list(csv.DictReader(file))
     told = [float(tick["time_s"]) for tick in ticks if tick["event"] == "heel_strike"]
     for strike in strikes[1:-1]:  # the table's events are both legs'
         assert min(abs(time - strike) for time in told) < 0.006
-    assert run("--recording", recording(), "--quiet", "--csv", tmp_path / "steps.csv").returncode in (0, 1)
+    assert run("--recording", person, "--quiet", "--csv", tmp_path / "steps.csv").returncode in (0, 1)
     with open(tmp_path / "steps.csv", newline="", encoding="utf-8") as file:
         steps = [float(row["time_s"]) for row in csv.DictReader(file) if row["side"] == "left"]
     seen = json.loads(done.stdout)["left"]["apex_s"]

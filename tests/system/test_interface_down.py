@@ -6,6 +6,8 @@ import importlib.util
 import json
 import subprocess
 
+import pytest
+
 from afo import BUILD, ROOT
 
 GUEST = """
@@ -54,3 +56,32 @@ def test_a_walk_goes_on_or_ends_with_a_reason(tmp_path):
         assert json.loads((tmp_path / f"{name}.walker").read_text())["went_down"] == 1
         record = judge(tmp_path / f"{name}.log")
         assert not record.wrong and record.steps >= steps, (record.wrong, record.steps)
+
+
+BUS_OFF = """
+cd {out}
+{build}/afo walker --can vcan0 --sensors ideal --json >off.walker & walker=$!
+sleep 0.3
+{build}/afo host --can vcan0 --speed 0.45 --steps 8 --auto-reset >off.out 2>off.err & host=$!
+candump -n 2 vcan0,390:7FF >/dev/null
+cansend vcan0 20000040#0000000000000000; sleep 0.03; cansend vcan0 {sign}
+wait $host; echo host $?
+kill -TERM $walker; wait $walker # 1: it fell before the drives were back
+exit 0
+"""
+
+
+@pytest.mark.parametrize("sign", ["20000008#0000400000000000", "20000004#0040000000000000", "20000100#0000000000000000"])
+def test_a_walk_survives_a_bus_off_that_is_over(tmp_path, sign):
+    """The driver's error frames say that the controller chip is off the bus, and then, each driver in its way, that
+    it takes part again (linux/can/error.h). The drives' controllers hear the same: each faults and unloads by itself
+    (0x6007), and once that is reset the walk goes on."""
+    script = tmp_path / "guest.sh"
+    script.write_text(BUS_OFF.format(build=BUILD, out=tmp_path, sign=sign))
+    done = subprocess.run(["scripts/vcan-guest", "--timeout", "60", "--", "bash", str(script)], cwd=ROOT,
+                          capture_output=True, text=True, timeout=90)
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = (tmp_path / "off.err").read_text()
+    assert "afo host: vcan0 is bus-off" in told and "afo host: vcan0 is on the bus again" in told, told
+    assert done.stdout.split() == ["host", "0"], done.stdout + told
+    assert json.loads((tmp_path / "off.walker").read_text())["bus_off"] == 1

@@ -2,7 +2,7 @@
 perturbations that no detector may be tuned to (another pace, legs exchanged, drifting
 sensors, lost samples, smaller steps, other column names and rates).
 
-The recording is other people's data and not part of the tree; see test_wearer.py.
+Played are a made walk and, where AFO_DATA names a folder with it, a recorded one (conftest.py).
 """
 import csv
 import math
@@ -10,15 +10,13 @@ import random
 
 import pytest
 
-from afo import recording, run, walk
+from afo import run, walk
 from gait_play import SIDES, apexes, changes, read, write
 
 
 @pytest.fixture(scope="module")
-def rows():
-    if not recording().is_file():
-        pytest.skip(f"no recording at {recording()}; set AFO_GAIT_CSV to one")
-    return read(recording())
+def rows(person):
+    return read(person)
 
 
 def errors(found, truth, skip_s=0.3):
@@ -57,14 +55,14 @@ def judge(result, rows, toe_off_shares=(0.85, 0.97)):
     assert share_within(toe_offs, 0.030) > toe_off_shares[1]
 
 
-def test_events_of_the_recording(rows):
-    _, result = walk("--recording", recording())
+def test_events_of_the_recording(person, rows):
+    _, result = walk("--recording", person)
     judge(result, rows)
 
 
 @pytest.mark.parametrize("sensors", ["ideal", "14bit", "12bit"])
-def test_other_sensors(rows, sensors):
-    _, result = walk("--recording", recording(), "--sensors", sensors)
+def test_other_sensors(person, rows, sensors):
+    _, result = walk("--recording", person, "--sensors", sensors)
     judge(result, rows)
 
 
@@ -90,7 +88,7 @@ def test_slow_and_short_steps(rows, tmp_path):
         assert share_within(off, 0.060) > 0.98
 
 
-def test_legs_exchanged(rows, tmp_path):
+def test_legs_exchanged(person, rows, tmp_path):
     swap = {"l": "r", "r": "l"}
 
     def other_leg(key):
@@ -98,7 +96,7 @@ def test_legs_exchanged(rows, tmp_path):
         return "_".join([parts[0], swap[parts[1]]] + parts[2:]) if parts[1] in swap else key
     other = [{key: row[other_leg(key)] for key in row} for row in rows]
     _, result = walk("--recording", write(tmp_path / "mirror.csv", other))
-    _, plain = walk("--recording", recording(), "--sensors", "ideal")
+    _, plain = walk("--recording", person, "--sensors", "ideal")
     judge(result, other)
     for name, opposite in (("left", "right"), ("right", "left")):
         assert result[name]["heel_strike_s"] == \
@@ -136,10 +134,10 @@ def test_lost_samples_and_noise(rows, tmp_path):
         errors(result[name]["toe_off_s"], changes(rows, side, 0))
 
 
-def test_the_device_pushes_off_after_the_other_foot_has_landed(rows):
+def test_the_device_pushes_off_after_the_other_foot_has_landed(person, rows):
     """On every step after engagement: released between 20 ms before the other foot's
     recorded strike and the own toe-off."""
-    _, result = walk("--recording", recording())
+    _, result = walk("--recording", person)
     for name, side in SIDES.items():
         other = "r" if side == "l" else "l"
         strikes, toe_offs = changes(rows, other, 1), changes(rows, side, 0)

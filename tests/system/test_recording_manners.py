@@ -2,23 +2,21 @@
 backwards, played from a recording (gait_play.py). No event twice, none missed, none while
 standing; the device pushes in the right phase only, and joins in again after a stop.
 
-The recording is other people's data and not part of the tree; see test_wearer.py.
+Played are a made walk and, where AFO_DATA names a folder with it, a recorded one (conftest.py).
 """
 import math
 
 import pytest
 
-from afo import recording, walk
+from afo import walk
 from gait_play import SIDES, Gait, apexes, changes, play, read, smooth, write
 
 KINDS = ("apex", "heel_strike", "toe_off")
 
 
 @pytest.fixture(scope="module")
-def gait():
-    if not recording().is_file():
-        pytest.skip(f"no recording at {recording()}; set AFO_GAIT_CSV to one")
-    return Gait(read(recording()))
+def gait(person):
+    return Gait(read(person))
 
 
 def between(t, first, last, ramp=1.0):

@@ -1,7 +1,5 @@
 /* The orthosis on QEMU's mps2-an386: the bus is a pair of pipes to the host when
  * there is one, else an slcan adapter on UART 0. Same objects as the real board. */
-#include <string.h>
-
 #include "firmware/orthosis.h"
 #include "firmware/version.h"
 #include "hal/port_cortex_m/cortex_m4.h"
@@ -27,6 +25,7 @@ static union {
 
 __attribute__((section(".blackbox"))) static struct black_box black_box;
 __attribute__((section(".noinit"))) struct crash_record crash_record;
+__attribute__((section(".noinit"))) struct crash_streak crash_streak;
 /* RUN_MARK while running: found at a start without a crash record, the watchdog bit. */
 __attribute__((section(".noinit"))) static uint32_t run_mark;
 
@@ -37,7 +36,6 @@ void timer0_handler(void)
     mps2_clock_interrupt(&timer);
 }
 
-extern const union vector vector_table[16 + MPS2_IRQ_COUNT];
 __attribute__((section(".vectors"), used)) const union vector vector_table[16 + MPS2_IRQ_COUNT] = {
     {.stack = handler_stack_top},
     {.handler = reset_handler},
@@ -59,7 +57,7 @@ bool board_survives(uint32_t exception)
 
 void board_last_will(struct crash_record *record)
 {
-    (void)record;
+    record->build_id = version_build_id();
     run_mark = 0;
 }
 
@@ -74,10 +72,10 @@ static bool restarted(void)
     const bool was_running = run_mark == (uint32_t)RUN_MARK;
 
     if (was_running) {
-        const uint32_t count = crash_record_count(&crash_record);
-        memset(&crash_record, 0, sizeof crash_record);
+        crash_streak_add(&crash_streak);
+        crash_record_begin(&crash_record);
         crash_record.cause = CRASH_WATCHDOG;
-        crash_record.count = count;
+        crash_record.build_id = version_build_id();
         crash_record_seal(&crash_record);
     }
     return crash_record_is_valid(&crash_record);
@@ -177,6 +175,7 @@ int main(void)
         .nv = &mps2_nv_store,
         .black_box = &black_box,
         .crash = &crash_record,
+        .streak = &crash_streak,
         .restarted = restarted(),
     };
     const bool pipes = open_pipes();

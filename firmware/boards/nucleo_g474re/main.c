@@ -1,8 +1,7 @@
 /* The orthosis on a NUCLEO-G474RE: FDCAN1 on PA11 and PA12, emergency stop on PC0. */
-#include <string.h>
-
 #include "firmware/boards/nucleo_g474re/can_filters.h"
 #include "firmware/orthosis.h"
+#include "firmware/version.h"
 #include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
 #include "hal/port_fdcan/fdcan.h"
@@ -12,10 +11,7 @@
 #include "hal/port_stm32g474/idle.h"
 #include "hal/port_stm32g474/system_registers.h"
 
-enum {
-    EXCEPTION_NMI = 2,
-    RETRY_POLLS = 4000000 /* about a second on the RC oscillator */
-};
+enum { EXCEPTION_NMI = 2, RETRY_MS = 1000 };
 
 static struct orthosis orthosis;
 static struct fdcan can;
@@ -27,6 +23,7 @@ static const struct fdcan_filter can_filters[] = {CAN_FILTERS(FILTER)};
 
 __attribute__((section(".blackbox"))) static struct black_box black_box;
 __attribute__((section(".noinit"))) struct crash_record crash_record;
+__attribute__((section(".noinit"))) struct crash_streak crash_streak;
 
 void fdcan1_handler(void);
 void tim2_handler(void);
@@ -41,7 +38,6 @@ void tim2_handler(void)
     tim2_clock_interrupt(&timer);
 }
 
-extern const union vector vector_table[16 + IRQ_COUNT];
 __attribute__((section(".vectors"), used)) const union vector vector_table[16 + IRQ_COUNT] = {
     {.stack = handler_stack_top},
     {.handler = reset_handler},
@@ -66,6 +62,7 @@ bool board_survives(uint32_t exception)
 void board_last_will(struct crash_record *record)
 {
     fdcan_silence();
+    record->build_id = version_build_id();
     if (record->cause == (uint32_t)CRASH_NMI && clock_tree_crystal_failed()) {
         record->cause = CRASH_CLOCK_FAILED;
     }
@@ -76,17 +73,19 @@ uint32_t board_time_ms(void)
     return tim2_clock_now_ms(&timer);
 }
 
-/* Notes a reset by the watchdog, which leaves no record itself. Returns true when
- * the last run did not end well. */
+/* Notes a reset by the watchdog, which leaves no record itself; a record that nobody has
+ * seen yet is kept. Returns true when the last run did not end well. */
 static bool restarted(uint32_t reset_flags)
 {
-    if ((reset_flags & RCC_CSR_IWDGRSTF) != 0u && !crash_record_is_valid(&crash_record)) {
-        const uint32_t count = crash_record_count(&crash_record);
-        memset(&crash_record, 0, sizeof crash_record);
-        crash_record.cause = CRASH_WATCHDOG;
-        crash_record.count = count;
-        crash_record.detail = reset_flags;
-        crash_record_seal(&crash_record);
+    if ((reset_flags & RCC_CSR_IWDGRSTF) != 0u) {
+        crash_streak_add(&crash_streak);
+        if (!crash_record_is_valid(&crash_record)) {
+            crash_record_begin(&crash_record);
+            crash_record.cause = CRASH_WATCHDOG;
+            crash_record.build_id = version_build_id();
+            crash_record.detail = reset_flags;
+            crash_record_seal(&crash_record);
+        }
     }
     return crash_record_is_valid(&crash_record);
 }
@@ -95,7 +94,9 @@ static bool restarted(uint32_t reset_flags)
  * nothing, stay or go unloaded by themselves. Another try a second later. */
 static _Noreturn void give_up(enum crash_cause cause, uint32_t detail)
 {
-    for (volatile uint32_t poll = 0; poll < RETRY_POLLS; poll++) {
+    const uint32_t polls = clock_tree_wait_polls(clock_tree_hz(), RETRY_MS);
+
+    for (volatile uint32_t poll = 0; poll < polls; poll++) {
     }
     cortex_m4_crash(cause, detail);
 }
@@ -130,6 +131,7 @@ int main(void)
         .nv = &nv,
         .black_box = &black_box,
         .crash = &crash_record,
+        .streak = &crash_streak,
         .restarted = restarted(reset_flags),
     };
 

@@ -239,7 +239,7 @@ static int run_on_chain(const struct laws_options *options, const struct session
             const struct controller *controller = &loop->rig.task.controller;
             if (controller->last_step.number != step_number) {
                 step_number = controller->last_step.number;
-                result->fallbacks += controller->law.used_fallback ? 1 : 0;
+                result->fallbacks += controller->plan.law.used_fallback ? 1 : 0;
             }
             loop->nodes.plant.walk.params.slope_rad = slope_at(config, apexes) + incline;
         }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "controller/estimator/observer_gains.h"
+#include "model/tick.h"
 #include "sim_host/cli/option.h"
 #include "sim_host/study/observer/commands.h"
 
@@ -20,7 +21,7 @@ struct gain_assumptions gain_assumptions_default(void)
     const double count_rad = 2.0 * 3.14159265358979323846 / 16384.0;
     return (struct gain_assumptions){
         .noise_rad = count_rad * sqrt(1.0 + 1.0 / 12.0),
-        .sample_s = 1e-3,
+        .sample_s = TICK_PERIOD_US / 1e6,
         .start_angle_rad = 1e-3,
         .start_rate_rad_s = 0.02,
         .stance_density = 1.2e-6,

@@ -9,7 +9,7 @@
 /* The walker's own swing is near 0.7 Hz; a filter for its legs as gait labs use it. */
 #define BUTTERWORTH_HZ 10.0
 
-enum { TICKS_A_STEP_MAX = 4000 };
+enum { TICKS_A_STEP_MAX = TICKS_OF_MS(4000) };
 
 struct truth {
     double time_s[GAIT_EVENT_KINDS]; /* of the newest event of each kind; < 0 = already seen */
@@ -96,7 +96,7 @@ static void see_apex(struct session *session, const struct gait_state *gait)
 static void see_events(struct session *session)
 {
     const struct gait_state *gait = &session->loop.rig.task.controller.observer.state;
-    const double now_s = (double)(session->loop.tick - 1) * 1e-3;
+    const double now_s = (double)(session->loop.tick - 1) * (TICK_PERIOD_US / 1e6);
     for (int kind = 0; kind < GAIT_EVENT_KINDS; kind++) {
         const struct gait_event *event = &gait->event[kind];
         double *truth_s = &session->truth.time_s[kind];
@@ -110,8 +110,8 @@ static void see_events(struct session *session)
         if (counts(session)) {
             struct event_errors *errors = &session->walk->event[kind];
             /* SYNCs count from 1, and a tick's samples are one SYNC old. */
-            const double error =
-                ((double)event->tick - 2.0) * 1e-3 - (double)event->before_tick_s - *truth_s;
+            const double error = ((double)event->tick - 2.0) * (TICK_PERIOD_US / 1e6) -
+                                 (double)event->before_tick_s - *truth_s;
             errors->rms_s += error * error;
             errors->worst_s = fmax(errors->worst_s, fabs(error));
             errors->delay_s += now_s - *truth_s;
@@ -131,7 +131,8 @@ static void see_naive(struct session *session)
         bool plain, filtered;
         const struct sensor_sample *sample = &session->loop.nodes.sample[side];
         struct naive_estimator *naive = &session->naive[side];
-        naive_estimator_update(naive, sample->leg_angle_rad, 1e-3, &plain, &filtered);
+        naive_estimator_update(naive, sample->leg_angle_rad, TICK_PERIOD_US / 1e6, &plain,
+                               &filtered);
         const bool mine = session->truth.side == (enum side)side && counts(session);
         if (plain && mine) {
             add_error(&session->walk->plain, naive->plain_rad_s / session->truth.speed - 1.0);

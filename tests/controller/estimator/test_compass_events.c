@@ -23,7 +23,7 @@ static struct compass_event single(double stance_rad, double sum_rad, double ank
     input.leg[SIDE_LEFT].leg_angle_rad = (real)stance_rad;
     input.leg[SIDE_RIGHT].leg_angle_rad = (real)(sum_rad - stance_rad);
     input.leg[SIDE_LEFT].ankle_extension_m = (real)ankle_m;
-    return compass_events_strike(&events, &params, &input, SIDE_LEFT);
+    return compass_events_watch_strike(&events, &params, &input, SIDE_LEFT);
 }
 
 static void spring_is_loaded(bool loaded)
@@ -113,7 +113,7 @@ static struct compass_event both(double ankle_m)
 {
     input.tick++;
     input.leg[SIDE_LEFT].ankle_extension_m = (real)ankle_m;
-    return compass_events_lift_off(&events, &params, &input, SIDE_LEFT, 1000);
+    return compass_events_watch_lift_off(&events, &params, &input, SIDE_LEFT, 1000);
 }
 
 START_TEST(without_a_push_the_support_passes_after_30_ms)

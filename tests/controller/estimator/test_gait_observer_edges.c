@@ -76,11 +76,11 @@ END_TEST
 /* Until the tick before the work on this leg's next apex begins. */
 static void run_to_work(enum side side)
 {
-    for (int i = 0; i < 1000 && !observer.apex_pending[side]; i++) {
+    for (int i = 0; i < 1000 && !observer.apex.apex_pending[side]; i++) {
         tick();
     }
-    ck_assert(observer.apex_pending[side]);
-    run((int)observer.window_ticks - 1);
+    ck_assert(observer.apex.apex_pending[side]);
+    run((int)observer.apex.window_ticks - 1);
 }
 
 /* The model goes along in this leg's single support, at this state. */
@@ -112,7 +112,7 @@ START_TEST(the_leg_that_falls_back_is_the_stance_leg)
     run(20);
     ck_assert_int_eq(apexes, 1); /* from the samples alone: the model was of the other leg */
     ck_assert_int_eq(last_apex.side, SIDE_RIGHT);
-    ck_assert(!observer.work.modelled && observer.state.apex.confidence == 0.0f);
+    ck_assert(!observer.apex.work.modelled && observer.state.apex.confidence == 0.0f);
     assert_close(last_apex.speed_rad_s, RATE_RAD_S, 0, 1e-4);
 }
 END_TEST
@@ -125,12 +125,12 @@ START_TEST(an_apex_in_double_support_ends_it)
     observer.state.phase = PHASE_DOUBLE_SUPPORT;
     observer.state.stance = SIDE_RIGHT;
     observer.state.phase_since_tick = input.tick;
-    observer.compass.extension_peak_m = 0.002f; /* its push-off goes on */
-    observer.compass.extension_peak_tick = input.tick + 1000;
+    observer.body.compass.extension_peak_m = 0.002f; /* its push-off goes on */
+    observer.body.compass.extension_peak_tick = input.tick + 1000;
     input.sea[SIDE_RIGHT].precompression_m = 0.05f;
     input.leg[SIDE_RIGHT].ankle_extension_m = 0.002f;
     for (int i = 0; i < 60 && observer.state.phase == PHASE_DOUBLE_SUPPORT; i++) {
-        observer.compass.extension_peak_tick = input.tick;
+        observer.body.compass.extension_peak_tick = input.tick;
         tick();
     }
     ck_assert_int_eq(observer.state.phase, PHASE_SINGLE_SUPPORT);
@@ -154,10 +154,10 @@ START_TEST(a_model_that_finds_no_apex_is_not_asked)
     put_model(SIDE_LEFT, angle[SIDE_LEFT] - 1e-3 * RATE_RAD_S * cases[_i].past_ms,
               cases[_i].rate_rad_s);
     tick();
-    ck_assert(observer.work.busy && observer.work.modelled);
+    ck_assert(observer.apex.work.busy && observer.apex.work.modelled);
     run(20);
     ck_assert_int_eq(apexes, 1);
-    ck_assert_int_eq(observer.work.modelled, cases[_i].lands);
+    ck_assert_int_eq(observer.apex.work.modelled, cases[_i].lands);
     if (!cases[_i].lands) {
         ck_assert(observer.state.apex.confidence == 0.0f);
         assert_close(last_apex.speed_rad_s, RATE_RAD_S, 0, 1e-4);
@@ -177,7 +177,7 @@ START_TEST(a_person_s_apex_begins_with_the_leg_well_ahead)
     params.angle_hysteresis_rad = (real)cases[_i].hysteresis_rad;
     start(cases[_i].ahead_rad, -0.2);
     for (int i = 0; i < 300; i++) {
-        observer.leg[SIDE_RIGHT].contact = LEG_SWING; /* the other leg is on its way */
+        observer.body.leg[SIDE_RIGHT].contact = LEG_SWING; /* the other leg is on its way */
         tick();
     }
     ck_assert_int_eq(apexes, cases[_i].counts ? 1 : 0);

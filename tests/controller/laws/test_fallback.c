@@ -85,7 +85,7 @@ START_TEST(the_bus_tells_of_the_hand_over_and_of_its_end)
     const struct can_bus tool =
         sim_bus_port(&loop.bus, sim_bus_attach(&loop.bus, "tool", NULL, NULL));
     walk(&tool, BEFORE);
-    loop.rig.task.controller.law.predictive.bias[0] = REAL(1.4);
+    loop.rig.task.controller.plan.law.predictive.bias[0] = REAL(1.4);
     walk(&tool, STEPS);
     unsigned handed_over = 0;
     for (unsigned k = 2; k <= STEPS; k++) {
@@ -116,16 +116,16 @@ START_TEST(a_foot_that_lands_early_ends_the_search)
         sim_bus_port(&loop.bus, sim_bus_attach(&loop.bus, "tool", NULL, NULL));
     struct controller *controller = &loop.rig.task.controller;
     walk(&tool, BEFORE);
-    for (int i = 0; i < 2000 && controller->law.is_final; i++) {
+    for (int i = 0; i < 2000 && controller->plan.law.is_final; i++) {
         tick(&tool);
     }
-    ck_assert(!controller->law.is_final);
+    ck_assert(!controller->plan.law.is_final);
     ck_assert_uint_eq(controller->last_step.number, BEFORE); /* the next is not given yet */
-    controller->observer.compass.crossed = true;
-    controller->observer.compass.crossing_tick = loop.rig.task.tick - 151;
+    controller->observer.body.compass.crossed = true;
+    controller->observer.body.compass.crossing_tick = loop.rig.task.tick - 151;
     tick(&tool);
     ck_assert(controller->observer.state.event[GAIT_HEEL_STRIKE].happened);
-    ck_assert(controller->law.is_final);
+    ck_assert(controller->plan.law.is_final);
     ck_assert_uint_eq(controller->last_step.number, BEFORE + 1);
     walk(&tool, BEFORE + 1);
     ck_assert(told[BEFORE + 1].used_fallback);

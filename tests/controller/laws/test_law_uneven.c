@@ -105,7 +105,7 @@ START_TEST(a_push_makes_nobody_hurry)
     params.terrain_speed_rad_s += REAL(0.8) * (real)_i;
     ck_assert_int_eq(loop_configure(&config, &subject, &params, 0.4, SENSORS_17BIT, 1, message), 0);
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
-    const struct step_law *law = &loop.rig.task.controller.law;
+    const struct step_law *law = &loop.rig.task.controller.plan.law;
     const struct step_record *step = &loop.rig.task.controller.last_step;
     for (int i = 0; i < 100000 && law->steps < 40; i++) {
         if (i == 20000) {

@@ -140,7 +140,7 @@ START_TEST(an_answer_stands_at_every_moment)
         for (int i = 0; i < calls; i++) {
             (void)step_law_work(&law, &p);
         }
-        step_law_finish(&law);
+        step_law_finish(&law, &params);
         ck_assert(law.is_final);
         assert_close(law.r0_m, r0, 0.002,
                      0.0); /* in the steady gait eq. (16) and the search agree */
@@ -167,7 +167,7 @@ START_TEST(wrong_predictions_hand_over_to_equation_16)
         }
         handed_over += law.used_fallback;
     }
-    ck_assert(!predictive_law_trusts_itself(&law.predictive));
+    ck_assert(!predictive_search_is_reliable(&law.predictive));
     ck_assert_int_ge(handed_over, 10);
     apex = steady(0.6f, &r0);
     const struct stride_settings fine = stride_settings_fixed(&walker, 0.002f);
@@ -185,7 +185,7 @@ START_TEST(wrong_predictions_hand_over_to_equation_16)
         apex = (struct apex_estimate){result.next.stance_rate_rad_s, result.next.swing_angle_rad,
                                       result.next.swing_rate_rad_s, 1.0f};
     }
-    ck_assert(predictive_law_trusts_itself(&law.predictive));
+    ck_assert(predictive_search_is_reliable(&law.predictive));
     ck_assert(!law.used_fallback);
 }
 END_TEST

@@ -146,6 +146,40 @@ START_TEST(every_fault_has_a_name)
 }
 END_TEST
 
+START_TEST(a_forced_fault_needs_no_rule)
+{
+    for (int from = 0; from < SUPERVISOR_STATES; from++) {
+        struct supervisor supervisor = {(enum supervisor_state)from, SUPERVISOR_FAULT_NONE, 5, 7};
+        supervisor_force_fault(&supervisor, SUPERVISOR_FAULT_RESTARTED);
+        ck_assert_int_eq(supervisor.state, SUPERVISOR_FAULT);
+        ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_RESTARTED);
+        (void)supervisor_update(&supervisor, 9, SUPERVISOR_IF_FAULT, SUPERVISOR_FAULT_DRIVE);
+        ck_assert_int_eq(supervisor.latched, SUPERVISOR_FAULT_RESTARTED); /* it came first */
+        (void)supervisor_update(&supervisor, 10, SUPERVISOR_IF_RESET | SUPERVISOR_IF_STANDSTILL,
+                                SUPERVISOR_FAULT_NONE);
+        ck_assert_int_eq(supervisor.state, SUPERVISOR_INIT);
+    }
+}
+END_TEST
+
+/* Nodes may be missing for as long as they like: the time in INIT counts from the last tick
+ * without them. */
+START_TEST(the_time_in_init_begins_with_the_nodes)
+{
+    struct supervisor supervisor;
+    supervisor_init(&supervisor);
+    for (uint32_t tick = 1; tick <= 100; tick++) {
+        (void)supervisor_update(&supervisor, tick, SUPERVISOR_IF_FAULT, SUPERVISOR_FAULT_NODE_LOST);
+    }
+    ck_assert_uint_eq(supervisor.since_tick, 100);
+    (void)supervisor_update(&supervisor, 101, SUPERVISOR_IF_NODES | SUPERVISOR_IF_FAULT,
+                            SUPERVISOR_FAULT_DRIVE);
+    ck_assert_int_eq(supervisor.state, SUPERVISOR_INIT);
+    ck_assert_uint_eq(supervisor.since_tick, 100);
+    ck_assert_uint_eq(supervisor.updated_tick, 101);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("supervisor");
@@ -155,6 +189,8 @@ int main(void)
     tcase_add_test(tests, what_took_too_long_is_a_fault);
     tcase_add_test(tests, under_every_combination);
     tcase_add_test(tests, every_fault_has_a_name);
+    tcase_add_test(tests, a_forced_fault_needs_no_rule);
+    tcase_add_test(tests, the_time_in_init_begins_with_the_nodes);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

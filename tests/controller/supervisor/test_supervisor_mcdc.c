@@ -200,7 +200,7 @@ static int count_pairs(const struct decision *decision)
 #define BEFORE SUPERVISOR_FAULT_FALL
 
 struct update_decisions {
-    struct decision latch, table_is_told, stays, reason_missing, is_given, clears, which;
+    struct decision latch, table_is_told, stays, waits, reason_missing, is_given, clears, which;
 };
 
 static void run_one(struct update_decisions *d, int from, unsigned inputs,
@@ -217,7 +217,12 @@ static void run_one(struct update_decisions *d, int from, unsigned inputs,
         see(&d->latch, (fault ? 1u : 0u) | (from != SUPERVISOR_INIT ? 2u : 0u) | (none ? 4u : 0u),
             taken);
     }
-    see(&d->stays, to == from ? 1u : 0u, !changed && supervisor.since_tick == 0);
+    const bool in_init = from == SUPERVISOR_INIT, missing = (inputs & SUPERVISOR_IF_NODES) == 0;
+    see(&d->stays, to == from ? 1u : 0u,
+        !changed && (supervisor.since_tick == 0 || (in_init && missing)));
+    if (to == from) { /* else the new state's time begins anyway */
+        see(&d->waits, (in_init ? 1u : 0u) | (missing ? 2u : 0u), supervisor.since_tick == 7);
+    }
     if (from == SUPERVISOR_UNLOADING && (inputs & SUPERVISOR_IF_UNLOADED) != 0) {
         see(&d->table_is_told, !none || taken ? 1u : 0u, to == SUPERVISOR_FAULT);
     }
@@ -242,13 +247,14 @@ static void run_one(struct update_decisions *d, int from, unsigned inputs,
     }
 }
 
-#define ALL_DECISIONS                                                          \
-    {                                                                          \
-        .latch = {.conditions = 3}, .table_is_told = {.conditions = 1},        \
-        .stays = {.conditions = 1}, .reason_missing = {.conditions = 2},       \
-        .is_given = {.conditions = 1}, .clears = {.conditions = 1}, .which = { \
-            .conditions = 1                                                    \
-        }                                                                      \
+#define ALL_DECISIONS                                                       \
+    {                                                                       \
+        .latch = {.conditions = 3}, .table_is_told = {.conditions = 1},     \
+        .stays = {.conditions = 1}, .waits = {.conditions = 2},             \
+        .reason_missing = {.conditions = 2}, .is_given = {.conditions = 1}, \
+        .clears = {.conditions = 1}, .which = {                             \
+            .conditions = 1                                                 \
+        }                                                                   \
     }
 
 START_TEST(every_condition_of_an_update_has_its_pair)
@@ -263,6 +269,7 @@ START_TEST(every_condition_of_an_update_has_its_pair)
     ck_assert_int_eq(count_pairs(&d.latch), 3);
     ck_assert_int_eq(count_pairs(&d.table_is_told), 1);
     ck_assert_int_eq(count_pairs(&d.stays), 1);
+    ck_assert_int_eq(count_pairs(&d.waits), 2);
     ck_assert_int_eq(count_pairs(&d.reason_missing), 2);
     ck_assert_int_eq(count_pairs(&d.is_given), 1);
     ck_assert_int_eq(count_pairs(&d.clears), 1);

@@ -146,6 +146,63 @@ START_TEST(answers_are_told_apart)
 }
 END_TEST
 
+/* An adapter that was told Z1 puts four digits of milliseconds behind a received frame (LAWICEL manual,
+ * command Z; Seeed_Arduino_CAN's README: two bytes, up to 60000 ms). */
+START_TEST(time_stamps_are_no_data)
+{
+    struct slcan_decoder decoder;
+
+    slcan_decoder_init(&decoder);
+    ck_assert_int_eq(feed(&decoder, "t100211334D67\r"), SLCAN_FRAME);
+    ck_assert_uint_eq(decoder.message.length, 2);
+    ck_assert_uint_eq(decoder.message.data[1], 0x33);
+    ck_assert_uint_eq(decoder.message.data[2], 0);
+    ck_assert_int_eq(feed(&decoder, "T1ABCDEF08112233445566778800FA\r"), SLCAN_FRAME);
+    ck_assert_uint_eq(decoder.message.id, 0x1ABCDEF0);
+    ck_assert_uint_eq(decoder.message.data[7], 0x88);
+    ck_assert_int_eq(feed(&decoder, "t1230EA5F\r"), SLCAN_FRAME);
+    ck_assert_uint_eq(decoder.message.length, 0);
+    ck_assert_int_eq(feed(&decoder, "r10021133\r"), SLCAN_FRAME); /* of a remote frame */
+    ck_assert_uint_eq(decoder.message.flags, CAN_FRAME_REMOTE);
+    ck_assert_uint_eq(decoder.message.length, 2);
+    ck_assert_uint_eq(decoder.malformed, 0);
+    ck_assert_int_eq(feed(&decoder, "t100211334D6\r"), SLCAN_MALFORMED);
+    ck_assert_int_eq(feed(&decoder, "t100211334D6G\r"), SLCAN_MALFORMED);
+}
+END_TEST
+
+/* Adapters that end lines with CR and LF: the LF is not the beginning of the next line. */
+START_TEST(a_line_feed_behind_the_line_end_is_nothing)
+{
+    struct slcan_decoder decoder;
+
+    slcan_decoder_init(&decoder);
+    ck_assert_int_eq(feed(&decoder, "t10021133\r"), SLCAN_FRAME);
+    ck_assert_int_eq(feed(&decoder, "\nz\r"), SLCAN_ACKNOWLEDGED);
+    ck_assert_int_eq(feed(&decoder, "\nt1FF12A\r"), SLCAN_FRAME);
+    ck_assert_uint_eq(decoder.message.id, 0x1FF);
+    ck_assert_int_eq(feed(&decoder, "\n\r"), SLCAN_DONE);
+    ck_assert_int_eq(feed(&decoder, "\n\a"), SLCAN_REFUSED);
+    ck_assert_int_eq(feed(&decoder, "\nV1013\r"), SLCAN_OTHER);
+    ck_assert_str_eq(decoder.line, "V1013");
+    ck_assert_uint_eq(decoder.malformed, 0);
+    ck_assert_int_eq(feed(&decoder, "t1\n00\r"), SLCAN_MALFORMED); /* inside a line it is wrong */
+}
+END_TEST
+
+/* Z with a digit is the command for time stamps, no acknowledgement. */
+START_TEST(the_command_for_time_stamps_is_one)
+{
+    struct slcan_decoder decoder;
+
+    slcan_decoder_init(&decoder);
+    ck_assert_int_eq(feed(&decoder, "Z0\r"), SLCAN_OTHER);
+    ck_assert_str_eq(decoder.line, "Z0");
+    ck_assert_int_eq(feed(&decoder, "z0\r"), SLCAN_MALFORMED);
+    ck_assert_int_eq(feed(&decoder, "Z00\r"), SLCAN_MALFORMED);
+}
+END_TEST
+
 START_TEST(malformed_lines_are_counted_and_the_next_line_is_read)
 {
     static const char *const lines[] = {"t\r",
@@ -161,7 +218,7 @@ START_TEST(malformed_lines_are_counted_and_the_next_line_is_read)
                                         "t1001GG\r",
                                         "T2000000000\r",
                                         "T0000010\r",
-                                        "r10021133\r",
+                                        "r100211\r",
                                         "z1\r",
                                         "t100 0\r",
                                         "t10081122334455667788AABBCCDDEEFF00112233445566\r"};
@@ -188,6 +245,9 @@ int main(void)
     tcase_add_test(tcase, what_is_no_frame_is_not_written);
     tcase_add_test(tcase, every_length_and_kind_comes_back);
     tcase_add_test(tcase, answers_are_told_apart);
+    tcase_add_test(tcase, time_stamps_are_no_data);
+    tcase_add_test(tcase, a_line_feed_behind_the_line_end_is_nothing);
+    tcase_add_test(tcase, the_command_for_time_stamps_is_one);
     tcase_add_test(tcase, malformed_lines_are_counted_and_the_next_line_is_read);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

@@ -133,7 +133,7 @@ START_TEST(a_living_pdo_cannot_be_changed)
     ck_assert_uint_eq(bench_count(&bench, 0x182), 0);
     ck_assert_uint_eq(bench_count(&bench, 0x1A2), 5);
     bench_nmt(&bench, 130); /* reset communication: the default is back */
-    ck_assert_uint_eq(bench_value(&bench, 0x1800, 1), 0x182);
+    ck_assert_uint_eq(bench_value(&bench, 0x1800, 1), 0x40000182); /* no remote requests */
 }
 END_TEST
 

@@ -264,16 +264,15 @@ START_TEST(a_stopped_node_is_silent)
 }
 END_TEST
 
-/* More emergencies than the queue holds, on a bus that takes none: kept are the first. */
+/* More emergencies than the queue holds, on a bus that takes none: kept are the newest, which tell
+ * how things are now, and the loss of the oldest is counted. */
 START_TEST(emergencies_wait_for_the_bus)
 {
     run(1);
     fake.verdict = CAN_FULL;
     for (uint16_t i = 0; i < CO_EMCY_QUEUE + 2; i++) {
         co_device_raise(&device, (uint16_t)(0x6100 + i), CO_ERROR_GENERIC, NULL);
-        if (i < CO_ACTIVE_ERRORS_MAX) { /* said once, as long as it is known that it lasts */
-            co_device_raise(&device, (uint16_t)(0x6100 + i), CO_ERROR_GENERIC, NULL);
-        }
+        co_device_raise(&device, (uint16_t)(0x6100 + i), CO_ERROR_GENERIC, NULL); /* said once */
     }
     ck_assert_uint_eq(device.counters.emcy_lost, 2);
     run(3);
@@ -282,12 +281,149 @@ START_TEST(emergencies_wait_for_the_bus)
     run(20);
     ck_assert_uint_eq(fake_bus_count(&fake, 0x085), CO_EMCY_QUEUE);
     for (unsigned i = 0; i < CO_EMCY_QUEUE; i++) {
-        ck_assert_uint_eq(bytes_get_u16(fake.sent[i].data), 0x6100U + i);
+        ck_assert_uint_eq(bytes_get_u16(fake.sent[i].data), 0x6102U + i);
     }
     co_device_clear(&device, 0x1234);       /* what was never raised is not cleared, */
     co_device_clear(&device, CO_EMCY_NONE); /* nor is what is no error */
     run(2);
     ck_assert_uint_eq(fake_bus_count(&fake, 0x085), CO_EMCY_QUEUE);
+}
+END_TEST
+
+/* As many emergencies as wait, and then the news that all is over: it is what must arrive. */
+START_TEST(the_end_of_an_error_is_told_also_through_a_full_queue)
+{
+    run(1);
+    fake.verdict = CAN_FULL;
+    for (uint16_t i = 0; i < CO_EMCY_QUEUE; i++) {
+        co_device_raise(&device, (uint16_t)(0x6100 + i), CO_ERROR_GENERIC, NULL);
+    }
+    for (uint16_t i = 0; i < CO_EMCY_QUEUE; i++) {
+        co_device_clear(&device, (uint16_t)(0x6100 + i));
+    }
+    fake.verdict = CAN_OK;
+    run(20);
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0x0000);
+    ck_assert_uint_eq(emergency()->data[2], 0);
+    ck_assert_uint_eq(device.counters.emcy_lost, CO_EMCY_QUEUE);
+}
+END_TEST
+
+/* Counts the emergencies with this code. */
+static unsigned emergencies(uint16_t code)
+{
+    unsigned count = 0;
+    for (unsigned i = 0; i < fake.sent_count; i++) {
+        count += fake.sent[i].id == 0x080 + NODE && bytes_get_u16(fake.sent[i].data) == code;
+    }
+    return count;
+}
+
+/* Time-outs of RPDOs (CiA 301 clause 7.5.2.35, event timer) end with the RPDO, with its use, and
+ * with the state operational; the next one is told again. */
+START_TEST(a_time_out_is_over_when_its_pdo_is_not_used_any_more)
+{
+    nmt(1);
+    ck_assert(give(0x205, 4, 1));
+    run(25);
+    ck_assert_uint_eq(emergencies(CO_EMCY_RPDO_TIMEOUT), 1);
+    ck_assert_uint_eq(device.comm.error_register, CO_ERROR_GENERIC | CO_ERROR_COMMUNICATION);
+    if (_i == 0) {
+        ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x80000205), 0);
+    } else {
+        nmt(128);
+    }
+    run(5);
+    ck_assert(!co_device_has_error(&device, CO_EMCY_RPDO_TIMEOUT));
+    ck_assert_uint_eq(device.comm.error_register, 0);
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0);
+    ck_assert_uint_eq(sdo(0x40, 0x1001, 0, 0), 0);
+    if (_i == 0) {
+        ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x205), 0);
+    } else {
+        nmt(1);
+    }
+    ck_assert(give(0x205, 4, 1));
+    run(25);
+    ck_assert_uint_eq(emergencies(CO_EMCY_RPDO_TIMEOUT), 2);
+}
+END_TEST
+
+/* An event timer that is written anew, or 0, watches anew. */
+START_TEST(a_time_out_is_over_when_its_timer_is_written)
+{
+    nmt(1);
+    ck_assert(give(0x205, 4, 1));
+    run(25);
+    ck_assert_uint_eq(sdo(0x2B, 0x1400, 5, 0), 0);
+    run(5);
+    ck_assert_uint_eq(device.comm.error_register, 0);
+}
+END_TEST
+
+/* Two RPDOs are late, one of them comes back: the other's error lasts and says so. */
+START_TEST(each_pdo_has_errors_of_its_own)
+{
+    ck_assert_uint_eq(sdo(0x23, 0x1601, 1, 0x20010010), 0);
+    ck_assert_uint_eq(sdo(0x2F, 0x1601, 0, 1), 0);
+    ck_assert_uint_eq(sdo(0x2B, 0x1401, 5, 20), 0);
+    ck_assert_uint_eq(sdo(0x23, 0x1401, 1, 0x305), 0);
+    nmt(1);
+    ck_assert(give(0x205, 4, 1));
+    ck_assert(give(0x305, 2, 1));
+    run(25);
+    ck_assert_uint_eq(emergencies(CO_EMCY_RPDO_TIMEOUT), 2);
+    ck_assert(give(0x205, 4, 1));
+    run(1);
+    ck_assert(co_device_has_error(&device, CO_EMCY_RPDO_TIMEOUT));
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0);
+    ck_assert_uint_eq(emergency()->data[2], CO_ERROR_GENERIC | CO_ERROR_COMMUNICATION);
+    ck_assert(give(0x305, 1, 0));
+    ck_assert(give(0x205, 4, 1)); /* that one is right, the other was too short */
+    ck_assert(co_device_has_error(&device, CO_EMCY_PDO_TOO_SHORT));
+    ck_assert_uint_eq(sdo(0x23, 0x1401, 1, 0x80000305), 0);
+    run(5);
+    ck_assert_uint_eq(device.comm.error_register, 0);
+    ck_assert_uint_eq(emergency()->data[2], 0);
+}
+END_TEST
+
+/* A consumer that is written anew (0x1016, CiA 301 clause 7.5.2.19) waits for its node anew. */
+START_TEST(a_lost_heartbeat_is_over_when_its_consumer_is_written)
+{
+    ck_assert_uint_eq(sdo(0x2F, 0x1029, 1, 1), 0);
+    ck_assert_uint_eq(sdo(0x23, 0x1016, 1, 0x0011000A), 0);
+    ck_assert_uint_eq(sdo(0x23, 0x1016, 2, 0x0012000A), 0);
+    ck_assert(give(0x711, 1, 5));
+    ck_assert(give(0x712, 1, 5));
+    run(12);
+    ck_assert_uint_eq(emergencies(CO_EMCY_HEARTBEAT), 2); /* both nodes' */
+    ck_assert_uint_eq(sdo(0x23, 0x1016, 1, 0x0011000A), 0);
+    run(1);
+    ck_assert_uint_eq(bytes_get_u16(emergency()->data), 0);
+    ck_assert_uint_eq(emergency()->data[2], CO_ERROR_GENERIC | CO_ERROR_COMMUNICATION);
+    ck_assert_uint_eq(sdo(0x23, 0x1016, 2, 0), 0);
+    run(1);
+    ck_assert_uint_eq(device.comm.error_register, 0);
+    ck_assert(give(0x711, 1, 5));
+    run(12);
+    ck_assert_uint_eq(emergencies(CO_EMCY_HEARTBEAT), 3);
+}
+END_TEST
+
+/* The port's state alone tells that it is over: not every driver sends a frame of it. */
+START_TEST(the_end_of_its_bus_off_is_seen_without_an_error_frame)
+{
+    struct can_msg error = {.flags = CAN_FRAME_ERROR};
+    fake.status.error_state = CAN_BUS_OFF;
+    ck_assert(co_device_receive(&device, &error, now_ns));
+    fake.status.error_state = CAN_ERROR_PASSIVE;
+    run(5);
+    ck_assert_uint_eq(emergencies(CO_EMCY_BUS_OFF_RECOVERED), 1);
+    ck_assert(co_device_has_error(&device, CO_EMCY_CAN_PASSIVE));
+    fake.status.error_state = CAN_ERROR_WARNING; /* not passive any more */
+    run(5);
+    ck_assert_uint_eq(device.comm.error_register, 0);
 }
 END_TEST
 
@@ -355,9 +491,72 @@ START_TEST(sync_is_listened_to_and_never_made)
 {
     ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x40000080), REFUSED_VALUE);
     ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x800), REFUSED_VALUE);
+    ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x20000080), REFUSED_VALUE);
+    ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x80000080), REFUSED_VALUE);
+    ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x205),
+                      REFUSED_VALUE); /* an RPDO's: one would be dead */
     ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x81), 0);
     ck_assert(!give(0x080, 0, 0));
     ck_assert(give(0x081, 0, 0));
+}
+END_TEST
+
+/* A node whose SYNC has the identifier of its SDO requests, or of NMT, is deaf. */
+START_TEST(sync_does_not_take_what_is_restricted)
+{
+    static const uint32_t restricted[] = {0x000, 0x001, 0x07F, 0x101, 0x180, 0x581, 0x5FF,
+                                          0x601, 0x605, 0x67F, 0x6E0, 0x6FF, 0x701, 0x7FF};
+    for (size_t i = 0; i < sizeof restricted / sizeof restricted[0]; i++) {
+        ck_assert_uint_eq(sdo(0x23, 0x1005, 0, restricted[i]), REFUSED_VALUE);
+        ck_assert_uint_eq(sdo(0x40, 0x1005, 0, 0), 0x80);
+    }
+}
+END_TEST
+
+/* Bit 30 of an RPDO's COB-ID has no meaning, and tools set it (canopen.pdo of Python does for every
+ * PDO without RTR); encoders demand it (Lika RD4: default 0x40000200 + node). */
+START_TEST(a_pdo_without_remote_request_lives)
+{
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0xC0000205), 0);
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x40000205), 0);
+    ck_assert_uint_eq(sdo(0x40, 0x1400, 1, 0), 0x40000205);
+    nmt(1);
+    ck_assert(give(0x205, 4, 0x4711));
+    ck_assert_uint_eq(values.number, 0x4711);
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x60000205), REFUSED_VALUE);
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0xA0000205), REFUSED_VALUE); /* also switched off */
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x80000A05), REFUSED_VALUE);
+}
+END_TEST
+
+/* Remote requests are not answered, so no TPDO says that they are: with bit 30 or without, it is set. */
+START_TEST(no_pdo_promises_to_answer_a_remote_request)
+{
+    mapped_out = 0x20000020;
+    ck_assert_int_eq(init(NODE), 0);
+    ck_assert_uint_eq(sdo(0x40, 0x1801, 1, 0), 0x40000285);
+    ck_assert_uint_eq(sdo(0x40, 0x1800, 1, 0), 0xC0000185);
+    ck_assert_uint_eq(sdo(0x23, 0x1801, 1, 0x80000285), 0);
+    ck_assert_uint_eq(sdo(0x40, 0x1801, 1, 0), 0xC0000285);
+    ck_assert_uint_eq(sdo(0x23, 0x1801, 1, 0x285), 0);
+    ck_assert_uint_eq(sdo(0x40, 0x1801, 1, 0), 0x40000285);
+    nmt(1);
+    ck_assert(give(0x080, 0, 0));
+    ck_assert_ptr_nonnull(fake_bus_last(&fake, 0x285));
+}
+END_TEST
+
+/* Two RPDOs of one identifier both take its frames. */
+START_TEST(two_pdos_may_share_an_identifier)
+{
+    ck_assert_uint_eq(sdo(0x23, 0x1601, 1, 0x20010010), 0);
+    ck_assert_uint_eq(sdo(0x23, 0x1601, 2, 0x00060010), 0);
+    ck_assert_uint_eq(sdo(0x2F, 0x1601, 0, 2), 0);
+    ck_assert_uint_eq(sdo(0x23, 0x1401, 1, 0x205), 0);
+    nmt(1);
+    ck_assert(give(0x205, 4, 0x12345678));
+    ck_assert_uint_eq(values.number, 0x12345678);
+    ck_assert_int_eq(values.small, 0x5678);
 }
 END_TEST
 
@@ -418,8 +617,8 @@ END_TEST
 
 START_TEST(counters_stay_at_their_ends)
 {
-    device.counters =
-        (struct co_device_counters){UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX};
+    device.counters = (struct co_device_counters){UINT32_MAX, UINT32_MAX, UINT32_MAX,
+                                                  UINT32_MAX, UINT32_MAX, UINT32_MAX};
     device.sdo.aborts = UINT32_MAX;
     ck_assert(give(0x000, 8, 0));
     ck_assert(give(0x605, 7, 0));
@@ -457,9 +656,19 @@ int main(void)
     tcase_add_loop_test(tcase, the_error_behaviour_is_obeyed, 0, 3);
     tcase_add_test(tcase, a_stopped_node_is_silent);
     tcase_add_test(tcase, emergencies_wait_for_the_bus);
+    tcase_add_test(tcase, the_end_of_an_error_is_told_also_through_a_full_queue);
+    tcase_add_loop_test(tcase, a_time_out_is_over_when_its_pdo_is_not_used_any_more, 0, 2);
+    tcase_add_test(tcase, a_time_out_is_over_when_its_timer_is_written);
+    tcase_add_test(tcase, each_pdo_has_errors_of_its_own);
+    tcase_add_test(tcase, a_lost_heartbeat_is_over_when_its_consumer_is_written);
+    tcase_add_test(tcase, the_end_of_its_bus_off_is_seen_without_an_error_frame);
     tcase_add_test(tcase, its_own_bus_off_is_survived);
     tcase_add_test(tcase, the_boot_up_waits_for_the_bus);
     tcase_add_test(tcase, sync_is_listened_to_and_never_made);
+    tcase_add_test(tcase, sync_does_not_take_what_is_restricted);
+    tcase_add_test(tcase, a_pdo_without_remote_request_lives);
+    tcase_add_test(tcase, no_pdo_promises_to_answer_a_remote_request);
+    tcase_add_test(tcase, two_pdos_may_share_an_identifier);
     tcase_add_test(tcase, restricted_identifiers);
     tcase_add_test(tcase, heartbeat_consumers_are_one_a_node);
     tcase_add_test(tcase, dummies_have_the_size_of_their_type);

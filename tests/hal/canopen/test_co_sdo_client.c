@@ -171,6 +171,36 @@ START_TEST(an_answer_of_an_earlier_transfer)
 }
 END_TEST
 
+/* Two clients on one server: the other's answers end nothing, and do not keep this one waiting. */
+START_TEST(answers_to_another_client_are_not_its_own)
+{
+    read_segments();
+    ck_assert(say(0x43, 0x2000, 0, 7)); /* the other read, wrote, and was refused */
+    ck_assert(say(0x60, 0x2001, 0, 0));
+    ck_assert(say(0x80, 0x2002, 0, 0x06020000));
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x01, 0x6261, 'c', 0));
+    poll(CO_SDO_DONE);
+    write_segments();
+    ck_assert(say(0x43, 0x2000, 0, 7));
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x20, 0, 0, 0));
+    poll(CO_SDO_BUSY);
+    ck_assert(say(0x30, 0, 0, 0));
+    poll(CO_SDO_DONE);
+    co_sdo_client_read(&client, 0x2000, 0, 0);
+    poll(CO_SDO_BUSY);
+    struct can_msg message = {.id = 0x585, .length = 8, .data = {0x43, 0x01, 0x20}};
+    enum co_sdo_result result = CO_SDO_BUSY;
+    for (uint64_t now_ns = 0; now_ns < 3000000; now_ns += 500000) { /* its patience is 1 ms */
+        ck_assert(co_sdo_client_receive(&client, &message, now_ns));
+        result = co_sdo_client_poll(&client, &bus, now_ns);
+    }
+    ck_assert_int_eq(result, CO_SDO_ABORTED);
+    ck_assert_uint_eq(client.abort_code, 0x05040000);
+}
+END_TEST
+
 START_TEST(an_expedited_answer_without_a_size_has_four_bytes)
 {
     co_sdo_client_read(&client, 0x2002, 1, 0);
@@ -238,6 +268,7 @@ int main(void)
     tcase_add_test(tcase, an_answer_to_something_else);
     tcase_add_test(tcase, a_second_answer_to_what_was_repeated);
     tcase_add_test(tcase, an_answer_of_an_earlier_transfer);
+    tcase_add_test(tcase, answers_to_another_client_are_not_its_own);
     tcase_add_test(tcase, an_expedited_answer_without_a_size_has_four_bytes);
     tcase_add_test(tcase, an_answer_before_the_question_changes_nothing);
     tcase_add_test_raise_signal(tcase, node_0_is_no_server, SIGILL);

@@ -96,7 +96,7 @@ START_TEST(silence_is_noticed_within_the_time_out)
     const struct can_bus bus = fake_bus_interface(&fake);
     network_init(&network);
     hear_all(&network, 5);
-    for (int tick = 0; tick < HEARTBEAT_TIMEOUT_MS; tick++) {
+    for (int tick = 0; tick < HEARTBEAT_TIMEOUT_TICKS; tick++) {
         ck_assert(network_all_operational(&network));
         hear(&network, 0x701, 5);
         hear(&network, 0x702, 5);

@@ -57,7 +57,7 @@ START_TEST(cansimple_reads_estimates_and_heartbeats)
     ck_assert(give(&b.drives, 0x021, heartbeat_watchdog, 8));
     sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     ck_assert_int_eq(reading.state, DRIVE_FAULT);
-    for (int i = 0; i < HEARTBEAT_TIMEOUT_MS + 1; i++) {
+    for (int i = 0; i < HEARTBEAT_TIMEOUT_TICKS + 1; i++) {
         sea_drives_age(&b.drives);
     }
     sea_drives_read(&b.drives, SIDE_LEFT, &reading);

@@ -393,6 +393,77 @@ START_TEST(a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one)
 }
 END_TEST
 
+static void pair_reports(int fd, uint32_t id, unsigned length, unsigned controller,
+                         unsigned protocol)
+{
+    struct can_frame frame = {.can_id = id, .can_dlc = (uint8_t)length};
+    frame.data[1] = (uint8_t)controller;
+    frame.data[2] = (uint8_t)protocol;
+    ck_assert_int_eq(send(fd, &frame, sizeof frame, 0), (ssize_t)sizeof frame);
+}
+
+/* Drivers tell the end of bus-off in several ways (linux/can/error.h): restarted; error-active as the
+ * controller's state (can_change_state) or, older ones, as an active error announcement. A frame that is
+ * received is proof enough: off the bus none is. */
+START_TEST(bus_off_ends_with_every_sign_of_life)
+{
+    static const struct {
+        uint32_t id;
+        unsigned length, controller, protocol;
+        bool ends;
+    } signs[] = {
+        {CAN_ERR_FLAG | CAN_ERR_RESTARTED, 8, 0, 0, true},
+        {CAN_ERR_FLAG | CAN_ERR_CRTL, 8, CAN_ERR_CRTL_ACTIVE, 0, true},
+        {CAN_ERR_FLAG | CAN_ERR_PROT, 8, 0, CAN_ERR_PROT_ACTIVE, true},
+        {CAN_ERR_FLAG | CAN_ERR_RESTARTED | CAN_ERR_BUSOFF, 8, 0, 0, true},
+        {0x181, 6, 0, 0, true},
+        {CAN_ERR_FLAG | CAN_ERR_PROT | CAN_ERR_BUSERROR, 8, 0, CAN_ERR_PROT_BIT0, false},
+        {CAN_ERR_FLAG | CAN_ERR_CRTL, 8, CAN_ERR_CRTL_TX_PASSIVE, 0, false},
+        {CAN_ERR_FLAG | CAN_ERR_CRTL, 8, 0, CAN_ERR_PROT_ACTIVE, false}, /* another class's byte */
+    };
+    struct socketcan_bus off = {.name = "off"};
+    const struct can_bus port = socketcan_bus_interface(&off);
+    const struct can_msg command = {.id = 0x201};
+    struct can_msg message;
+    struct can_bus_status status;
+    int ends[2];
+    ck_assert_int_eq(socketpair(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0, ends), 0);
+    off.fd = ends[0];
+    pair_reports(ends[1], CAN_ERR_FLAG | CAN_ERR_BUSOFF, 8, 0, 0);
+    ck_assert_int_eq(can_bus_receive(&port, &message, NULL), CAN_OK);
+    ck_assert_int_eq(can_bus_send(&port, &command), CAN_DOWN);
+    pair_reports(ends[1], signs[_i].id, signs[_i].length, signs[_i].controller, signs[_i].protocol);
+    ck_assert_int_eq(can_bus_receive(&port, &message, NULL), CAN_OK);
+    can_bus_get_status(&port, &status);
+    ck_assert_int_eq(status.error_state == CAN_ERROR_ACTIVE, signs[_i].ends);
+    ck_assert_uint_eq(status.bus_off_count, 1);
+    ck_assert_int_eq(can_bus_send(&port, &command), signs[_i].ends ? CAN_OK : CAN_DOWN);
+    socketcan_bus_close(&off);
+    close(ends[1]);
+}
+END_TEST
+
+/* A program that may not restart the controller says so once, and what to do. */
+START_TEST(who_may_not_restart_the_controller_is_told_what_to_do)
+{
+    char advice[SOCKETCAN_ADVICE_MAX];
+    struct can_msg message;
+    ck_assert_int_eq(setuid(65534), 0); /* check runs each test in a process of its own */
+    ck_assert(!socketcan_bus_advice(&bus, advice, sizeof advice));
+    other_reports(CAN_ERR_BUSOFF, 0, 0, 0);
+    ck_assert(wait_for_frame(200));
+    ck_assert_int_eq(can_bus_receive(&can, &message, NULL), CAN_OK);
+    ck_assert(!socketcan_bus_advice(&bus, advice, sizeof advice)); /* nobody has asked yet */
+    can_bus_recover(&can);
+    can_bus_recover(&can);
+    ck_assert(socketcan_bus_advice(&bus, advice, sizeof advice));
+    ck_assert_msg(strstr(advice, "ip link set vcan0 type can restart-ms 100") != NULL, "%s",
+                  advice);
+    ck_assert_msg(strstr(advice, "CAP_NET_ADMIN") != NULL, "%s", advice);
+    ck_assert(!socketcan_bus_advice(&bus, advice, sizeof advice));
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
     (void)argc;
@@ -400,6 +471,7 @@ int main(int argc, char **argv)
     TCase *anywhere = tcase_create("anywhere");
     tcase_add_test(anywhere, wrong_arguments_are_refused);
     tcase_add_test(anywhere, a_full_queue_gives_up_its_least_urgent_frame_for_a_more_urgent_one);
+    tcase_add_loop_test(anywhere, bus_off_ends_with_every_sign_of_life, 0, 8);
     suite_add_tcase(suite, anywhere);
     if (!in_vcan_is_possible()) {
         return run_suite(suite);
@@ -417,6 +489,7 @@ int main(int argc, char **argv)
     tcase_add_test(tcase, an_overflow_of_the_receive_queue_is_counted);
     tcase_add_test(tcase, an_interface_may_go_down_and_come_back);
     tcase_add_test(tcase, a_full_kernel_queue_keeps_frames_in_order_of_identifiers);
+    tcase_add_test(tcase, who_may_not_restart_the_controller_is_told_what_to_do);
     tcase_add_test(tcase, opening_says_what_is_wrong);
     tcase_add_test(tcase, a_wait_ends_at_its_deadline_while_the_interface_is_down);
     tcase_add_test(tcase, an_interface_may_be_removed_and_made_again);

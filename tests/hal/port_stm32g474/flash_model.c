@@ -20,6 +20,9 @@ enum {
     ACR_DCEN = 1 << 10,
     ACR_DCRST = 1 << 12
 };
+/* DS12288, flash memory characteristics: the longest page erase and 64-bit programming. */
+#define PAGE_ERASE_MS 24.47
+#define WORD_PROGRAM_MS 0.08335
 #define CR_LOCK 0x80000000u
 #define ECCR_ECCD 0x80000000u
 #define SR_ERRORS 0xC3FAu
@@ -30,6 +33,15 @@ static bool power_fails(struct flash_model *model)
         model->power_off = true;
     }
     return model->power_off;
+}
+
+/* Errata sheet ES0430 of the STM32G471 to G484, "Data cache might be corrupted during flash
+ * memory read-while-write operation": its workaround is to have the cache off meanwhile. */
+static void begin(struct flash_model *model, double longest_ms)
+{
+    model->elapsed_ms += longest_ms;
+    ck_assert_msg((model->acr & ACR_DCEN) == 0, "an operation began with the data cache on");
+    model->busy = model->busy_time;
 }
 
 static void erase(struct flash_model *model)
@@ -51,7 +63,7 @@ static void erase(struct flash_model *model)
         model->word[page][i] = UINT64_MAX;
         model->state[page][i] = WORD_ERASED;
     }
-    model->busy = model->busy_time;
+    begin(model, PAGE_ERASE_MS);
 }
 
 static void write_cr(struct flash_model *model, uint32_t value)
@@ -86,6 +98,8 @@ static void write_key(struct flash_model *model, uint32_t value)
 
 static void write_acr(struct flash_model *model, uint32_t value)
 {
+    ck_assert_msg((value & ACR_DCEN) == 0 || model->busy == 0 || (model->acr & ACR_DCEN) != 0,
+                  "the data cache was switched on during an operation");
     if ((value & ACR_DCRST) != 0) {
         ck_assert_msg((model->acr & ACR_DCEN) == 0 && (value & ACR_DCEN) == 0,
                       "the data cache was reset while on");
@@ -187,7 +201,7 @@ static void program(struct flash_model *model, uint32_t page, uint32_t index, ui
         model->word[page][index] = value;
         model->state[page][index] = WORD_WRITTEN;
     }
-    model->busy = model->busy_time;
+    begin(model, WORD_PROGRAM_MS);
 }
 
 static void memory_write(void *context, uint32_t offset, uint32_t value)

@@ -35,6 +35,7 @@ struct flash_model {
     void (*nmi)(void *context);
     void *nmi_context;
     uint32_t foreign_erases; /* of pages that are not the store's */
+    double elapsed_ms;       /* in erases and programming, at their longest (DS12288) */
 };
 
 /* Erased pages, two banks, power on; mapped at its addresses. */

@@ -2,6 +2,7 @@
  * on top of it with the power failing at every erase and every word. */
 #include "hal/port_stm32g474/flash_store.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "hal/storage/param_store.h"
@@ -133,6 +134,19 @@ START_TEST(a_flash_that_stays_busy_is_given_up)
 }
 END_TEST
 
+/* What goes on may still read flash meanwhile: the data cache stays off until it is over. */
+START_TEST(an_operation_that_does_not_end_leaves_the_data_cache_off)
+{
+    model.busy_time = UINT32_MAX;
+    ck_assert_int_eq(write_word(0, 0, 1), NV_FAILED);
+    ck_assert_uint_eq(model.acr & (1u << 10), 0);
+    model.busy = 0;
+    model.busy_time = 20;
+    ck_assert_int_eq(write_word(0, 1, 1), NV_OK);
+    ck_assert_uint_eq(model.acr, 0x00040601u);
+}
+END_TEST
+
 START_TEST(a_locked_interface_fails)
 {
     model.keys = -1;
@@ -236,6 +250,47 @@ START_TEST(power_may_fail_at_any_word_of_a_save)
 }
 END_TEST
 
+/* The board's watchdog waits 120 ms, its RC oscillator is some 10 % off, and a tick comes before
+ * and behind: nothing may keep the loop for longer than 60 ms. */
+static double fed_ms, longest_ms;
+
+static void between(const void *context)
+{
+    (void)context;
+    longest_ms = fmax(longest_ms, model.elapsed_ms - fed_ms);
+    fed_ms = model.elapsed_ms;
+}
+
+static void nothing(const void *context, uint32_t offset, uint8_t *out)
+{
+    (void)context;
+    (void)offset;
+    memset(out, 0x55, NV_WORD_BYTES);
+}
+
+START_TEST(neither_saving_nor_forgetting_blocks_for_long)
+{
+    struct param_store store;
+
+    ck_assert_int_eq(param_store_open(&store, &nv, 1, 510 * NV_WORD_BYTES), PARAM_STORE_EMPTY);
+    store.between = between;
+    for (int save = 0; save < 2; save++) {
+        fed_ms = model.elapsed_ms;
+        longest_ms = 0;
+        ck_assert_int_eq(param_store_save(&store, nothing, NULL, true), PARAM_STORE_OK);
+        ck_assert_double_gt(model.elapsed_ms, 90); /* of the largest payload there can be */
+        between(NULL);
+        ck_assert_double_le(longest_ms, 60);
+        model.elapsed_ms = 0;
+    }
+    fed_ms = longest_ms = 0;
+    ck_assert_int_eq(param_store_forget(&store, true), PARAM_STORE_OK);
+    ck_assert_double_gt(model.elapsed_ms, 90);
+    between(NULL);
+    ck_assert_double_le(longest_ms, 60);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("flash_store");
@@ -249,11 +304,13 @@ int main(void)
     tcase_add_test(tcase, an_old_error_does_not_block_an_erase);
     tcase_add_test(tcase, with_one_bank_nothing_is_touched);
     tcase_add_test(tcase, a_flash_that_stays_busy_is_given_up);
+    tcase_add_test(tcase, an_operation_that_does_not_end_leaves_the_data_cache_off);
     tcase_add_test(tcase, a_locked_interface_fails);
     tcase_add_test(tcase, a_torn_word_reads_as_corrupt_and_the_nmi_is_survived);
     tcase_add_test(tcase, the_driver_notices_even_when_no_nmi_comes);
     tcase_add_test(tcase, an_error_that_is_not_the_stores_is_not_survived);
     tcase_add_loop_test(tcase, power_may_fail_at_any_word_of_a_save, 0, 2 * OPERATIONS_OF_A_SAVE);
+    tcase_add_test(tcase, neither_saving_nor_forgetting_blocks_for_long);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }

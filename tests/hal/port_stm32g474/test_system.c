@@ -11,8 +11,9 @@
 
 static struct {
     uint32_t rcc[0x100 / 4], pwr[0x100 / 4], flash[0x80 / 4];
-    bool crystal_works, pll_locks, regulator_settles;
-    int delay; /* polls until anything is ready */
+    bool crystal_works, pll_locks, regulator_settles, boost_works;
+    bool fresh_ahb2, fresh_apb1; /* a clock was switched on and its register not read since */
+    int delay;                   /* polls until anything is ready */
     int wait;
 } chip;
 
@@ -34,7 +35,18 @@ static uint32_t rcc_read(void *context, uint32_t offset)
     if (offset == 0x08) {
         return chip.rcc[2] | ((chip.rcc[2] & 3u) << 2); /* the switch is done at once */
     }
+    chip.fresh_ahb2 = chip.fresh_ahb2 && offset != 0x4C;
+    chip.fresh_apb1 = chip.fresh_apb1 && offset != 0x58;
     return chip.rcc[offset / 4];
+}
+
+/* RM0440, "Peripheral clock enable register": the clock takes two cycles to arrive. What is
+ * accessed right behind the enabling is modelled as lost; a read of that register waits. */
+static bool has_clock(uint32_t enable_offset, unsigned bit)
+{
+    ck_assert_msg(chip.rcc[enable_offset / 4] & (1u << bit), "no clock: %#x bit %u", enable_offset,
+                  bit);
+    return enable_offset == 0x4C ? !chip.fresh_ahb2 : !chip.fresh_apb1;
 }
 
 /* The system clock in Hz by RM0440's clock tree, 0 when the setting is not allowed. */
@@ -67,12 +79,17 @@ static void rcc_write(void *context, uint32_t offset, uint32_t value)
         ck_assert_uint_eq(chip.pwr[0x80 / 4] & (1u << 8), 0);
         ck_assert_uint_eq((value >> 4) & 0xF, 8);
     }
+    chip.fresh_ahb2 = chip.fresh_ahb2 || (offset == 0x4C && (value & ~chip.rcc[offset / 4]) != 0);
+    chip.fresh_apb1 = chip.fresh_apb1 || (offset == 0x58 && (value & ~chip.rcc[offset / 4]) != 0);
     chip.rcc[offset / 4] = value;
 }
 
 static uint32_t pwr_read(void *context, uint32_t offset)
 {
     (void)context;
+    if (!has_clock(0x58, 28)) {
+        return 0;
+    }
     if (offset == 0x14) {
         return chip.regulator_settles && ready() ? 0 : 1u << 10;
     }
@@ -82,15 +99,16 @@ static uint32_t pwr_read(void *context, uint32_t offset)
 static void pwr_write(void *context, uint32_t offset, uint32_t value)
 {
     (void)context;
-    ck_assert_msg(chip.rcc[0x58 / 4] & (1u << 28), "PWR has no clock");
-    chip.pwr[offset / 4] = value;
+    if (has_clock(0x58, 28)) {
+        chip.pwr[offset / 4] = value | (offset == 0x80 && !chip.boost_works ? 1u << 8 : 0);
+    }
 }
 
 static void clock_setup(void)
 {
     mmio_model_reset();
     memset(&chip, 0, sizeof chip);
-    chip.crystal_works = chip.pll_locks = chip.regulator_settles = true;
+    chip.crystal_works = chip.pll_locks = chip.regulator_settles = chip.boost_works = true;
     chip.delay = 100;
     chip.rcc[0] = 0x00000500; /* reset values: the RC oscillator runs */
     chip.rcc[2] = 0x00000001;
@@ -118,9 +136,32 @@ START_TEST(without_crystal_pll_or_regulator_the_core_stays_on_the_rc_oscillator)
     chip.crystal_works = _i != 0;
     chip.pll_locks = _i != 1;
     chip.regulator_settles = _i != 2;
-    ck_assert_int_eq(clock_tree_init(), _i == 0 ? CLOCK_TREE_NO_CRYSTAL : CLOCK_TREE_NO_PLL);
+    static const enum clock_tree_result result[] = {CLOCK_TREE_NO_CRYSTAL, CLOCK_TREE_NO_PLL,
+                                                    CLOCK_TREE_NO_BOOST};
+    ck_assert_int_eq(clock_tree_init(), result[_i]);
     ck_assert_uint_eq(core_clock(), 16000000);
     ck_assert_uint_eq(chip.rcc[0] & (1u << 19), 0);
+}
+END_TEST
+
+/* RM0440, "Dynamic voltage scaling": above 150 MHz the core needs the boost mode. */
+START_TEST(without_boost_mode_the_core_stays_on_the_rc_oscillator)
+{
+    chip.boost_works = false;
+    ck_assert_int_eq(clock_tree_init(), CLOCK_TREE_NO_BOOST);
+    ck_assert_uint_eq(core_clock(), 16000000);
+    ck_assert_uint_eq(chip.rcc[0] & (1u << 19), 0);
+}
+END_TEST
+
+/* A poll of an empty volatile loop takes 7.6 cycles: 4,000,000 of them took 1.9 s at 16 MHz. */
+START_TEST(a_wait_lasts_as_long_at_any_clock)
+{
+    ck_assert_uint_eq(clock_tree_hz(), 16000000);
+    assert_close(7.6 * clock_tree_wait_polls(clock_tree_hz(), 1000) / 16e6, 1.0, 0.01, 0);
+    ck_assert_int_eq(clock_tree_init(), CLOCK_TREE_OK);
+    ck_assert_uint_eq(clock_tree_hz(), core_clock());
+    assert_close(7.6 * clock_tree_wait_polls(clock_tree_hz(), 1000) / 170e6, 1.0, 0.01, 0);
 }
 END_TEST
 
@@ -174,6 +215,9 @@ static uint32_t tim_read(void *context, uint32_t offset)
     uint32_t value = tim[offset / 4];
     (void)context;
 
+    if (!has_clock(0x58, 0)) {
+        return 0;
+    }
     if (offset == 0x24 && overflow_between) { /* the counter wraps right behind this read */
         overflow_between = false;
         tim[0x24 / 4] = counter_at_read;
@@ -190,6 +234,9 @@ static uint32_t tim_read(void *context, uint32_t offset)
 static void tim_write(void *context, uint32_t offset, uint32_t value)
 {
     (void)context;
+    if (!has_clock(0x58, 0)) {
+        return;
+    }
     tim[offset / 4] = offset == 0x10 ? tim[offset / 4] & value : value;
     if (listening && mmio_model_locked() == 0) {
         heard_ns = tim2_clock_now_ns(&timer);
@@ -402,13 +449,25 @@ START_TEST(the_watchdog_bites_after_120_ms)
 }
 END_TEST
 
+static uint32_t port_a[0x2C / 4], port_c[0x2C / 4];
+
+static uint32_t gpio_read(void *context, uint32_t offset)
+{
+    return has_clock(0x4C, context == port_a ? 0 : 2) ? ((uint32_t *)context)[offset / 4] : 0;
+}
+
+static void gpio_write(void *context, uint32_t offset, uint32_t value)
+{
+    if (has_clock(0x4C, context == port_a ? 0 : 2)) {
+        ((uint32_t *)context)[offset / 4] = value;
+    }
+}
+
 START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
 {
-    static uint32_t port_a[0x2C / 4], port_c[0x2C / 4];
-
     clock_setup();
-    mmio_model_map_memory(0x48000000, sizeof port_a, port_a);
-    mmio_model_map_memory(0x48000800, sizeof port_c, port_c);
+    mmio_model_map(0x48000000, sizeof port_a, gpio_read, gpio_write, port_a);
+    mmio_model_map(0x48000800, sizeof port_c, gpio_read, gpio_write, port_c);
     port_a[0] = 0xABFFFFFF; /* reset values: the debug port is on PA13 and PA14 */
     port_c[0] = 0xFFFFFFFF;
     board_io_init();
@@ -444,6 +503,8 @@ int main(void)
     tcase_add_test(clocks, the_core_runs_at_170_mhz_from_the_crystal);
     tcase_add_loop_test(clocks,
                         without_crystal_pll_or_regulator_the_core_stays_on_the_rc_oscillator, 0, 3);
+    tcase_add_test(clocks, without_boost_mode_the_core_stays_on_the_rc_oscillator);
+    tcase_add_test(clocks, a_wait_lasts_as_long_at_any_clock);
     tcase_add_test(clocks, a_stopped_crystal_is_told_from_other_nmis);
     tcase_add_test(clocks, the_reset_cause_is_taken_once);
     tcase_add_checked_fixture(timers, timer_setup, NULL);

@@ -14,6 +14,7 @@ static void crash(uint32_t cause)
     memset(&record, 0, sizeof record);
     record.cause = cause;
     record.pc = 0x08001234;
+    record.build_id = 0x1234;
     record.count = before;
     crash_record_seal(&record);
 }
@@ -70,6 +71,43 @@ START_TEST(any_flipped_bit_spoils_the_record)
 }
 END_TEST
 
+START_TEST(a_streak_counts_until_it_ends)
+{
+    struct crash_streak streak;
+
+    memset(&streak, 0x5A, sizeof streak); /* memory after power-up */
+    ck_assert_uint_eq(crash_streak_length(&streak), 0);
+    for (uint32_t crashes = 1; crashes <= 4; crashes++) {
+        crash_streak_add(&streak);
+        ck_assert_uint_eq(crash_streak_length(&streak), crashes);
+    }
+    crash_streak_end(&streak);
+    ck_assert_uint_eq(crash_streak_length(&streak), 0);
+    crash_streak_add(&streak);
+    streak.length ^= 6;
+    ck_assert_uint_eq(crash_streak_length(&streak), 0);
+    streak.length = UINT32_MAX;
+    streak.inverted = 0;
+    crash_streak_add(&streak); /* stays at its end */
+    ck_assert_uint_eq(crash_streak_length(&streak), UINT32_MAX);
+}
+END_TEST
+
+START_TEST(a_new_record_begins_empty_but_for_what_it_counts)
+{
+    memset(&record, 0x5A, sizeof record);
+    crash_record_begin(&record);
+    ck_assert_uint_eq(record.count, 0);
+    ck_assert_uint_eq(record.build_id, 0);
+    crash(CRASH_HARD_FAULT);
+    ck_assert_uint_eq(record.build_id, 0x1234);
+    crash_record_begin(&record);
+    ck_assert_uint_eq(record.count, 1);
+    ck_assert_uint_eq(record.pc, 0);
+    ck_assert(!crash_record_is_valid(&record));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("crash_record");
@@ -79,6 +117,8 @@ int main(void)
     tcase_add_test(tcase, a_sealed_record_is_found_and_counted);
     tcase_add_test(tcase, an_acknowledged_record_counts_but_is_not_reported_again);
     tcase_add_test(tcase, any_flipped_bit_spoils_the_record);
+    tcase_add_test(tcase, a_streak_counts_until_it_ends);
+    tcase_add_test(tcase, a_new_record_begins_empty_but_for_what_it_counts);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }

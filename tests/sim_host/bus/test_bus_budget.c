@@ -2,11 +2,13 @@
  * with blocking SDOs and a bus error every 10 ms, never takes longer than computed; and
  * the computation is not idly large. */
 #include <check.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "sim_host/bus/bus_budget.h"
 #include "sim_host/bus/sim_bus.h"
 #include "tests/support/assert_close.h"
 
@@ -211,6 +213,56 @@ START_TEST(it_says_when_a_rate_does_not_fit_and_which_does)
 }
 END_TEST
 
+/* The programs' own computation against the script's, frame by frame. */
+START_TEST(the_computation_in_c_is_the_script_s)
+{
+    static const unsigned pairs[][2] = {
+        {1000000, 1000}, {500000, 2000}, {500000, 1900}, {250000, 4000}, {800000, 1300}};
+    for (size_t p = 0; p < sizeof pairs / sizeof pairs[0]; p++) {
+        char options[64];
+        snprintf(options, sizeof options, "--bitrate %u --tick-us %u", pairs[p][0], pairs[p][1]);
+        read_budget(options);
+        ck_assert(bus_budget_holds(pairs[p][0], pairs[p][1]));
+        for (unsigned i = 0; i < ROWS; i++) {
+            const double bits = bus_budget_response_bits(pairs[p][0], pairs[p][1], rows[i].id);
+            /* Whole bit times in C; the script prints thousandths of a microsecond. */
+            ck_assert_msg(fabs(bits * 1e6 / pairs[p][0] - rows[i].budget_us) <= 1e6 / pairs[p][0],
+                          "%s at %s: %g bits in C, %g us by the script", rows[i].name, options,
+                          bits, rows[i].budget_us);
+        }
+    }
+}
+END_TEST
+
+START_TEST(the_tick_that_fits_is_the_script_s)
+{
+    static const unsigned rates[] = {1000000, 800000, 500000, 250000, 125000};
+    for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+        const unsigned fits = bus_budget_fastest_tick_us(rates[i]);
+        char command[128];
+        ck_assert_uint_gt(fits, 0);
+        snprintf(command, sizeof command, "scripts/bus-budget --bitrate %u --tick-us %u >/dev/null",
+                 rates[i], fits);
+        ck_assert_int_eq(system(command), 0);
+        snprintf(command, sizeof command, "scripts/bus-budget --bitrate %u --tick-us %u >/dev/null",
+                 rates[i], fits - 50);
+        ck_assert_int_ne(system(command), 0);
+    }
+}
+END_TEST
+
+START_TEST(a_rate_that_does_not_fit_is_refused_with_one_that_does)
+{
+    char message[BUS_BUDGET_MESSAGE_MAX];
+    ck_assert_int_eq(bus_budget_check_build(message, sizeof message), 0);
+    ck_assert_int_eq(bus_budget_check(500000, 2000, message, sizeof message), 0);
+    ck_assert_int_eq(bus_budget_check(500000, 1000, message, sizeof message), -1);
+    ck_assert_ptr_nonnull(strstr(message, "TICK_US=1900 BITRATE=500000"));
+    ck_assert_int_eq(bus_budget_check(10000, 1000, message, sizeof message), -1);
+    ck_assert_ptr_nonnull(strstr(message, "at no tick"));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("bus_budget");
@@ -218,6 +270,9 @@ int main(void)
     tcase_set_timeout(tcase, 60);
     tcase_add_test(tcase, no_frame_takes_longer_than_the_budget_says);
     tcase_add_test(tcase, the_last_sensor_frame_by_hand);
+    tcase_add_test(tcase, the_computation_in_c_is_the_script_s);
+    tcase_add_test(tcase, the_tick_that_fits_is_the_script_s);
+    tcase_add_test(tcase, a_rate_that_does_not_fit_is_refused_with_one_that_does);
     tcase_add_test(tcase, it_says_when_a_rate_does_not_fit_and_which_does);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

@@ -46,7 +46,7 @@ END_TEST
 
 START_TEST(the_papers_gait_lies_on_the_table)
 {
-    /* model.md: r0 = 0.05 walks at 0.406960 */
+    /* model/README.md: r0 = 0.05 walks at 0.406960 */
     int i = 0;
     while (table.point[i + 1].r0_m < 0.05) {
         i++;

@@ -62,12 +62,11 @@ START_TEST(anything_else_is_refused_with_its_column)
     } bad[] = {
         {"", 1},
         {"0000000012.000345) vcan0 181#", 1},
-        {"(12.000345) vcan0 181#", 4},
+        {"(.000345) vcan0 181#", 2},
         {"(0000000012,000345) vcan0 181#", 12},
         {"(0000000012.00345) vcan0 181#", 18},
         {"(0000000012.000345 vcan0 181#", 19},
         {"(0000000012.000345)vcan0 181#", 20},
-        {"(0000000012.000345)  vcan0 181#", 21},
         {"(0000000012.000345) averyveryverylongname 181#", 36},
         {"(0000000012.000345) vcan0 181", 30},
         {"(0000000012.000345) vcan0 0181#", 31},
@@ -78,11 +77,22 @@ START_TEST(anything_else_is_refused_with_its_column)
         {"(0000000012.000345) vcan0 181#1", 32},
         {"(0000000012.000345) vcan0 181#1x", 32},
         {"(0000000012.000345) vcan0 181#aa", 31},
+        {"(0000000012.000345) vcan0 181#11 X", 33},
+        {"(0000000012.000345) vcan0 181#11 R T", 33},
+        {"(0000000012.000345) vcan0 181#1122334455667788_8", 48},
+        {"(0000000012.000345) vcan0 181#11223344_9", 39},
+        {"(2015-07-10 08:17:32.249713)  vcan0  181   [1]  11", 6},
+        {"  vcan0  181   [1]  11", 3},
+        {"DROPCOUNT: dropped 3 CAN frames on 'can0' socket (total drops 3)", 1},
+        {"(0000000012.000345)  vcan0  181   [9]  11", 37},
+        {"(0000000012.000345)  vcan0  181   [02]  11 22", 38},
+        {"(0000000012.000345)  vcan0  181   [2]  11", 42},
+        {"(0000000012.000345)  vcan0  181   [1]  11 22", 43},
+        {"(0000000012.000345)  vcan0  181   [1]  1122", 42},
+        {"(0000000012.000345)  vcan0  181   [2] `22`11", 39},
         {"(0000000012.000345) vcan0 181#112233445566778899", 47},
         {"(0000000012.000345) vcan0 181##0112233", 31},
         {"(0000000012.000345) vcan0 181#R9", 32},
-        {"(0000000012.000345) vcan0 181#11 R", 33},
-        {"(0000000012.000345) vcan0 181#11\r\n", 33},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct candump_record record;
@@ -91,6 +101,96 @@ START_TEST(anything_else_is_refused_with_its_column)
         ck_assert_msg(error.column == bad[i].column, "%s: column %u (%s), expected %u", bad[i].line,
                       error.column, error.reason, bad[i].column);
     }
+}
+END_TEST
+
+static void is_read_as(const char *line, uint64_t time_us, uint32_t id, unsigned flags,
+                       unsigned length)
+{
+    struct candump_record record;
+    struct candump_error error = {0};
+    ck_assert_msg(parse(line, &record, &error), "%s: column %u: %s", line, error.column,
+                  error.reason);
+    ck_assert_uint_eq(record.time_us, time_us);
+    ck_assert_uint_eq(record.message.id, id);
+    ck_assert_uint_eq(record.message.flags, flags);
+    ck_assert_uint_eq(record.message.length, length);
+    for (unsigned i = 0; i < length && (flags & CAN_FRAME_REMOTE) == 0; i++) {
+        ck_assert_uint_eq(record.message.data[i], 0x11 * (i + 1));
+    }
+}
+
+/* can/io/canutils.py, CanutilsLogWriter: seconds without leading zeros, the direction behind the frame,
+ * error frames without data. */
+START_TEST(lines_of_python_can_are_read)
+{
+    is_read_as("(0.000000) can0 080# T\n", 0, 0x080, 0, 0);
+    is_read_as("(12.000345) vcan0 181#112233 R\n", 12000345, 0x181, 0, 3);
+    is_read_as("(1700000000.123457) can0 00000181#11 R\n", 1700000000123457, 0x181,
+               CAN_FRAME_EXTENDED, 1);
+    is_read_as("(1.000000) can0 181#R R\n", 1000000, 0x181, CAN_FRAME_REMOTE, 0);
+    is_read_as("(1.000000) can0 20000080#\n", 1000000, 0x80, CAN_FRAME_ERROR, 0);
+}
+END_TEST
+
+/* candump -L -x, and files that passed through Windows or an editor. */
+START_TEST(directions_and_line_ends_are_read)
+{
+    is_read_as("(0000000012.000345) vcan0 181#1122 R\n", 12000345, 0x181, 0, 2);
+    is_read_as("(0000000012.000345) vcan0 181#1122 T\r\n", 12000345, 0x181, 0, 2);
+    is_read_as("(0000000012.000345) vcan0 181#1122\r\n", 12000345, 0x181, 0, 2);
+    is_read_as("(0000000012.000345) vcan0 181#1122  \n", 12000345, 0x181, 0, 2);
+    is_read_as("(0000000012.000345) vcan0 181#R2 R\n", 12000345, 0x181, CAN_FRAME_REMOTE, 2);
+    is_read_as("(0000000012.000345678) vcan0 181#11\n", 12000345, 0x181, 0, 1);
+    is_read_as("(0000000012.000345) vcan0 181#1122334455667788_9\n", 12000345, 0x181, 0, 8);
+}
+END_TEST
+
+/* candump -t a, d and z on the screen, with and without -x and -a. */
+START_TEST(columns_of_the_screen_are_read)
+{
+    is_read_as(" (1436509052.249713)  vcan0  181   [2]  11 22\n", 1436509052249713, 0x181, 0, 2);
+    is_read_as(" (000.000123)  vcan0  080   [0] \n", 123, 0x080, 0, 0);
+    is_read_as(" (012.000345)  vcan0  12345678   [1]  11\n", 12000345, 0x12345678,
+               CAN_FRAME_EXTENDED, 1);
+    is_read_as(" (000.000123)  vcan0  181   [0]  remote request\n", 123, 0x181, CAN_FRAME_REMOTE,
+               0);
+    is_read_as(" (000.000123)  vcan0  20000004   [2]  11 22   ERRORFRAME\n", 123, 0x4,
+               CAN_FRAME_ERROR, 2);
+    is_read_as(" (000.000123)  vcan0  RX - -  181   [2]  11 22\n", 123, 0x181, 0, 2);
+    is_read_as(" (000.000123)  vcan0  TX - -  181   [2]  11 22\n", 123, 0x181, 0, 2);
+    is_read_as(" (000.000123)  vcan0  181   [2]  11 22   '.\"'\n", 123, 0x181, 0, 2);
+}
+END_TEST
+
+START_TEST(can_fd_is_refused_by_its_name)
+{
+    static const char *const lines[] = {"(0000000012.000345) vcan0 181##0112233",
+                                        "(12.000345) can0 181##3112233 R",
+                                        " (000.000123)  vcan0  181  [12]  11 22"};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        struct candump_record record;
+        struct candump_error error = {0};
+        ck_assert(!parse(lines[i], &record, &error));
+        ck_assert_msg(strstr(error.reason, "CAN FD") != NULL, "%s: %s", lines[i], error.reason);
+    }
+}
+END_TEST
+
+START_TEST(blank_lines_are_passed_by_and_counted)
+{
+    FILE *file = tmpfile();
+    ck_assert_ptr_nonnull(file);
+    fputs("\n\r\n(12.000345) can0 181#11\r\n  \n(1", file);
+    rewind(file);
+    unsigned long line = 0;
+    struct candump_record record;
+    struct candump_error error;
+    ck_assert_int_eq(candump_read(file, &line, &record, &error), CANDUMP_RECORD);
+    ck_assert_uint_eq(line, 3);
+    ck_assert_int_eq(candump_read(file, &line, &record, &error), CANDUMP_BAD);
+    ck_assert_uint_eq(error.line, 5);
+    fclose(file);
 }
 END_TEST
 
@@ -129,6 +229,11 @@ int main(void)
     tcase_add_test(tcase, lines_of_can_utils_are_read_and_written_back_unchanged);
     tcase_add_test(tcase, fields_are_read_right);
     tcase_add_test(tcase, anything_else_is_refused_with_its_column);
+    tcase_add_test(tcase, lines_of_python_can_are_read);
+    tcase_add_test(tcase, directions_and_line_ends_are_read);
+    tcase_add_test(tcase, columns_of_the_screen_are_read);
+    tcase_add_test(tcase, can_fd_is_refused_by_its_name);
+    tcase_add_test(tcase, blank_lines_are_passed_by_and_counted);
     tcase_add_test(tcase, a_file_is_read_to_its_end_and_errors_name_the_line);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

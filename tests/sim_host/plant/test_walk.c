@@ -11,7 +11,7 @@ static const struct walker3_params PAPER = {
 static const struct sea_subject SUBJECT = {
     .total_mass_kg = 1.02, .leg_length_m = 1.0, .gravity_m_s2 = 9.80665, .spring_N_per_m = 100.0};
 
-/* The gait at r0 = 0.05 just after lift-off (model.md's fixed point followed there). */
+/* The gait at r0 = 0.05 just after lift-off (model/README.md's fixed point followed there). */
 static const struct walk_pose START = {
     .stance = SIDE_LEFT,
     .theta_s_rad = 0.17529902134350062,

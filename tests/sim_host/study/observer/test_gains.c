@@ -58,7 +58,7 @@ START_TEST(the_committed_table_is_the_computed_one)
 }
 END_TEST
 
-/* model.md: at 0.8 rad/s an error of 0.05 % spreads the speed by 1.3 % (peak to peak over
+/* model/README.md: at 0.8 rad/s an error of 0.05 % spreads the speed by 1.3 % (peak to peak over
  * tens of steps), 0.3 % by 5 %, and 1 % falls within 30 steps. */
 START_TEST(noise_costs_the_law_what_is_known)
 {

@@ -1,0 +1,37 @@
+#include "controller/actuation/command_guard.h"
+
+/* A command may rise by so much of what the reference's speed limit allows in a tick. */
+#define SLEW_RATIO REAL(1.25)
+/* No command is further than so much of the leg's length beyond the largest r0. */
+#define COMMAND_LIMIT_RATIO REAL(0.1)
+
+void command_guard_begin(struct command_guard *guard, const struct control_params *params)
+{
+    guard->slew_limit_m = SLEW_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
+    guard->command_limit_m = params->r0_max_m + COMMAND_LIMIT_RATIO * params->leg_length_m;
+}
+
+static void limit(const struct command_guard *guard, const struct sea_request *last,
+                  struct sea_request *request)
+{
+    const real highest_m = last->precompression_m + guard->slew_limit_m;
+    if (last->enable && request->precompression_m > highest_m) {
+        request->precompression_m = highest_m;
+    }
+    const bool within = request->precompression_m >= -guard->command_limit_m &&
+                        request->precompression_m <= guard->command_limit_m;
+    if (!within) { /* or not a number */
+        *request = (struct sea_request){REAL(0.0), false, false};
+    }
+}
+
+void command_guard_limit(struct command_guard *guard, bool powered,
+                         struct sea_request request[SIDE_COUNT])
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        if (powered) {
+            limit(guard, &guard->last[side], &request[side]);
+        }
+        guard->last[side] = request[side];
+    }
+}

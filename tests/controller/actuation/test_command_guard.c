@@ -1,0 +1,79 @@
+/* The last gate by itself: its limits are those of when the walk began. */
+#include "controller/actuation/command_guard.h"
+#include "tests/support/assert_close.h"
+
+#include <math.h>
+
+static struct command_guard guard;
+static struct control_params params;
+static struct sea_request request[SIDE_COUNT];
+
+/* A rise of 1.25 * 0.8 mm a tick; commands within 0.3 m + a tenth of the leg. */
+static void setup(void)
+{
+    params = (struct control_params){
+        .leg_length_m = REAL(1.0), .r0_max_m = REAL(0.3), .sea_speed_max_m_s = REAL(0.8)};
+    guard = (struct command_guard){0};
+    command_guard_begin(&guard, &params);
+    request[SIDE_LEFT] = (struct sea_request){REAL(0.1), true, true};
+    request[SIDE_RIGHT] = (struct sea_request){REAL(-0.1), true, false};
+    command_guard_limit(&guard, true, request);
+}
+
+START_TEST(the_first_command_is_taken_as_it_is)
+{
+    ck_assert(request[SIDE_LEFT].precompression_m == REAL(0.1) && request[SIDE_LEFT].latch_armed);
+    ck_assert(request[SIDE_RIGHT].precompression_m == REAL(-0.1) && request[SIDE_RIGHT].enable);
+}
+END_TEST
+
+START_TEST(a_rise_is_limited_a_fall_is_not)
+{
+    params.sea_speed_max_m_s = REAL(80.0); /* changed since: does not count */
+    request[SIDE_LEFT].precompression_m = REAL(0.2);
+    request[SIDE_RIGHT].precompression_m = REAL(-0.2);
+    command_guard_limit(&guard, true, request);
+    assert_close((double)request[SIDE_LEFT].precompression_m, 0.101, 1e-6, 0.0);
+    assert_close((double)request[SIDE_RIGHT].precompression_m, -0.2, 1e-6, 0.0);
+    request[SIDE_LEFT].precompression_m = REAL(0.2);
+    command_guard_limit(&guard, true, request);
+    assert_close((double)request[SIDE_LEFT].precompression_m, 0.102, 1e-6, 0.0);
+}
+END_TEST
+
+START_TEST(what_is_out_of_reach_or_no_number_is_switched_off)
+{
+    const real wrong[] = {REAL(0.41), REAL(-0.41), (real)NAN, (real)INFINITY, -(real)INFINITY};
+    guard.last[SIDE_LEFT].enable = false; /* no rise to be limited */
+    request[SIDE_LEFT].precompression_m = wrong[_i];
+    request[SIDE_RIGHT].precompression_m = REAL(-0.39);
+    command_guard_limit(&guard, true, request);
+    ck_assert(request[SIDE_LEFT].precompression_m == REAL(0.0));
+    ck_assert(!request[SIDE_LEFT].enable && !request[SIDE_LEFT].latch_armed);
+    ck_assert(request[SIDE_RIGHT].enable);
+}
+END_TEST
+
+/* Without power there is nothing to limit: the zero request stays zero. */
+START_TEST(without_power_requests_are_only_remembered)
+{
+    request[SIDE_RIGHT] = (struct sea_request){REAL(0.0), false, false};
+    command_guard_limit(&guard, false, request);
+    ck_assert(request[SIDE_RIGHT].precompression_m == REAL(0.0));
+    ck_assert(guard.last[SIDE_RIGHT].precompression_m == REAL(0.0));
+    ck_assert(!guard.last[SIDE_RIGHT].enable);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("command guard");
+    TCase *tests = tcase_create("all");
+    tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_test(tests, the_first_command_is_taken_as_it_is);
+    tcase_add_test(tests, a_rise_is_limited_a_fall_is_not);
+    tcase_add_loop_test(tests, what_is_out_of_reach_or_no_number_is_switched_off, 0, 5);
+    tcase_add_test(tests, without_power_requests_are_only_remembered);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
