@@ -1,4 +1,4 @@
-/* Pictures of where a walker walks: the basin of attraction as a volume, and the plane of push-off and stiffness.
+/* Maps of where a walker walks: the basin of attraction as a volume, and the plane of push-off and stiffness.
  *
  * Both are computed in chunks (sim_host/batch/chunks.h); one byte a point.
  */

@@ -104,7 +104,7 @@ static int configure(const struct scene_spec *spec, struct loop_config *config, 
         return -1;
     }
     if (spec->engage_steps > 0) {
-        loop_configure_recording(config, spec->engage_steps);
+        loop_configure_person(config, spec->engage_steps);
     }
     return 0;
 }

@@ -1,10 +1,10 @@
-/* What the laws beyond eq. (16) must know of a walker (controller/laws/gait_branch.h), from the model.
+/* Computes what the laws beyond eq. (16) must know of a walker (controller/laws/gait_branch.h), from the model.
  *
- * Gaits at equally spaced speeds of the long-period branch (Newton on the map at given speed, with the
- * map's derivative), and for each: the Riccati solution and gain of the map linearised there
- * (iterated to rest), and the gain that puts all its eigenvalues at zero (Ackermann's formula).
- * Weights are given for the paper's walker and scaled: times with sqrt(l/g), r0 with the length at
- * which the spring stores the same share of M g l.
+ * The gaits are those of the long-period branch at equally spaced speeds (Newton on the map at given speed, with
+ * the map's derivative). Each has two gains. One comes from the Riccati equation of the map linearised there,
+ * iterated until it does not change. The other puts all eigenvalues at zero (Ackermann's formula). Weights are
+ * given for the paper's walker and scaled: times with sqrt(l/g), r0 with the length at which the spring stores
+ * the same share of M g l.
  *
  * Computed in double whatever the caller is compiled for; plain doubles. The same bits everywhere.
  */

@@ -1,8 +1,8 @@
-/* What the controller said about the gait, and when it knew, beside the plant's truth.
+/* Compares what the controller reported about the gait with the plant's truth, event by event.
  *
- * Times are in seconds of the plant, or of the recording when a wearer walks. The
- * controller's are those of its own events: estimated moment and the tick in which
- * the event was reported.
+ * Times are in seconds of the plant, or of the recording when a recorded person walks. The
+ * controller's times are those of its own events: the estimated moment, and the tick in which it
+ * reported the event.
  */
 #ifndef SIM_HOST_LOOP_GAIT_RECORD_H
 #define SIM_HOST_LOOP_GAIT_RECORD_H

@@ -104,8 +104,8 @@ void plant_sea_output(const struct plant *plant, enum side side, struct sea_outp
     sea_read(&plant->sea[side], ankle_of(plant, side), output);
 }
 
-/* The hand looks at the drives as they are at this SYNC. */
-static void tend(struct plant *plant)
+/* The start hold sees the drives as they are at this SYNC. */
+static void run_start_hold(struct plant *plant)
 {
     const enum side stance = plant->walk.stance;
     struct sea_output loaded;
@@ -134,7 +134,7 @@ static void tend(struct plant *plant)
 static void advance_walker(struct plant *plant)
 {
     const uint64_t steps = plant->walk.current.index;
-    tend(plant);
+    run_start_hold(plant);
     walk_advance(&plant->walk, plant->sea, plant->config.tick_s);
     if (plant->walk.current.index != steps) {
         plant->footholds++;

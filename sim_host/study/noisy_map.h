@@ -1,6 +1,8 @@
-/* The step law on the ideal return map, told apex speeds with an error: what an
- * estimator's error costs the law. Many walkers on the batch engine; plain doubles, for callers of
- * either precision. */
+/* The step law on the ideal return map, with errors in the apex speed that it sees.
+ *
+ * This shows what an estimator's error costs the law. Many walkers run on the batch engine. Plain doubles, for
+ * callers of either precision.
+ */
 #ifndef SIM_HOST_STUDY_NOISY_MAP_H
 #define SIM_HOST_STUDY_NOISY_MAP_H
 

@@ -1,6 +1,6 @@
 /* The basin: from which share of a box of apex states does the law bring the walker to the gait it was told? And
  * what is there to reach: the share of the box from which any sequence of push-offs can walk on for ever, between
- * an inner and an outer bound (viable.h). */
+ * an inner and an outer bound (viability_kernel.h). */
 #include <math.h>
 #include <stdlib.h>
 

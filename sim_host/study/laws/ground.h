@@ -1,7 +1,9 @@
-/* Mean steps to failure on uneven ground by the transfer operator (Byl, Tedrake 2009: Metastable walking
- * machines): apex states are gathered into cells as they are reached, one representative a cell; every
- * cell's transitions under the distribution of the ground make a sparse stochastic matrix with "fallen" as
- * its absorbing state. The quasi-stationary distribution gives the chance to fall per step. */
+/* Mean steps to failure on uneven ground by the transfer operator (Byl, Tedrake 2009: Metastable walking machines).
+ *
+ * Apex states are gathered into cells as they are reached, with one representative a cell. Every cell's
+ * transitions under the distribution of the ground make a sparse stochastic matrix, with "fallen" as its
+ * absorbing state. The quasi-stationary distribution gives the chance to fall per step.
+ */
 #ifndef SIM_HOST_STUDY_LAWS_GROUND_H
 #define SIM_HOST_STUDY_LAWS_GROUND_H
 

@@ -1,7 +1,7 @@
-/* The flown laws (float) on the double return map: what a comparison of laws runs on.
+/* The controller's laws (float) on the double return map: what a comparison of laws runs on.
  *
- * A setup is a law with the parameters of its believed walker, and the walker it truly walks. A walk on it
- * is plain data; setups may be shared by threads, walks not.
+ * A setup is a law with the parameters of the walker that it believes in, and the walker that truly walks. A walk
+ * is plain data. Threads may share a setup, but not a walk.
  */
 #ifndef SIM_HOST_STUDY_LAWS_SETUP_H
 #define SIM_HOST_STUDY_LAWS_SETUP_H

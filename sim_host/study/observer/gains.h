@@ -1,4 +1,4 @@
-/* The model observer's gains, from stated uncertainties. */
+/* Computes the model observer's gains from stated uncertainties. */
 #ifndef SIM_HOST_STUDY_OBSERVER_GAINS_H
 #define SIM_HOST_STUDY_OBSERVER_GAINS_H
 

@@ -54,11 +54,11 @@ int basin_walks(const struct basin_start *starts, size_t count, int strides, str
         batch_adapter_push(starts[i].problem, &items[i]);
         if (is_there(&starts[i], starts[i].x)) {
             ends[i].outcome = BASIN_CONVERGES;
-            items[i].fault = ENGINE_LEAVE_ALONE;
+            items[i].fault = BATCH_ADAPTER_SKIP;
         }
     }
     const struct batch_walker walker = batch_adapter_walker(&starts[0].problem->params);
-    const struct batch_settings settings = {.accuracy = ENGINE_ACCURACY};
+    const struct batch_settings settings = {.accuracy = BATCH_ADAPTER_ACCURACY};
     const struct batch_job job = {.walkers = &walker,
                                   .walker_count = 1,
                                   .items = items,
