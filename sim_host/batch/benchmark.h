@@ -24,8 +24,8 @@ int benchmark_open(struct benchmark_rows *rows, int argc, char **argv);
 typedef int benchmark_method_fn(void *context, const struct benchmark_rows *rows, double setting,
                                 double (*next)[3]);
 
-/* Runs one rung: errors, then the fastest of as many passes as `least_time_s` has room for (at least three).
- * repeats: how often one call of the method goes through the rows. Processor time of this thread. */
+/* Measures one setting: the errors, then the fastest of at least three passes in `least_time_s`. repeats: how often
+ * one call of the method computes the rows. Times are processor time of this thread. */
 void benchmark_measure(const char *name, const struct benchmark_rows *rows,
                        benchmark_method_fn *method, void *context, double setting, int repeats);
 

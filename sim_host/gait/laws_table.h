@@ -45,14 +45,14 @@ enum laws_table_error {
 
 struct laws_weights laws_weights_default(void);
 
-/* Fills the table for a walker whose r0 scales by length_scale (1 for the paper's walker): speeds of the
- * gaits from r0 = 0.005 to 0.262 times it (where the clamp of the collision sets in). About 0.1 s. */
+/* Fills the table for a walker whose r0 scales by length_scale (1 for the paper's walker). The speeds are those of
+ * the gaits from r0 = 0.005 to 0.262 times it, where the clamp of the collision begins. About 0.1 s. */
 enum laws_table_error laws_table_make(const struct gait_walker *walker, double length_scale,
                                       const struct laws_weights *weights, struct laws_table *table);
 
-/* The gain of eq. (16) for this walker: `wanted` when it holds the table's gaits from r0_low_m on with no eigenvalue
- * beyond LAWS_TABLE_CALM, else the one that makes the largest smallest. *largest: what comes of it. unit: the
- * gain's scale, 1 for the paper's walker. */
+/* The gain of eq. (16) for this walker. It is `wanted` when no gait of the table from r0_low_m on has an
+ * eigenvalue beyond LAWS_TABLE_CALM with it. Else it is the gain whose largest eigenvalue is smallest. *largest
+ * receives that eigenvalue. unit: the gain's scale, 1 for the paper's walker. */
 #define LAWS_TABLE_CALM 0.9
 double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
                        double *largest);

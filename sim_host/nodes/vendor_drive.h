@@ -3,7 +3,7 @@
  * The protocols are ODrive's (CANSimple) and CubeMars AK's (MIT mode), by the makers' descriptions, which
  * hal/devices/sea_drive_cansimple.h and hal/devices/sea_drive_mit.h name. The latch board is a small
  * CANopen device (node 1 or 2). It reads the latch bit from the drive command frame (0x300 + node, bytes
- * 2..5), and produces the heartbeat that the master expects of that node. It disarms when the master's
+ * 2..5). It produces the heartbeat that the master expects of that node. It disarms when the master's
  * heartbeat fails.
  * Used like a drive_node: measure, receive or poll, command.
  */

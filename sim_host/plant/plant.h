@@ -1,7 +1,7 @@
 /* The plant: what the orthosis moves and what its sensors measure.
  *
- * It is one of two: the 3-DOF walker with two SEAs, held until it may walk (start_hold.h), or a
- * recorded person, whose motion the SEAs do not change. In both cases each leg has a sensor.
+ * It is the 3-DOF walker with two SEAs, held until it may walk (start_hold.h). Or it is a recorded
+ * person, whose motion the SEAs do not change. In both cases each leg has a sensor.
  * One plant_advance() is one tick, from SYNC k to SYNC k+1. A process that owns a plant calls, at
  * SYNC k:
  *     plant_set_command() for each side whose command takes effect now
@@ -92,9 +92,8 @@ struct plant {
     size_t recording_cursor;
 };
 
-/* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665), real SEAs,
- * 17-bit sensors, level ground, start pose of the gait at r0 = 0.05 with the left
- * leg in stance. */
+/* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665) with real SEAs and 17-bit sensors on
+ * level ground. It starts in the pose of the gait at r0 = 0.05, with the left leg in stance. */
 void plant_config_default(struct plant_config *config);
 
 /* The same for another body and spring. SEAs, sensors, start hold and limits are scaled to it. The

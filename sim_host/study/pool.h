@@ -1,5 +1,6 @@
-/* Runs the independent jobs of a study on all cores (parallel_for.h) and hands their results over in
- * order, so that output is the same for any number of threads. */
+/* Runs the independent jobs of a study on all cores (parallel_for.h), and collects their results in order.
+ *
+ * So output is the same for any number of threads. */
 #ifndef SIM_HOST_STUDY_POOL_H
 #define SIM_HOST_STUDY_POOL_H
 

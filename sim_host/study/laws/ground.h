@@ -17,10 +17,9 @@ struct ground_operator_result {
     bool full; /* more cells were reached than there is room for: the result is a guess */
 };
 
-/* The law on its own (no learning from step to step: each answer from a fresh law at that cell) at a gait
- * of speed_rad_s, rises uniform within +- rise_most leg
- * lengths, as a height or else as the incline that rises so much on a step of step_share leg
- * lengths. Returns 0, or -1 without memory. */
+/* Evaluates the law at the gait of speed_rad_s. The law learns nothing from step to step: each answer is that of
+ * a fresh law at that cell. Rises are uniform within +- rise_most leg lengths: heights, or else the incline that
+ * rises so much on a step of step_share leg lengths. Returns 0, or -1 without memory. */
 int ground_operator(const struct law_setup *setup, double speed_rad_s, double rise_most,
                     double step_share, bool heights, struct ground_operator_result *result);
 

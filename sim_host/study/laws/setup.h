@@ -11,7 +11,7 @@
 #include "sim_host/study/map/laws_map.h"
 #include "sim_host/subjects/subject.h"
 
-/* What the predictive law may want on uneven ground in these studies, rad/s on a leg of 1 m: a gait that bears footholds
+/* The terrain speed of the predictive law in these studies, rad/s on a leg of 1 m. Its gait survives footholds
  * within 10 mm. A subject's own parameters allow for nothing of the kind unless its file says so. */
 #define LAWS_TERRAIN_SPEED 0.8
 

@@ -94,15 +94,15 @@ int terrain_make(struct terrain_table *table, const struct gait_walker *walker,
 void terrain_free(struct terrain_table *table);
 
 /* Iterates until the value at `start` (stance rate, swing angle, swing rate) is settled, at most rounds_max rounds.
- * Steps begin at 0 and leap ahead where changes shrink by a steady ratio; values of a chance fall from round to
- * round, each a bound of all that follow. Returns 0, or -1 without memory. Release with terrain_value_free(). */
+ * Steps begin at 0 and are extrapolated where changes shrink by a steady ratio. Values of a chance fall from
+ * round to round; each is a bound of all that follow. Returns 0, or -1 without memory. Release with terrain_value_free(). */
 int terrain_solve(const struct terrain_table *table, enum terrain_side side,
                   const struct terrain_goal *goal, const double start[3], int rounds_max,
                   int threads, struct terrain_value *value);
 void terrain_value_free(struct terrain_value *value);
 
-/* The law made from a value: the push-off within low_m..high_m that promises the most from an apex, whose
- * strikes are computed, not read off the grid. *worth: how much. */
+/* The law made from a value: the push-off within low_m..high_m with the greatest value from an apex. The apex's
+ * strikes are computed, not read from the grid. *worth receives the value. */
 double terrain_law(const struct terrain_table *table, const struct terrain_value *value,
                    const double apex[3], double low_m, double high_m, double *worth);
 
