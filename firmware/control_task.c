@@ -3,6 +3,7 @@
 #include <assert.h>
 
 #include "firmware/input_digest.h"
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/contract.h"
 #include "hal/devices/duplicate_id.h"
@@ -21,6 +22,22 @@ static uint32_t saturating_sum(uint32_t a, uint32_t b)
     return a > UINT32_MAX - b ? UINT32_MAX : a + b;
 }
 
+/* What the drives tell of temperature, supply and warnings, for 0x2021. */
+static void show_drives(struct control_task *task)
+{
+    struct controller_objects *objects = &task->node.objects;
+    objects->drive_warnings = 0;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        struct sea_drive_reading drive;
+        sea_drives_read(&task->config.drives, (enum side)leg, &drive);
+        objects->drive_temperature_0_1_degC[leg] =
+            (int16_t)bytes_saturate_i32(drive.temperature_degC * 10.0f, INT16_MIN, INT16_MAX);
+        objects->drive_supply_10_mV[leg] = (uint16_t)bytes_saturate_i32(
+            drive.has_supply ? drive.supply_V * 100.0f : 0.0f, 0, UINT16_MAX);
+        objects->drive_warnings |= (uint8_t)(drive.warning ? 1u << leg : 0u);
+    }
+}
+
 static void show_counters(void *context)
 {
     struct control_task *task = (struct control_task *)context;
@@ -34,6 +51,7 @@ static void show_counters(void *context)
     counters->tx_refused = status.tx_refused;
     counters->rx_overflow = status.rx_overflow;
     counters->bus_off_count = status.bus_off_count;
+    show_drives(task);
 }
 
 int control_task_init(struct control_task *task, const struct control_task_config *config)
@@ -132,9 +150,14 @@ static bool send_commands(struct control_task *task)
     struct sea_drive_command command[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct sea_request *request = &task->output.sea[leg];
-        command[leg] = (struct sea_drive_command){request->precompression_m, request->enable,
-                                                  request->latch_armed,
-                                                  task->node.objects.reset_requested != 0};
+        const unsigned index = network_index((uint8_t)(NODE_DRIVE_LEFT + leg));
+        command[leg] = (struct sea_drive_command){
+            .precompression_m = request->precompression_m,
+            .enable = request->enable,
+            .latch_armed = request->latch_armed,
+            .clear_fault = task->node.objects.reset_requested != 0,
+            .unconfigured = !bring_up_is_configured(&task->bring_up, index),
+            .operational = task->network.node[index].state == NMT_OPERATIONAL};
     }
     const bool sent =
         sea_drives_command(&task->config.drives, command, &task->config.bus) == CAN_OK;

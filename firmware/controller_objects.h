@@ -10,6 +10,7 @@
 #include "hal/canopen/co_od.h"
 #include "hal/canopen/co_pdo_objects.h"
 #include "hal/storage/black_box.h"
+#include "model/side.h"
 
 /* 0x2020: what was counted since the start; all saturate. */
 struct controller_counters {
@@ -56,6 +57,11 @@ struct controller_objects {
     struct control_params params;
     /* 0x2020: counters */
     struct controller_counters counters;
+    /* 0x2021: the drives, left and right, as they tell of themselves; 0 V = not told */
+    uint8_t drive_count;
+    int16_t drive_temperature_0_1_degC[SIDE_COUNT];
+    uint16_t drive_supply_10_mV[SIDE_COUNT];
+    uint8_t drive_warnings; /* bit 0 left, bit 1 right */
     /* 0x2030: identity */
     char version[32];
     uint32_t build_id;

@@ -161,19 +161,8 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
 
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
-    if (control_task_start_cycle(&orthosis->task) != CAN_DOWN) {
-        orthosis->recovery_wait = 0;
-        return;
-    }
-    if (orthosis->recovery_wait > 0u) {
-        orthosis->recovery_wait--;
-        return;
-    }
-    orthosis->recovery_wait = ORTHOSIS_RECOVERY_TICKS;
-    if (orthosis->bus_recoveries < UINT32_MAX) {
-        orthosis->bus_recoveries++;
-    }
-    can_bus_recover(&orthosis->recorder.inner);
+    bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),
+                        &orthosis->recorder.inner);
 }
 
 unsigned orthosis_poll(struct orthosis *orthosis)

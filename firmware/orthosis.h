@@ -12,15 +12,12 @@
 #include <stdint.h>
 
 #include "firmware/bus_recorder.h"
+#include "firmware/bus_recovery.h"
 #include "firmware/control_task.h"
 #include "firmware/settings.h"
 #include "hal/drive_power_enable.h"
 #include "hal/storage/param_store.h"
 #include "hal/watchdog.h"
-
-enum {
-    ORTHOSIS_RECOVERY_TICKS = TICKS_OF_MS(10) /* between attempts to leave bus-off */
-};
 
 struct orthosis_config {
     struct can_bus bus;
@@ -45,8 +42,7 @@ struct orthosis {
     const struct drive_power_enable *drive_power;
     struct crash_streak *streak;
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */
-    uint16_t recovery_wait;
-    uint32_t bus_recoveries; /* asked for; saturates */
+    struct bus_recovery recovery;
 };
 
 /* Reads the settings and prepares everything; sends nothing. With no usable

@@ -12,6 +12,7 @@ enum {
     INDEX_COMMANDS = 0x2000,
     INDEX_PARAMS = 0x2010,
     INDEX_COUNTERS = 0x2020,
+    INDEX_DRIVES = 0x2021,
     INDEX_CRASH = 0x2032,
     INDEX_BLACK_BOX = 0x2040
 };
@@ -149,7 +150,8 @@ void write_rules_reading(void *context, const struct co_entry *entry)
 {
     struct write_rules *rules = (struct write_rules *)context;
     struct controller_objects *objects = rules->objects;
-    if (entry->index == INDEX_COUNTERS && rules->show_counters != NULL) {
+    const bool is_shown = entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES;
+    if (is_shown && rules->show_counters != NULL) {
         rules->show_counters(rules->show_context);
     }
     if (entry->index != INDEX_BLACK_BOX || rules->black_box == NULL) {

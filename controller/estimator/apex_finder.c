@@ -27,7 +27,7 @@ static void continue_fit(struct apex_finder *finder, const struct angle_history 
 static enum apex_sign watch_leg(struct apex_finder *finder, const struct angle_history *history,
                                 uint32_t samples, enum side side, real ahead_rad, uint32_t tick)
 {
-    const real angle = angle_history_at(history, side, tick);
+    const real angle = angle_history_at(history, (int)side, tick);
     if (angle > ahead_rad) {
         finder->foot_ahead[side] = true;
     }

@@ -1,13 +1,13 @@
 #include "hal/bus/slcan_channel.h"
 
-#include "hal/bus/slcan_rate.h"
-
 #include <string.h>
+
+#include "hal/bus/slcan_rate.h"
 
 enum { OPEN_COMMANDS = 4 }; /* the empty line before them may be answered or not */
 
-const char slcan_open_commands[] = {'\r', 'C', '\r', 'S', SLCAN_RATE_DIGIT, '\r', 'Z', '0',
-                                    '\r', 'O', '\r', '\0'};
+const char slcan_open_commands[SLCAN_OPEN_COMMANDS_LENGTH + 1] = {
+    '\r', 'C', '\r', 'S', SLCAN_RATE_DIGIT, '\r', 'Z', '0', '\r', 'O', '\r', '\0'};
 
 void slcan_channel_init(struct slcan_channel *channel)
 {

@@ -12,7 +12,7 @@
 
 #include "hal/bus/slcan.h"
 
-enum { SLCAN_PENDING_MAX = 16 };
+enum { SLCAN_PENDING_MAX = 16, SLCAN_OPEN_COMMANDS_LENGTH = 11 };
 
 struct slcan_channel {
     struct slcan_decoder decoder; /* its message after SLCAN_FRAME */
@@ -25,7 +25,7 @@ struct slcan_channel {
 
 /* What opens the adapter, whatever it was doing: ends a line, closes, 1 Mbit/s, no time stamps
  * (possible only while closed), opens. To be sent once, at the start. */
-extern const char slcan_open_commands[];
+extern const char slcan_open_commands[SLCAN_OPEN_COMMANDS_LENGTH + 1];
 
 /* For a line on which slcan_open_commands is sent now. */
 void slcan_channel_init(struct slcan_channel *channel);

@@ -58,6 +58,7 @@ enum co_nmt_state {
 /* Emergency error codes, CiA 301 table 26. */
 enum co_emcy_code {
     CO_EMCY_NONE = 0x0000,
+    CO_EMCY_GENERIC = 0x1000,
     CO_EMCY_CAN_OVERRUN = 0x8110,
     CO_EMCY_CAN_PASSIVE = 0x8120,
     CO_EMCY_HEARTBEAT = 0x8130,

@@ -34,7 +34,10 @@ struct network_node {
     uint8_t boot_count;    /* saturates: more than one means it reset itself */
     bool stop_pending;     /* stopped by network_stop_all, and not to be started yet */
     uint16_t error_code;   /* of its newest emergency about itself, 0 = none left */
-    bool booted;           /* boot-up seen since network_clear_booted */
+    bool booted;           /* it booted since network_clear_booted: its boot-up was heard, or it
+                              waits without having been asked to */
+    bool started;          /* NMT start sent, and nothing but "pre-operational" heard since */
+    bool asked_to_wait;    /* sent to pre-operational, and not heard there yet */
 };
 
 struct network {
@@ -63,6 +66,11 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
 /* Sends one NMT command to a node (0 = all). Returns what the bus says. */
 enum can_result network_command(const struct can_bus *bus, enum nmt_command command, uint8_t node);
 
+/* Sends a node to pre-operational, to be set up; that it goes there is then no reset of its own.
+ * Returns what the bus says. */
+enum can_result network_enter_pre_operational(struct network *network, const struct can_bus *bus,
+                                              uint8_t node);
+
 /* Takes all nodes out of operation at once (NMT stop): no PDO is obeyed any more, and each
  * drive unloads by itself (0x6007). They are started again after NETWORK_STOP_TICKS, or when
  * they boot; until then they are `stop_pending`. Returns what the bus says. */
@@ -71,6 +79,9 @@ enum { NETWORK_STOP_TICKS = TICKS_OF_MS(1000) };
 
 /* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
 unsigned network_index(uint8_t node);
+
+/* Whether node `index` has been silent for longer than a heartbeat may take. O(1). */
+bool network_is_overdue(const struct network *network, unsigned index);
 
 /* Forgets who booted. */
 void network_clear_booted(struct network *network);

@@ -7,6 +7,7 @@
 #define NS_PER_MS UINT64_C(1000000)
 #define COB_ID_MASK UINT32_C(0x800007FF) /* "exists" and the identifier; not the RTR bit */
 #define COB_OFF UINT32_C(0x80000000)
+#define COB_NO_RTR UINT32_C(0x40000000) /* CiA 301, 7.5.2.37: of TPDOs, no remote requests */
 #define ALL_BITS UINT32_C(0xFFFFFFFF)
 
 /* CiA 402-2: option codes that end in a controlled unload, then torque off. */
@@ -26,7 +27,8 @@ enum {
     INTERPOLATION_EXPONENT = TICK_IS_WHOLE_MS ? 0xFD : 0xFC /* -3 or -4, INTEGER8 */
 };
 
-enum step_kind { STEP_EXPECT, STEP_WRITE, STEP_SCALING, STEP_END };
+/* STEP_AWAIT: as STEP_EXPECT, but the value may take SETUP_SETTLE_MS to come. */
+enum step_kind { STEP_EXPECT, STEP_AWAIT, STEP_AT_LEAST, STEP_WRITE, STEP_SCALING, STEP_END };
 
 struct setup_step {
     enum step_kind kind;
@@ -39,6 +41,9 @@ struct setup_step {
 
 #define EXPECT(index, sub, value, mask) \
     ((struct setup_step){STEP_EXPECT, index, sub, 4, value, mask})
+#define AWAIT(index, sub, value, mask) ((struct setup_step){STEP_AWAIT, index, sub, 4, value, mask})
+#define AT_LEAST(index, sub, value) \
+    ((struct setup_step){STEP_AT_LEAST, index, sub, 4, value, ALL_BITS})
 #define WRITE(index, sub, bytes, value) \
     ((struct setup_step){STEP_WRITE, index, sub, bytes, value, ALL_BITS})
 #define COB(index, value) ((struct setup_step){STEP_WRITE, index, 1, 4, value, COB_ID_MASK})
@@ -56,12 +61,20 @@ struct pdo_plan {
     uint32_t map[3];
 };
 
-static struct setup_step pdo_step(const struct pdo_plan *plan, unsigned part)
+/* Nobody here sends remote requests, and many nodes answer none: those take the COB-ID of a TPDO
+ * with "no RTR" only. Those that do not know that bit take it without only. */
+static uint32_t cob_id_of(const struct pdo_plan *plan, bool with_rtr)
+{
+    const bool sends = plan->communication >= 0x1800;
+    return plan->cob_id | (sends && !with_rtr ? COB_NO_RTR : 0);
+}
+
+static struct setup_step pdo_step(const struct pdo_plan *plan, unsigned part, bool with_rtr)
 {
     const uint16_t mapping = (uint16_t)(plan->communication + 0x200);
     switch (part) {
     case 0:
-        return COB(plan->communication, COB_OFF | plan->cob_id);
+        return COB(plan->communication, COB_OFF | cob_id_of(plan, with_rtr));
     case 1:
         return WRITE(mapping, 0, 1, 0);
     case 2:
@@ -75,7 +88,7 @@ static struct setup_step pdo_step(const struct pdo_plan *plan, unsigned part)
     case 6:
         return WRITE(plan->communication, 2, 1, plan->type);
     default:
-        return COB(plan->communication, plan->cob_id);
+        return COB(plan->communication, cob_id_of(plan, with_rtr));
     }
 }
 
@@ -94,7 +107,7 @@ static struct setup_step common_step(unsigned step, uint32_t profile)
 enum { COMMON_STEPS = 3, DRIVE_PDOS = 4, DRIVE_PDO_END = COMMON_STEPS + DRIVE_PDOS * PDO_STEPS };
 
 static struct setup_step drive_pdo_step(enum side leg, uint32_t node, unsigned number,
-                                        unsigned part)
+                                        unsigned part, bool with_rtr)
 {
     const uint32_t dummy = 0x00040020; /* INTEGER32: the other drive's half */
     const uint32_t target = 0x607A0020;
@@ -105,25 +118,27 @@ static struct setup_step drive_pdo_step(enum side leg, uint32_t node, unsigned n
         {0x1800, 0x180 + node, 1, 2, {0x60410010, 0x60640020, 0}},
         {0x1802, 0x380 + node, SLOW_PDO_TICKS, 3, {0x60770010, 0x21000010, 0x60790020}},
     };
-    return pdo_step(&plans[number], part);
+    return pdo_step(&plans[number], part, with_rtr);
 }
 
-static struct setup_step drive_step(const struct node_setup_config *config, uint8_t node,
-                                    unsigned step)
+static struct setup_step drive_step(const struct node_setup *setup)
 {
+    const struct node_setup_config *config = setup->config;
+    const uint8_t node = setup->node;
+    const unsigned step = setup->step;
     const enum side leg = node == NODE_DRIVE_LEFT ? SIDE_LEFT : SIDE_RIGHT;
     if (step < COMMON_STEPS) {
         return common_step(step, 402);
     }
     if (step < DRIVE_PDO_END) {
         const unsigned i = step - COMMON_STEPS;
-        return drive_pdo_step(leg, node, i / PDO_STEPS, i % PDO_STEPS);
+        return drive_pdo_step(leg, node, i / PDO_STEPS, i % PDO_STEPS, setup->with_rtr);
     }
     switch (step - DRIVE_PDO_END) {
     case 0:
         return WRITE(0x6060, 0, 1, MODE_CYCLIC_SYNCHRONOUS_POSITION);
     case 1:
-        return EXPECT(0x6061, 0, MODE_CYCLIC_SYNCHRONOUS_POSITION, 0xFF);
+        return AWAIT(0x6061, 0, MODE_CYCLIC_SYNCHRONOUS_POSITION, 0xFF);
     case 2:
         return WRITE(0x60C2, 1, 1, INTERPOLATION_VALUE);
     case 3:
@@ -164,21 +179,25 @@ static struct setup_step drive_step(const struct node_setup_config *config, uint
         return SCALING(0x6092, 2);
     case 21:
         return SCALING(0x6076, 0);
+    case 22:
+        return AT_LEAST(0x6080, 0, config->speed_needed_counts_s[leg]);
     default:
         return END;
     }
 }
 
-static struct setup_step sensor_step(const struct node_setup_config *config, uint8_t node,
-                                     unsigned step)
+static struct setup_step sensor_step(const struct node_setup *setup)
 {
+    const struct node_setup_config *config = setup->config;
+    const uint8_t node = setup->node;
+    const unsigned step = setup->step;
     const enum side leg = node == NODE_SENSOR_LEFT ? SIDE_LEFT : SIDE_RIGHT;
     const struct pdo_plan plan = {0x1801, 0x280u + node, 1, 2, {0x20200118, 0x20200210, 0}};
     if (step < COMMON_STEPS) {
         return common_step(step, 406);
     }
     if (step < COMMON_STEPS + PDO_STEPS) {
-        return pdo_step(&plan, step - COMMON_STEPS);
+        return pdo_step(&plan, step - COMMON_STEPS, setup->with_rtr);
     }
     switch (step - COMMON_STEPS - PDO_STEPS) {
     case 0:
@@ -186,7 +205,7 @@ static struct setup_step sensor_step(const struct node_setup_config *config, uin
     case 1:
         return EXPECT(0x2021, 0, config->ankle_is_lever[leg] ? 1 : 0, 0xFF);
     case 2:
-        return EXPECT(0x6503, 0, 0, 0xFFFF); /* alarms: none */
+        return AWAIT(0x6503, 0, 0, 0xFFFF); /* alarms: none */
     default:
         return END;
     }
@@ -207,8 +226,7 @@ static bool is_drive(uint8_t node)
 
 static struct setup_step current_step(const struct node_setup *setup)
 {
-    return is_drive(setup->node) ? drive_step(setup->config, setup->node, setup->step)
-                                 : sensor_step(setup->config, setup->node, setup->step);
+    return is_drive(setup->node) ? drive_step(setup) : sensor_step(setup);
 }
 
 void node_setup_start(struct node_setup *setup, const struct node_setup_config *config,
@@ -301,28 +319,48 @@ static enum setup_verdict check_drive(struct node_setup *setup)
 }
 
 /* The transfer of this step is done; compares, and goes on to the next one. */
-static enum setup_verdict finish_step(struct node_setup *setup, const struct setup_step *step)
+static enum setup_verdict finish_step(struct node_setup *setup, const struct setup_step *step,
+                                      uint64_t now_ns)
 {
     if (step->kind == STEP_WRITE && !setup->reading_back) {
         setup->reading_back = true;
         return SETUP_BUSY;
     }
-    setup->reading_back = false;
     const uint32_t found = value_read(&setup->client);
     if (step->kind == STEP_SCALING) {
         const unsigned next = setup->scaled++; /* in the order of the steps */
         setup->scaling[next < SETUP_SCALING_VALUES ? next : 0] = found;
+    } else if (step->kind == STEP_AT_LEAST) {
+        if (found != 0 && found < step->value) {
+            return fail(setup, SETUP_DIFFERS, step, found);
+        }
     } else {
-        const uint32_t width = step->kind == STEP_EXPECT || step->bytes == 4
-                                   ? ALL_BITS
-                                   : (UINT32_C(1) << (8 * step->bytes)) - 1;
+        const uint32_t width = step->bytes == 4 ? ALL_BITS : (UINT32_C(1) << (8 * step->bytes)) - 1;
         const uint32_t mask = step->mask & width;
         if ((found & mask) != (step->value & mask)) {
+            if (setup->differs_since_ns == 0) {
+                setup->differs_since_ns = now_ns;
+            }
+            if (step->kind != STEP_EXPECT &&
+                now_ns - setup->differs_since_ns < SETUP_SETTLE_MS * NS_PER_MS) {
+                return SETUP_BUSY; /* read once more */
+            }
             return fail(setup, SETUP_DIFFERS, step, found & mask);
         }
     }
+    setup->reading_back = false;
+    setup->differs_since_ns = 0;
     setup->step++;
     return SETUP_BUSY;
+}
+
+/* A node that knows no PDO without remote requests refuses the value: once more, with them. */
+static bool try_with_rtr(struct node_setup *setup, const struct setup_step *step)
+{
+    const bool refused = step->kind == STEP_WRITE && step->index >= 0x1800 &&
+                         step->index < 0x1A00 && step->sub == 1 && !setup->with_rtr;
+    setup->with_rtr = setup->with_rtr || refused;
+    return refused;
 }
 
 static void begin_transfer(struct node_setup *setup, const struct setup_step *step, uint64_t now_ns)
@@ -357,11 +395,17 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
                 (void)co_sdo_client_poll(&setup->client, bus, now_ns);
                 return SETUP_BUSY;
             }
+            if (code != CO_ABORT_TIMEOUT && try_with_rtr(setup, &step)) {
+                step = current_step(setup);
+                begin_transfer(setup, &step, now_ns);
+                (void)co_sdo_client_poll(&setup->client, bus, now_ns);
+                return SETUP_BUSY;
+            }
             return fail(setup, code == CO_ABORT_TIMEOUT ? SETUP_SILENT : SETUP_ABORTED, &step,
                         code);
         }
         setup->timeouts = 0;
-        if (finish_step(setup, &step) < SETUP_DONE) {
+        if (finish_step(setup, &step, now_ns) < SETUP_DONE) {
             return setup->failure.verdict;
         }
         step = current_step(setup);

@@ -2,8 +2,8 @@
  *
  * One step an SDO transfer, one transfer a tick, one node after the other, so that
  * start-up costs the bus at most one request and one answer a cycle. The steps of
- * a node are computed, not stored. The first difference ends the setup with the
- * object, the expected and the found value: a drive with another scaling, another
+ * a node are computed, not stored. A difference that stays for SETUP_SETTLE_MS ends the
+ * setup with the object, the expected and the found value: a drive with another scaling, another
  * mode or other limits is refused, never assumed.
  * Objects: CiA 301, CiA 402-2, CiA 406, as in sim_host/nodes' dictionaries.
  */
@@ -26,6 +26,9 @@ struct node_setup_config {
     float rated_force_N
         [SIDE_COUNT]; /* of the spring, at the motor's rated torque 0x6076; 0 = unknown */
     bool ankle_is_lever[SIDE_COUNT];
+    /* 0x6080, in the drive's unit, counts/s: a slower motor would lag behind its target; 0 = not
+     * checked. A drive that says 0 has no limit. */
+    uint32_t speed_needed_counts_s[SIDE_COUNT];
 };
 
 enum setup_verdict {
@@ -46,7 +49,12 @@ struct setup_failure {
     uint32_t found;
 };
 
-enum { SETUP_TIMEOUT_MS = 100, SETUP_TRIES = 3, SETUP_SCALING_VALUES = 7 };
+enum {
+    SETUP_TIMEOUT_MS = 100,
+    SETUP_TRIES = 3,
+    SETUP_SETTLE_MS = 200, /* a value that was written may show the old one for so long */
+    SETUP_SCALING_VALUES = 7
+};
 
 struct node_setup {
     const struct node_setup_config *config; /* the caller's */
@@ -54,10 +62,13 @@ struct node_setup {
     struct setup_failure failure;
     uint16_t step;
     uint8_t node;
-    uint8_t timeouts;  /* of the transfer under way: one lost frame is no refusal */
-    bool reading_back; /* the value of this step was written, now it is read */
-    bool under_way;    /* a transfer is with the client */
-    uint8_t scaled;    /* how many of them have been read */
+    uint8_t timeouts; /* of the transfer under way: one lost frame is no refusal */
+    uint64_t
+        differs_since_ns; /* this step's value is not the expected one; 0 = it was not read yet */
+    bool with_rtr;        /* the node refused a PDO without remote requests */
+    bool reading_back;    /* the value of this step was written, now it is read */
+    bool under_way;       /* a transfer is with the client */
+    uint8_t scaled;       /* how many of them have been read */
     uint32_t scaling[SETUP_SCALING_VALUES]; /* 0x608F, 0x6091, 0x6092, 0x6076 as read */
 };
 

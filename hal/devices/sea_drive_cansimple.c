@@ -2,7 +2,7 @@
 
 #include "hal/bus/frame_table.h"
 
-enum { REPEAT_TICKS = TICKS_OF_MS(100) };
+enum { REPEAT_TICKS = TICKS_OF_MS(100), HEARTBEAT_BYTES_MIN = 5, PART_ERROR = 1 };
 
 void cansimple_drives_init(struct cansimple_drives *drives,
                            const struct cansimple_axis_config *config)
@@ -32,12 +32,15 @@ static void read_answer(struct cansimple_drives *drives, struct cansimple_axis *
         return; /* a remote request, not an answer */
     }
     if (kind == CANSIMPLE_HEARTBEAT) {
-        if (message->length < 5) {
+        if (message->length < HEARTBEAT_BYTES_MIN) {
             count_malformed(drives);
             return;
         }
         axis->axis_error = bytes_get_u32(message->data);
         axis->axis_state = message->data[4];
+        axis->part_error =
+            message->length == 8 &&
+            ((message->data[5] | message->data[6] | message->data[7]) & PART_ERROR) != 0;
         axis->heartbeat_age_ticks = 0;
     } else if (kind == CANSIMPLE_ENCODER_ESTIMATES) {
         const float turns = bytes_get_f32(message->data);
@@ -70,7 +73,7 @@ static enum drive_state state_of(const struct cansimple_axis *axis)
     if (axis->heartbeat_age_ticks > HEARTBEAT_TIMEOUT_TICKS) {
         return DRIVE_UNKNOWN;
     }
-    if (axis->axis_error != 0) {
+    if (axis->axis_error != 0 || axis->part_error || axis->disarmed) {
         return DRIVE_FAULT;
     }
     if (axis->axis_state == CANSIMPLE_STATE_CLOSED_LOOP) {
@@ -114,20 +117,43 @@ static enum can_result send(const struct cansimple_axis *axis, enum cansimple_co
     return can_bus_send(bus, &message);
 }
 
+/* A drive that leaves closed loop while it is to stay there has disarmed itself, whatever the
+ * reason: it must not be enabled again before the command was withdrawn. */
+static void watch_arming(struct cansimple_axis *axis, const struct sea_drive_command *command)
+{
+    const bool closed_loop = axis->axis_state == CANSIMPLE_STATE_CLOSED_LOOP;
+    if (!command->enable) {
+        axis->was_enabled = false;
+        axis->disarmed = false;
+    } else if (closed_loop) {
+        axis->was_enabled = true;
+    } else if (axis->was_enabled) {
+        axis->disarmed = true;
+    }
+    if (axis->clear_wait > 0) {
+        axis->clear_wait--;
+    } else if (command->clear_fault && state_of(axis) == DRIVE_FAULT) {
+        axis->clearing = true;
+    }
+}
+
 /* Requests that change the drive's state: sent, then given time, then repeated. */
 static enum can_result send_requests(struct cansimple_axis *axis,
                                      const struct sea_drive_command *command,
                                      const struct can_bus *bus)
 {
     const enum drive_state state = state_of(axis);
+    if (axis->clearing) { /* waits for no other request: it was asked for in one tick only */
+        const enum can_result result = send(axis, CANSIMPLE_CLEAR_ERRORS, 0, 0, 0, bus);
+        axis->clearing = result != CAN_OK;
+        axis->clear_wait = REPEAT_TICKS;
+        return result;
+    }
     if (axis->repeat_wait > 0) {
         axis->repeat_wait--;
         return CAN_OK;
     }
     axis->repeat_wait = REPEAT_TICKS;
-    if (state == DRIVE_FAULT && command->clear_fault) {
-        return send(axis, CANSIMPLE_CLEAR_ERRORS, 0, 0, 0, bus);
-    }
     if (command->enable && state == DRIVE_DISABLED && axis->age_ticks == 0) {
         const enum can_result result =
             send(axis, CANSIMPLE_SET_CONTROLLER_MODE, 8, CANSIMPLE_MODE_POSITION,
@@ -147,6 +173,7 @@ static enum can_result send_axis_command(struct cansimple_axis *axis, enum side 
                                          const struct sea_drive_command *command,
                                          const struct can_bus *bus)
 {
+    watch_arming(axis, command);
     const bool follows = command->enable && state_of(axis) == DRIVE_ENABLED;
     const float target_turns =
         follows

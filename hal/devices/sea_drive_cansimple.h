@@ -3,7 +3,9 @@
  * Identifier = node << 5 | command, little-endian. Position in turns; the drive
  * sends its encoder estimates cyclically (set encoder_rate_ms to the tick, whole ms) and its
  * heartbeat every 100 ms. Node ids must keep clear of CANopen: node 4 owns 0x080.
- * Facts: ODrive documentation "CAN Protocol" (0.5.4); the crate odrive-cansimple
+ * From firmware 0.5.4 on the heartbeat has 8 bytes; the last three carry flags of errors in motor,
+ * encoder and controller (bit 0 of each; bit 7 of the last is "trajectory done").
+ * Facts: ODrive firmware 0.5.4, can_simple.cpp, send_heartbeat; ODrive documentation "CAN Protocol" (0.5.4); the crate odrive-cansimple
  * (command and state numbers); Open FFBoard ODriveCAN.h (mode numbers).
  *
  * What this drive cannot do: unload a spring by itself. When its watchdog expires it
@@ -26,6 +28,11 @@ struct cansimple_axis {
     struct cansimple_axis_config config;
     float position_turns;
     uint32_t axis_error;
+    bool part_error;  /* motor, encoder or controller has an error; axis_error may be 0 then */
+    bool disarmed;    /* left closed loop by itself while enabled; until the command is withdrawn */
+    bool was_enabled; /* in closed loop since the command to enable */
+    uint16_t clear_wait; /* until a further reset is taken */
+    bool clearing;       /* a reset was asked for and Clear Errors is not sent yet */
     uint8_t axis_state;
     uint16_t age_ticks;           /* of the position */
     uint16_t heartbeat_age_ticks; /* of error and state */

@@ -14,9 +14,15 @@ enum {
     CONTROLWORD_FAULT_RESET = 0x80
 };
 
+enum { FAULT_RESET_TICKS = TICKS_OF_MS(50), FAULT_RESET_LOW_TICKS = TICKS_OF_MS(50) };
+
 /* Bit 12 in cyclic synchronous position: the drive follows its target (CiA 402-2); bit 14
- * is the manufacturer's. */
-enum { STATUSWORD_FOLLOWS = 1 << 12, STATUSWORD_LATCH_CLOSED = 1 << 14 };
+ * is the manufacturer's; bit 7 is a warning in every mode. */
+enum {
+    STATUSWORD_WARNING = 1 << 7,
+    STATUSWORD_FOLLOWS = 1 << 12,
+    STATUSWORD_LATCH_CLOSED = 1 << 14
+};
 
 /* States as the statusword 0x6041 spells them under its masks. */
 enum cia402_state {
@@ -81,6 +87,8 @@ static bool receive_slow(struct cia402_drives *drives, const struct can_msg *mes
     struct cia402_axis *axis =
         &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
     axis->torque_per_mille = bytes_get_i16(message->data);
+    axis->temperature_0_1_degC = bytes_get_i16(message->data + 2);
+    axis->supply_mV = bytes_get_u32(message->data + 4);
     axis->torque_age_ticks = 0;
     return true;
 }
@@ -143,6 +151,11 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
     reading->latch = axis->age_ticks == UINT16_MAX                       ? LATCH_UNKNOWN
                      : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? LATCH_CLOSED
                                                                          : LATCH_OPEN;
+    reading->warning =
+        axis->age_ticks != UINT16_MAX && (axis->statusword & STATUSWORD_WARNING) != 0;
+    reading->has_supply = axis->supply_mV != 0;
+    reading->temperature_degC = (float)axis->temperature_0_1_degC * 0.1f;
+    reading->supply_V = (float)axis->supply_mV * 0.001f;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
     const bool ignores = state_of(axis->statusword) == CIA402_ENABLED &&
                          (axis->statusword & STATUSWORD_FOLLOWS) == 0;
@@ -168,25 +181,49 @@ static void age(void *context)
     }
 }
 
-/* The next controlword on the way from the reported state to the commanded one. */
+/* A reset is asked for in one tick. The bit stays long enough for a drive that looks at its
+ * controlword every ten milliseconds, and is low as long before it may rise again. */
+static uint16_t controlword_in_fault(struct cia402_axis *axis, bool clear_fault)
+{
+    if (axis->reset_ticks == 0 && clear_fault) {
+        axis->reset_ticks = FAULT_RESET_TICKS + FAULT_RESET_LOW_TICKS;
+    }
+    if (axis->reset_ticks == 0) {
+        return CONTROLWORD_DISABLE_VOLTAGE;
+    }
+    axis->reset_ticks--;
+    return axis->reset_ticks >= FAULT_RESET_LOW_TICKS ? CONTROLWORD_FAULT_RESET
+                                                      : CONTROLWORD_DISABLE_VOLTAGE;
+}
+
+/* A drive that is off stays where it is. Its answers are of some ticks before: a word chosen by
+ * each of them anew would undo the last one for ever, so the one that was sent stands. */
+static uint16_t controlword_while_off(const struct cia402_axis *axis, enum cia402_state state)
+{
+    const uint16_t sent = axis->sender.sent_controlword;
+    if (sent == CONTROLWORD_SHUTDOWN || sent == CONTROLWORD_DISABLE_VOLTAGE) {
+        return sent;
+    }
+    return state == CIA402_READY ? CONTROLWORD_SHUTDOWN : CONTROLWORD_DISABLE_VOLTAGE;
+}
+
+/* The next controlword on the way from the reported state to the command. */
 static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_drive_command *command)
 {
     const enum cia402_state state = state_of(axis->statusword);
-    const bool was_resetting = axis->resetting;
-    axis->resetting = false;
     if (state == CIA402_FAULT) {
-        /* The reset acts on the rising edge: the bit must go away in between. */
-        axis->resetting = command->clear_fault && !was_resetting;
-        return axis->resetting ? CONTROLWORD_FAULT_RESET : CONTROLWORD_DISABLE_VOLTAGE;
+        return controlword_in_fault(axis, command->clear_fault);
     }
+    axis->reset_ticks = 0;
     if (state == CIA402_QUICK_STOP) {
         /* It unloads and then leaves this state by itself; to disable the voltage
          * before would let a loaded spring drive the motor. */
         return CONTROLWORD_QUICK_STOP;
     }
+    const bool is_off =
+        state == CIA402_NOT_READY || state == CIA402_SWITCH_ON_DISABLED || state == CIA402_READY;
     if (!command->enable) {
-        return state == CIA402_SWITCH_ON_DISABLED ? CONTROLWORD_DISABLE_VOLTAGE
-                                                  : CONTROLWORD_SHUTDOWN;
+        return is_off ? controlword_while_off(axis, state) : CONTROLWORD_SHUTDOWN;
     }
     switch (state) {
     case CIA402_READY:
@@ -203,7 +240,7 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg
                                          const struct sea_drive_command *command,
                                          const struct can_bus *bus)
 {
-    if (axis->age_ticks == UINT16_MAX) {
+    if (axis->age_ticks == UINT16_MAX || command->unconfigured) {
         return CAN_OK; /* whatever it is doing, it knows better than we */
     }
     const uint16_t controlword = next_controlword(axis, command);
@@ -222,6 +259,7 @@ static enum can_result send_commands(void *context, const struct sea_drive_comma
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
         known = known && axis->age_ticks != UINT16_MAX;
+        known = known && !(command[leg].unconfigured && command[leg].operational);
         const bool follows = command[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
         const int32_t target =
             follows ? counts_from_metres(&axis->config, command[leg].precompression_m)

@@ -29,11 +29,13 @@ struct cia402_axis {
     int32_t position_counts;
     uint16_t statusword;
     int16_t torque_per_mille;
+    int16_t temperature_0_1_degC;
+    uint32_t supply_mV;
     uint16_t age_ticks;
     uint16_t torque_age_ticks;
     struct sea_latch_sender sender; /* of controlword and outputs */
-    uint8_t duplicate_id_count;     /* different states more than cycles: duplicate_id.h */
-    bool resetting;                 /* the fault reset bit was set in the last controlword */
+    uint8_t duplicate_id_count;     /* different states more than cycles: sample_surplus.h */
+    uint8_t reset_ticks;            /* of a fault reset under way: the bit is set, then low again */
 };
 
 struct cia402_drives {

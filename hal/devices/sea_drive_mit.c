@@ -56,11 +56,12 @@ static void read_answer(struct mit_drives *drives, struct mit_axis *axis,
         return;
     }
     const uint32_t field = (uint32_t)message->data[1] << 8 | message->data[2];
-    const bool first = axis->age_ticks == UINT16_MAX;
+    const bool first = axis->age_ticks == UINT16_MAX || axis->judge_again;
     axis->position_rad = mit_decode(field, axis->config.ranges.position_rad, false, POSITION_BITS);
     axis->error = message->length >= 8 ? message->data[7] : 0;
     axis->age_ticks = 0;
     if (first) {
+        axis->judge_again = false;
         axis->refused = !is_plausible(axis);
     }
 }
@@ -151,6 +152,16 @@ static enum can_result send_axis_command(struct mit_axis *axis,
         command->enable && axis->age_ticks == 0 && axis->error == 0 && !axis->refused;
     if (axis->enter_wait > 0) {
         axis->enter_wait--;
+    }
+    if (command->clear_fault && state_of(axis) == DRIVE_FAULT) {
+        axis->clearing = true;
+    }
+    if (axis->clearing) { /* leaving motor mode clears its error; what it then answers is judged anew */
+        const enum can_result result = send_special(axis, MIT_EXIT, bus);
+        axis->clearing = result != CAN_OK;
+        axis->entered = axis->entered && result != CAN_OK;
+        axis->judge_again = true;
+        return result;
     }
     if (may_enter && !axis->entered && axis->enter_wait == 0) {
         const enum can_result result = send_special(axis, MIT_ENTER, bus);

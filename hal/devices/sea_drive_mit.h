@@ -48,6 +48,8 @@ struct mit_axis {
     uint16_t enter_wait; /* ticks until the enter command may be repeated */
     bool entered;        /* in motor mode, as far as we know */
     bool refused;        /* first answer implausible: wrong ranges or wrong motor */
+    bool clearing;       /* a reset was asked for and not sent yet */
+    bool judge_again;    /* the next answer is judged like a first one */
     struct sea_latch_sender sender;
 };
 

@@ -21,14 +21,20 @@ struct sea_drive_reading {
     enum latch_state latch;   /* as the node reports it, with the position */
     uint16_t age_ticks;       /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
     uint16_t force_age_ticks; /* UINT16_MAX = never, or the protocol has none */
-    bool foreign;             /* another node speaks with this drive's identifier */
+    bool warning;             /* the drive warns of something; it may go on */
+    bool has_supply;          /* the two below were received */
+    float temperature_degC;
+    float supply_V; /* of the DC link */
+    bool foreign;   /* another node speaks with this drive's identifier */
 };
 
 struct sea_drive_command {
     float precompression_m;
     bool enable;
     bool latch_armed;
-    bool clear_fault; /* ask the drive to leave its fault state (rising edge) */
+    bool clear_fault;  /* ask the drive to leave its fault state; one tick is enough */
+    bool unconfigured; /* not set up: frames of ours would mean something else to it */
+    bool operational;  /* it obeys PDOs now */
 };
 
 struct sea_drives_ops {

@@ -29,7 +29,7 @@ void uart_slcan_bus_open(struct uart_slcan_bus *bus)
     slcan_channel_init(&bus->channel);
     UART0_BAUDDIV = UART_DIVISOR;
     UART0_CTRL = UART_CTRL_TX_RX;
-    put_text(slcan_open_commands, strlen(slcan_open_commands));
+    put_text(slcan_open_commands, SLCAN_OPEN_COMMANDS_LENGTH);
 }
 
 static enum can_result bus_send(void *context, const struct can_msg *message)

@@ -89,7 +89,8 @@ enum fault_group {
     X(EMERGENCY_STOP, "emergency stop", COMMAND, 1, 10, 5, 500, 0, 0, "")                       \
     X(REQUEST_ENDS, "walk request withdrawn", COMMAND, 1, 10, 5, 1000, 0, 0, "")                \
     X(SPEED_JUMPS, "speed command jumps", COMMAND, 0, 0, 100, 3000, 0.2, 1.1, "rad/s")          \
-    X(PARAMETER_FLIPS, "parameter changes in memory", COMMAND, 1, 700, 3000, 3000, 0, 0, "")
+    X(PARAMETER_FLIPS, "parameter changes in memory", COMMAND, 1, 700, 3000, 3000, 0, 0, "")    \
+    X(CONTROLLER_BUS_OFF, "controller driven to bus-off", BUS, 60, 120, 5, 1000, 0, 0, "")
 
 #define FAULT_ENUM(NAME, ...) FAULT_##NAME,
 enum fault_kind { FAULT_TABLE(FAULT_ENUM) FAULT_KINDS };

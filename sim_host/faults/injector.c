@@ -120,7 +120,9 @@ void injector_tick(struct injector *injector)
     begin_and_end(injector);
     run_bus(injector, sync_ns + jitter_ns(injector));
     if (!misses_tick(injector)) {
-        (void)control_task_start_cycle(&loop->rig.task);
+        /* As the flashed controller does it (firmware/orthosis.c). */
+        bus_recovery_update(&injector->recovery, control_task_start_cycle(&loop->rig.task),
+                            &loop->rig.task.config.bus);
     }
     run_bus(injector, sync_ns + TICK_NS - 1);
     for (int i = 0; i < WALKER_NODES; i++) {

@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "firmware/bus_recovery.h"
 #include "sim_host/faults/injector_shot.h"
 #include "sim_host/loop/loop.h"
 
@@ -18,6 +19,7 @@ enum { INJECTOR_SHOTS = 2 };
 struct injector {
     struct loop *loop;
     uint32_t tick;
+    struct bus_recovery recovery; /* the controller's */
     uint32_t foreign_node_frames; /* foreign nodes' frames sent before */
     unsigned count;
     struct shot_state shot[INJECTOR_SHOTS];

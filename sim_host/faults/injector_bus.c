@@ -106,6 +106,8 @@ struct sim_bus_fault injector_on_frame(struct shot_state *state, const struct ca
         return chance(state) ? destroyed(state) : nothing;
     case FAULT_BUS_OFF:
         return sender == node_port ? destroyed(state) : nothing;
+    case FAULT_CONTROLLER_BUS_OFF:
+        return sender == INJECTOR_PORT_CONTROLLER ? destroyed(state) : nothing;
     case FAULT_DRIVE_DEAF:
         return sender == 0 && id != FRAME_SYNC ? lost_to(1u << drive_port) : nothing;
     case FAULT_LATCH_STUCK_ARMED:

@@ -12,7 +12,7 @@
 #include "sim_host/plant/walk.h"
 
 /* Ports of the bus: 0 the controller, from the first node on enum walker_node's, then foreign nodes'. */
-enum { INJECTOR_PORT_FIRST_NODE = 1, INJECTOR_PORT_FOREIGN = 5 };
+enum { INJECTOR_PORT_CONTROLLER = 0, INJECTOR_PORT_FIRST_NODE = 1, INJECTOR_PORT_FOREIGN = 5 };
 
 struct fault_shot {
     enum fault_kind kind;

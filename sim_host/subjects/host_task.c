@@ -91,6 +91,8 @@ int host_task_init(struct host_task *rig, const struct subject *subject,
         config.setup.rated_force_N[leg] = (float)subject_rated_force_N(subject);
         config.setup.following_error_counts[leg] =
             (uint32_t)(0.1 * subject->leg_length_m * subject->counts_per_m);
+        config.setup.speed_needed_counts_s[leg] =
+            (uint32_t)((double)params->sea_speed_max_m_s * subject->counts_per_m);
         config.setup.ankle_is_lever[leg] = subject->ankle == ANKLE_LEVER;
         config.leg_sensor[leg] = (struct leg_sensor_config){
             .angle_direction = 1,

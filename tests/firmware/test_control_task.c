@@ -490,9 +490,77 @@ START_TEST(a_node_that_was_silent_at_set_up_is_asked_again)
     run_setup(&b, 10 * SETUP_TIMEOUT_MS, false); /* however often it repeats: it gives up */
     ck_assert_uint_eq(b.task.node.objects.refused_node, 1);
     ck_assert_uint_eq(b.task.node.objects.refused_verdict, 3);
-    run_setup(&b, SETUP_TIMEOUT_MS + 10, true);
+    run_setup(&b, SETUP_TIMEOUT_MS + SETUP_SETTLE_MS + 10, true);
     ck_assert_uint_eq(b.task.node.objects.refused_index,
                       0x1017); /* past the question that was lost */
+}
+END_TEST
+
+/* Powered before the controller, heartbeat time 0 (the default of every drive in CiA 402's field): it says nothing until
+ * it is asked. */
+START_TEST(a_node_that_says_nothing_is_found_by_asking)
+{
+    struct bench b;
+    unsigned asked[5] = {0};
+    start(&b);
+    b.task.config.configure_nodes = true;
+    for (int i = 0; i < 3000; i++) {
+        fake_bus_clear(&b.fake);
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+        for (uint32_t node = 1; node <= 4; node++) {
+            const struct can_msg *request = fake_bus_last(&b.fake, 0x600 + node);
+            if (request != NULL) {
+                /* Upload of 0x1000, or the abort of one that nobody answered: neither changes anything. */
+                ck_assert(request->data[0] == 0x40 || request->data[0] == 0x80);
+                ck_assert_uint_eq(request->data[1] | request->data[2] << 8, 0x1000);
+                asked[node]++;
+            }
+        }
+        ck_assert_ptr_null(fake_bus_last(&b.fake, 0x301)); /* and no command before */
+        ck_assert_ptr_null(fake_bus_last(&b.fake, 0x201));
+    }
+    for (int node = 1; node <= 4; node++) {
+        ck_assert_uint_ge(asked[node], 2);
+    }
+    ck_assert_uint_eq(b.task.node.objects.refused_node, 0); /* absent is not refused */
+    /* One answers: its set-up goes on, though no heartbeat has come yet. */
+    bool found = false;
+    for (int i = 0; i < 3000 && !found; i++) {
+        fake_bus_clear(&b.fake);
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+        const struct can_msg *request = fake_bus_last(&b.fake, 0x602);
+        if (request != NULL) {
+            uint64_t answer = UINT64_C(402) << 32;
+            memcpy(&answer, request->data, 4);
+            answer = (answer & ~UINT64_C(0xFF)) | (request->data[0] == 0x40 ? 0x43 : 0x60);
+            put(&b, 0x582, 8, answer);
+            found = request->data[1] == 0x17; /* producer heartbeat time */
+        }
+    }
+    ck_assert(found);
+}
+END_TEST
+
+/* Somebody who waits to be set up does not wait for the silent ones. */
+START_TEST(a_scan_gives_way_to_a_node_that_speaks)
+{
+    struct bench b;
+    start(&b);
+    b.task.config.configure_nodes = true;
+    for (int i = 0; i < HEARTBEAT_TIMEOUT_MS + 5; i++) {
+        fake_bus_clear(&b.fake);
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+    }
+    ck_assert(b.task.bring_up.scanning);
+    fake_bus_clear(&b.fake);
+    put(&b, 0x704, 1, 0);
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    ck_assert(!b.task.bring_up.scanning);
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x604));
 }
 END_TEST
 
@@ -565,6 +633,31 @@ static uint32_t counter_of(struct bench *b, uint8_t sub)
     memcpy(&value, answer->data + 4, sizeof value);
     return value;
 }
+
+static uint32_t word_of(struct bench *b, uint16_t index, uint8_t sub)
+{
+    put(b, 0x610, 8, UINT64_C(0x40) | (uint64_t)index << 8 | (uint64_t)sub << 24);
+    (void)control_task_poll(&b->task);
+    const struct can_msg *answer = fake_bus_last(&b->fake, 0x590);
+    ck_assert_ptr_nonnull(answer);
+    ck_assert_uint_eq(answer->data[0] & 0xE3, 0x43);
+    return answer->data[4] | (uint32_t)answer->data[5] << 8;
+}
+
+START_TEST(what_the_drives_tell_of_themselves_can_be_read)
+{
+    struct bench b;
+    start(&b);
+    put(&b, 0x381, 8, UINT64_C(0x00005D8E01C80000)); /* 45.6 degC, 23.95 V */
+    put_answers(&b, 0x02B7);                         /* with a warning */
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 1), 456);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 2), 0);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 3), 2395);
+    ck_assert_uint_eq(word_of(&b, 0x2021, 5) & 0xFF, 3);
+}
+END_TEST
 
 START_TEST(what_was_counted_can_be_read_over_the_bus)
 {
@@ -640,6 +733,9 @@ int main(void)
     tcase_add_test(tests, a_node_that_is_stopped_is_set_up_later);
     tcase_add_test(tests, what_was_counted_can_be_read_over_the_bus);
     tcase_add_test(tests, a_poll_is_bounded);
+    tcase_add_test(tests, a_node_that_says_nothing_is_found_by_asking);
+    tcase_add_test(tests, a_scan_gives_way_to_a_node_that_speaks);
+    tcase_add_test(tests, what_the_drives_tell_of_themselves_can_be_read);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -378,16 +378,16 @@ START_TEST(a_bus_that_is_off_is_asked_back_now_and_then)
     keep(0.6f, 0);
     orthosis_init(&orthosis, &config);
     fake.verdict = CAN_DOWN;
-    for (int i = 0; i < 5 * (ORTHOSIS_RECOVERY_TICKS + 1); i++) {
+    for (int i = 0; i < 5 * (BUS_RECOVERY_TICKS + 1); i++) {
         orthosis_start_cycle(&orthosis);
     }
-    ck_assert_uint_eq(orthosis.bus_recoveries, 5);
+    ck_assert_uint_eq(orthosis.recovery.asked, 5);
     ck_assert_uint_eq(fake.recoveries, 5);
-    orthosis.bus_recoveries = UINT32_MAX;
-    for (int i = 0; i <= ORTHOSIS_RECOVERY_TICKS; i++) {
+    orthosis.recovery.asked = UINT32_MAX;
+    for (int i = 0; i <= BUS_RECOVERY_TICKS; i++) {
         orthosis_start_cycle(&orthosis);
     }
-    ck_assert_uint_eq(orthosis.bus_recoveries, UINT32_MAX);
+    ck_assert_uint_eq(orthosis.recovery.asked, UINT32_MAX);
     ck_assert_uint_eq(fake.recoveries, 6);
     fake.verdict = CAN_OK;
     orthosis_start_cycle(&orthosis);

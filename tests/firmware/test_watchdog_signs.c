@@ -102,6 +102,7 @@ START_TEST(what_stalls_starves_the_watchdog)
                                            .nv = &nv,
                                            .black_box = &black_box};
     orthosis_init(&orthosis, &config);
+    orthosis.task.bring_up.configured = 0xF; /* else nothing would be sent to the drives */
     stall = STALL_NONE;
     run(50);
     ck_assert_int_eq(feeds, 50); /* a feed a tick */

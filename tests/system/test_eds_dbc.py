@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from afo import ROOT, run
+from afo import BUILD, ROOT, run
 
 canopen = pytest.importorskip("canopen")
 cantools = pytest.importorskip("cantools")

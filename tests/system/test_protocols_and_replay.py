@@ -252,9 +252,9 @@ def test_of_two_interfaces_the_orthosis_is_found(short_log, tmp_path, first):
     assert replay(path, "--interface", "can1").returncode == 1
     done = replay(path, "--interface", "can7")
     assert done.returncode == 2 and "no interface can7" in done.stderr and "can1" in done.stderr, done.stderr
-    piped = subprocess.run(["bash", "-c", f"cat {path} | {BUILD}/afo replay --speed 0.5 /dev/stdin"], capture_output=True, text=True)
+    piped = subprocess.run(["bash", "-c", f"cat {path} | {AFO} replay --speed 0.5 /dev/stdin"], capture_output=True, text=True)
     assert piped.returncode == 2 and "second interface" in piped.stderr, piped.stdout + piped.stderr
-    piped = subprocess.run(["bash", "-c", f"cat {path} | {BUILD}/afo replay --speed 0.5 --interface can0 /dev/stdin"],
+    piped = subprocess.run(["bash", "-c", f"cat {path} | {AFO} replay --speed 0.5 --interface can0 /dev/stdin"],
                            capture_output=True, text=True)
     assert piped.returncode == 0, piped.stdout + piped.stderr
 

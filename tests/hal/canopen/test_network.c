@@ -78,7 +78,8 @@ START_TEST(an_emergency_that_is_none_changes_nothing)
     frame.flags = 0;
     ck_assert(network_receive(&network, &frame));
     ck_assert(network_has_error(&network));
-    frame.data[0] = frame.data[1] = 0; /* the error has gone */
+    frame.data[0] = frame.data[1] = frame.data[2] =
+        0; /* the error has gone, and no other is left */
     frame.length = 2;
     ck_assert(network_receive(&network, &frame));
     ck_assert(network_has_error(&network));
@@ -142,6 +143,88 @@ START_TEST(an_error_of_a_node_is_a_node_lost)
     ck_assert(network_all_operational(&network));
     emergency.id = 0x085;
     ck_assert(!network_receive(&network, &emergency));
+}
+END_TEST
+
+/* CiA 301, 7.2.7.1: code 0 ends one error; as long as the error register, byte 2, is not 0 the node has others.
+ * Communication (bit 4, with the generic bit 0) is left to its time-outs here too. */
+START_TEST(code_0_with_errors_left_in_the_register_is_no_end)
+{
+    static const struct {
+        uint8_t error_register;
+        bool error;
+    } cases[] = {{0x00, false}, {0x01, true},  {0x05, true}, {0x08, true},
+                 {0x11, false}, {0x10, false}, {0x19, true}, {0x80, true}};
+    struct network network;
+    struct can_msg emergency = {.id = 0x081, .length = 8, .data = {0x10, 0x42, 0x09}};
+    network_init(&network);
+    hear_all(&network, 5);
+    ck_assert(network_receive(&network, &emergency));
+    emergency.data[0] = emergency.data[1] = 0;
+    emergency.data[2] = cases[_i].error_register;
+    ck_assert(network_receive(&network, &emergency));
+    ck_assert(network_has_error(&network) == cases[_i].error);
+    /* Nobody heard what it was: the register alone is enough. */
+    network_init(&network);
+    hear_all(&network, 5);
+    ck_assert(network_receive(&network, &emergency));
+    ck_assert(network_has_error(&network) == cases[_i].error);
+}
+END_TEST
+
+/* Its boot-up got lost: it was operational, and now waits without anybody having asked it to. */
+START_TEST(a_node_that_falls_back_has_booted)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    hear_all(&network, 0);
+    network_clear_booted(&network);
+    network_update(&network, &bus, 0xF);
+    hear_all(&network, 5);
+    hear(&network, 0x702, 127);
+    ck_assert(network.node[1].booted);
+    ck_assert(!network.node[0].booted && !network.node[2].booted);
+    /* One that was asked to has not. */
+    network_clear_booted(&network);
+    (void)network_enter_pre_operational(&network, &bus, 1);
+    ck_assert_uint_eq(fake.sent[fake.sent_count - 1].data[0], 128);
+    ck_assert_uint_eq(fake.sent[fake.sent_count - 1].data[1], 1);
+    hear(&network, 0x701, 5); /* sent before */
+    hear(&network, 0x701, 127);
+    hear(&network, 0x701, 127);
+    ck_assert(!network.node[0].booted);
+    hear(&network, 0x701, 5);
+    hear(&network, 0x701, 127);
+    ck_assert(network.node[0].booted);
+    /* Stopped and then waiting is the same. */
+    network_clear_booted(&network);
+    hear(&network, 0x703, 4);
+    hear(&network, 0x703, 127);
+    ck_assert(network.node[2].booted);
+}
+END_TEST
+
+/* It was started, the answer is still "pre-operational" long after: the start was before its reset. */
+START_TEST(a_node_that_was_started_and_still_waits_has_booted)
+{
+    struct fake_bus fake;
+    struct network network;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    network_init(&network);
+    hear(&network, 0x702, 0);
+    network_clear_booted(&network);
+    network_update(&network, &bus, 0x2);
+    hear(&network, 0x702, 127); /* on its way while the start was */
+    ck_assert(!network.node[1].booted);
+    for (int tick = 0; tick < 60; tick++) {
+        network_update(&network, &bus, 0);
+    }
+    hear(&network, 0x702, 127);
+    ck_assert(network.node[1].booted);
 }
 END_TEST
 
@@ -217,6 +300,9 @@ int main(void)
     tcase_add_test(tests, silence_is_noticed_within_the_time_out);
     tcase_add_test(tests, an_error_of_a_node_is_a_node_lost);
     tcase_add_test(tests, a_start_that_was_not_sent_is_sent_again);
+    tcase_add_loop_test(tests, code_0_with_errors_left_in_the_register_is_no_end, 0, 8);
+    tcase_add_test(tests, a_node_that_falls_back_has_booted);
+    tcase_add_test(tests, a_node_that_was_started_and_still_waits_has_booted);
     tcase_add_test(tests, nodes_have_their_index);
     tcase_add_test(tests, stopped_nodes_wait_and_are_started_again);
     suite_add_tcase(suite, tests);

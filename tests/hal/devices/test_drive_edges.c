@@ -279,7 +279,8 @@ END_TEST
 /* With an error or without an answer no torque: all gains zero; and the latch never armed. */
 START_TEST(mit_gives_no_torque_that_nobody_watches)
 {
-    command[SIDE_LEFT] = (struct sea_drive_command){0.1f, true, true, false};
+    command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert(give(0x11, answer_with_error, 8, 0));
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_FAULT);
     send_commands();
@@ -299,7 +300,8 @@ END_TEST
  * with a frame that moves nothing (kp, kd and torque zero), until it answers. */
 START_TEST(mit_that_fell_silent_is_asked_without_torque)
 {
-    command[SIDE_LEFT] = (struct sea_drive_command){0.1f, true, false, false};
+    command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.1f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert(give(0x11, answer, 8, 0));
     send_commands();
     ck_assert_uint_eq(special(), MIT_ENTER);

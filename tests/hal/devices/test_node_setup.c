@@ -106,6 +106,107 @@ START_TEST(a_drive_as_expected_is_configured)
     ck_assert_uint_eq(b.drive.device.comm.rpdo[0].map[1], 0x00040020);
     ck_assert_uint_eq(b.drive.device.comm.tpdo[2].type, SLOW_PDO_TICKS);
     ck_assert_uint_eq(b.drive.device.comm.consumer[0], 16u << 16 | 250);
+    /* What it does when it is left alone: CiA 402-2, 6007 = 1 is a fault, the option codes end in a ramp and then
+     * torque off. 50 ms without a target are a lost master. */
+    ck_assert_int_eq(b.drive.objects.abort_connection_option, 1);
+    ck_assert_int_eq(b.drive.objects.quick_stop_option, 2);
+    ck_assert_int_eq(b.drive.objects.shutdown_option, 1);
+    ck_assert_int_eq(b.drive.objects.disable_option, 1);
+    ck_assert_int_eq(b.drive.objects.fault_reaction_option, 2);
+    ck_assert_uint_eq(b.drive.objects.following_timeout_ms, 50);
+    ck_assert_uint_eq(b.drive.device.comm.rpdo[0].event_ms, 50);
+    /* Nobody asks for PDOs by remote frames (CiA 301, 7.5.2.37, bit 30). */
+    ck_assert_uint_eq(b.drive.device.comm.tpdo[0].cob_id, 0x40000181);
+    ck_assert_uint_eq(b.drive.device.comm.tpdo[2].cob_id, 0x40000381);
+}
+END_TEST
+
+/* A motor slower than the reference may ask for is refused before it walks, with both speeds. */
+START_TEST(a_drive_that_is_too_slow_is_refused)
+{
+    start(); /* 1.9 m/s of 13,107,200 counts a metre */
+    ck_assert_uint_eq(b.drive.objects.max_speed, 24903680);
+    b.config.speed_needed_counts_s[SIDE_LEFT] = 24903681;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6080);
+    ck_assert_uint_eq(b.setup.failure.expected, 24903681);
+    ck_assert_uint_eq(b.setup.failure.found, 24903680);
+    start();
+    b.config.speed_needed_counts_s[SIDE_LEFT] = 24903680;
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+    start();
+    b.config.speed_needed_counts_s[SIDE_LEFT] = UINT32_MAX;
+    b.drive.objects.max_speed = 0; /* no limit */
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+}
+END_TEST
+
+/* A drive that answers PDOs to remote frames and knows no "no RTR": it is asked without the bit then. */
+static bool no_rtr_refused;
+
+static void knows_no_bit_30(struct can_msg *answer)
+{
+    if (answer->data[0] == 0x60 && answer->data[1] == 0x00 && answer->data[2] == 0x18 &&
+        answer->data[3] == 1 && !no_rtr_refused) {
+        const uint8_t value_range[8] = {0x80, 0x00, 0x18, 0x01, 0x30, 0x00, 0x09, 0x06};
+        memcpy(answer->data, value_range, sizeof value_range);
+        no_rtr_refused = true;
+    }
+}
+
+START_TEST(a_drive_that_knows_no_bit_30_is_asked_without_it)
+{
+    no_rtr_refused = false;
+    start();
+    spoil = knows_no_bit_30;
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+    ck_assert(no_rtr_refused);
+    ck_assert_uint_eq(b.drive.device.comm.tpdo[0].cob_id & 0x800007FF, 0x181);
+}
+END_TEST
+
+/* 0x6061 and what is read back show the old value for a while after it was written: a drive changes its mode in
+ * its own loop. Within 200 ms it is asked again, and then believed. */
+static struct {
+    uint16_t index;
+    uint8_t sub, old;
+    uint64_t first_ns, late_ns; /* asked first, and late from there on */
+    unsigned asked;
+} slow;
+
+static void shows_the_old_value(struct can_msg *answer)
+{
+    const bool upload = (answer->data[0] & 0xE0) == 0x40;
+    if (upload && (answer->data[1] | answer->data[2] << 8) == slow.index &&
+        answer->data[3] == slow.sub) {
+        slow.first_ns = slow.asked++ == 0 ? b.now_ns : slow.first_ns;
+        if (b.now_ns - slow.first_ns < slow.late_ns) {
+            answer->data[4] = slow.old;
+        }
+    }
+}
+
+START_TEST(a_value_that_comes_late_is_waited_for)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t sub;
+    } objects[] = {{0x6061, 0}, {0x6065, 0}, {0x1017, 0}, {0x1600, 0}};
+    start();
+    slow.index = objects[_i].index;
+    slow.sub = objects[_i].sub;
+    slow.old = 0x55;
+    slow.late_ns = 150000000;
+    slow.asked = 0;
+    spoil = shows_the_old_value;
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+    ck_assert_uint_ge(slow.asked, 3);
+    start();
+    spoil = shows_the_old_value;
+    slow.late_ns = UINT64_MAX; /* it never comes */
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, slow.index);
+    ck_assert_uint_eq(b.setup.failure.found & 0xFF, 0x55);
 }
 END_TEST
 
@@ -319,6 +420,9 @@ int main(void)
     tcase_add_test(tests, lost_frames_delay_but_do_not_refuse);
     tcase_add_test(tests, late_answers_delay_but_do_not_refuse);
     tcase_add_test(tests, nothing_is_sent_after_a_refusal);
+    tcase_add_test(tests, a_drive_that_knows_no_bit_30_is_asked_without_it);
+    tcase_add_loop_test(tests, a_value_that_comes_late_is_waited_for, 0, 4);
+    tcase_add_test(tests, a_drive_that_is_too_slow_is_refused);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+enum { LATE_TICKS_MAX = 8 };
+
 static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 500, 1, 50.0f},
                                                            {1.0e6f, -500, -1, 50.0f}};
 
@@ -75,6 +77,8 @@ START_TEST(way_to_enabled_and_back)
 }
 END_TEST
 
+/* The operator asks for one tick. The bit stays for fifty, so that a drive that looks at its controlword every
+ * ten milliseconds sees it, and then falls, so that it can rise again (CiA 402-2: a rising edge). */
 START_TEST(fault_reset_is_an_edge_and_only_on_demand)
 {
     struct bench b;
@@ -82,10 +86,79 @@ START_TEST(fault_reset_is_an_edge_and_only_on_demand)
     b.command[SIDE_LEFT].enable = true;
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
+    for (int round = 0; round < 2; round++) {
+        b.command[SIDE_LEFT].clear_fault = true;
+        ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
+        b.command[SIDE_LEFT].clear_fault = false;
+        for (int tick = 1; tick < 50; tick++) {
+            ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
+        }
+        for (int tick = 0; tick < 50; tick++) {
+            b.command[SIDE_LEFT].clear_fault =
+                tick == 10; /* too early: the drive must see it low */
+            ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
+        }
+        b.command[SIDE_LEFT].clear_fault = false;
+        ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
+    }
+    /* It ends with the fault, and does not clear the next one. */
     b.command[SIDE_LEFT].clear_fault = true;
     ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
-    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00); /* falls, so that it can rise again */
-    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x80);
+    b.command[SIDE_LEFT].clear_fault = false;
+    ck_assert_int_eq(controlword_for(&b, 0x0240), 0x06);
+    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
+    /* A reset that nobody needs is not kept for later. */
+    b.command[SIDE_LEFT].clear_fault = true;
+    ck_assert_int_eq(controlword_for(&b, 0x0240), 0x06);
+    b.command[SIDE_LEFT].clear_fault = false;
+    ck_assert_int_eq(controlword_for(&b, 0x0208), 0x00);
+}
+END_TEST
+
+/* A drive that answers some ticks late and starts at "not ready": nothing but a command to enable
+ * may make the controlword change, else each answer undoes the one before for ever. */
+START_TEST(a_late_drive_that_is_not_ready_is_not_driven_in_circles)
+{
+    struct bench b;
+    uint16_t words[LATE_TICKS_MAX + 1] = {0};
+    const int late = 1 + _i;
+    uint16_t status = 0x0000;
+    int changes = 0, before = -1;
+    start(&b);
+    for (int tick = 0; tick < 400; tick++) {
+        const int word = controlword_for(&b, status);
+        changes += before >= 0 && word != before ? 1 : 0;
+        before = word;
+        memmove(words + 1, words, sizeof words - sizeof words[0]);
+        words[0] = (uint16_t)word;
+        const uint16_t seen = tick >= late ? words[late] : 0;
+        if (status == 0x0000) {
+            status = tick >= 20 ? 0x0240 : 0x0000; /* not ready for a while: then by itself */
+        } else {
+            status = (seen & 0x87u) == 0x06u ? 0x0221 : 0x0240; /* shutdown; disable voltage */
+        }
+    }
+    ck_assert_int_le(changes, 1);
+}
+END_TEST
+
+/* A drive without our mapping takes our frames for something else: the target frame has the identifier of the
+ * first RPDO of node 1, whose default content is a controlword (CiA 402-1). */
+START_TEST(a_drive_that_is_not_set_up_gets_no_command)
+{
+    struct bench b;
+    start(&b);
+    answer(&b, 0x181, 0x0240, 500);
+    answer(&b, 0x182, 0x0240, 500);
+    b.command[SIDE_LEFT].unconfigured = true; /* waits in pre-operational: it hears no PDO */
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x301), 0);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x302), 1);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 1); /* the other one needs its target */
+    b.command[SIDE_LEFT].operational = true;
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x301), 0);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x201), 1);
 }
 END_TEST
 
@@ -147,8 +220,10 @@ START_TEST(no_kick_target_is_the_position_until_enabled)
 {
     struct bench b;
     start(&b);
-    b.command[SIDE_LEFT] = (struct sea_drive_command){0.05f, true, true, false};
-    b.command[SIDE_RIGHT] = (struct sea_drive_command){0.05f, true, true, false};
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.05f, .enable = true, .latch_armed = true, .clear_fault = false};
+    b.command[SIDE_RIGHT] = (struct sea_drive_command){
+        .precompression_m = 0.05f, .enable = true, .latch_armed = true, .clear_fault = false};
     answer(&b, 0x181, 0x0223, 1234);
     answer(&b, 0x182, 0x0227, -700);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
@@ -163,7 +238,8 @@ START_TEST(no_target_before_both_positions_are_known)
 {
     struct bench b;
     start(&b);
-    b.command[SIDE_LEFT] = (struct sea_drive_command){0.05f, true, false, false};
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.05f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     answer(&b, 0x181, 0x0227, 700000);
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
@@ -190,8 +266,10 @@ START_TEST(positions_scale_and_saturate)
     answer(&b, 0x181, 0x0227, INT32_MIN);
     sea_drives_read(&b.drives, SIDE_LEFT, &reading);
     assert_close(reading.precompression_m, -2147.484148, 1e-3, 0.0);
-    b.command[SIDE_LEFT] = (struct sea_drive_command){1e30f, true, false, false};
-    b.command[SIDE_RIGHT] = (struct sea_drive_command){-1e30f, true, false, false};
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 1e30f, .enable = true, .latch_armed = false, .clear_fault = false};
+    b.command[SIDE_RIGHT] = (struct sea_drive_command){
+        .precompression_m = -1e30f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_int_gt(target_of(&b, 0), 1000000000);
     ck_assert_int_gt(target_of(&b, 1), 1000000000); /* minus times minus */
@@ -226,7 +304,8 @@ START_TEST(a_refused_frame_is_sent_again)
     start(&b);
     answer(&b, 0x181, 0x0227, 500);
     answer(&b, 0x182, 0x0227, -500);
-    b.command[SIDE_LEFT] = (struct sea_drive_command){0.0f, true, true, false};
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.0f, .enable = true, .latch_armed = true, .clear_fault = false};
     b.fake.verdict = CAN_FULL;
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_FULL);
     b.fake.verdict = CAN_OK;
@@ -292,6 +371,27 @@ START_TEST(force_and_latch)
 }
 END_TEST
 
+/* 45.6 degC, 23.95 V; bit 7 of the statusword is the profile's warning. */
+START_TEST(temperature_supply_and_warning_are_read)
+{
+    const struct can_msg slow = {
+        .id = 0x382, .length = 8, .data = {0, 0, 0xC8, 0x01, 0x8E, 0x5D, 0, 0}};
+    struct bench b;
+    struct sea_drive_reading reading;
+    start(&b);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
+    ck_assert(!reading.has_supply && !reading.warning);
+    ck_assert(sea_drives_receive(&b.drives, &slow));
+    answer(&b, 0x182, 0x16B7, 0);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
+    ck_assert(reading.has_supply && reading.warning);
+    assert_close(reading.temperature_degC, 45.6, 1e-4, 0.0);
+    assert_close(reading.supply_V, 23.95, 1e-4, 0.0);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert(!reading.has_supply && !reading.warning);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sea_drive_cia402");
@@ -307,6 +407,10 @@ int main(void)
     tcase_add_test(tests, malformed_frames_change_nothing_and_are_counted);
     tcase_add_test(tests, force_and_latch);
     tcase_add_test(tests, more_states_than_cycles_are_a_foreign_node);
+    tcase_add_loop_test(tests, a_late_drive_that_is_not_ready_is_not_driven_in_circles, 0,
+                        LATE_TICKS_MAX);
+    tcase_add_test(tests, a_drive_that_is_not_set_up_gets_no_command);
+    tcase_add_test(tests, temperature_supply_and_warning_are_read);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

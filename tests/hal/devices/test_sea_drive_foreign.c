@@ -85,7 +85,8 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
 {
     struct odrive_bench b;
     start_odrive(&b);
-    b.command[SIDE_LEFT] = (struct sea_drive_command){0.1f, true, true, false};
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
     ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
@@ -116,6 +117,87 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
     }
     ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x027));
     ck_assert_int_eq(fake_bus_last(&b.fake, 0x027)->data[0], 1); /* idle */
+}
+END_TEST
+
+/* Firmware 0.5.4 on: byte 5 motor, byte 6 encoder, byte 7 controller error in bit 0, trajectory done in bit 7. */
+START_TEST(cansimple_errors_beside_the_axis_error_are_faults)
+{
+    static const uint8_t heartbeats[4][8] = {{0, 0, 0, 0, 8, 1},
+                                             {0, 0, 0, 0, 8, 0, 1},
+                                             {0, 0, 0, 0, 8, 0, 0, 0x81},
+                                             {0, 0, 0, 0, 8, 0, 0, 0x80}}; /* the last: all well */
+    struct odrive_bench b;
+    struct sea_drive_reading reading;
+    start_odrive(&b);
+    ck_assert(give(&b.drives, 0x021, heartbeats[_i], 8));
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, _i == 3 ? DRIVE_ENABLED : DRIVE_FAULT);
+}
+END_TEST
+
+/* A heartbeat of five bytes (before 0.5.4) has no such flags. */
+START_TEST(cansimple_short_heartbeats_have_no_flags)
+{
+    static const uint8_t heartbeat[8] = {0, 0, 0, 0, 8, 1, 1, 1};
+    struct odrive_bench b;
+    struct sea_drive_reading reading;
+    start_odrive(&b);
+    ck_assert(give(&b.drives, 0x021, heartbeat, 5));
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_ENABLED);
+}
+END_TEST
+
+static void command_ticks(struct odrive_bench *b, int ticks)
+{
+    for (int i = 0; i < ticks; i++) {
+        ck_assert_int_eq(sea_drives_command(&b->drives, b->command, &b->bus), CAN_OK);
+    }
+}
+
+/* It was in closed loop and is not any more, without an error: it disarmed itself. It is not
+ * enabled again behind the controller's back; withdrawing the command ends it. */
+START_TEST(cansimple_a_drive_that_disarmed_itself_is_a_fault)
+{
+    struct odrive_bench b;
+    struct sea_drive_reading reading;
+    start_odrive(&b);
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
+    command_ticks(&b, 1);
+    ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
+    fake_bus_clear(&b.fake);
+    command_ticks(&b, 250);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_FAULT);
+    ck_assert_ptr_null(fake_bus_last(&b.fake, 0x027)); /* no request for closed loop */
+    b.command[SIDE_LEFT].enable = false;
+    command_ticks(&b, 1);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_DISABLED);
+}
+END_TEST
+
+/* The operator's reset lasts one tick, and may come while another request is waited for. */
+START_TEST(cansimple_a_reset_of_one_tick_clears_the_errors)
+{
+    struct odrive_bench b;
+    start_odrive(&b);
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
+    b.command[SIDE_LEFT].enable = true;
+    command_ticks(&b, 5); /* asked for closed loop: the next request waits */
+    ck_assert(give(&b.drives, 0x021, heartbeat_watchdog, 8));
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.0f, .enable = false, .latch_armed = false, .clear_fault = true};
+    command_ticks(&b, 1);
+    b.command[SIDE_LEFT].clear_fault = false;
+    command_ticks(&b, 120);
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x038), 1); /* Clear Errors, once */
+    ck_assert_uint_eq(fake_bus_count(&b.fake, 0x058), 0); /* the right one has no fault */
 }
 END_TEST
 
@@ -179,7 +261,8 @@ START_TEST(mit_enters_after_an_answer_and_commands_bytes_in_order)
     struct ak_bench b;
     struct sea_drive_reading reading;
     start_ak(&b);
-    b.command[SIDE_LEFT] = (struct sea_drive_command){0.25f, true, true, false};
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.25f, .enable = true, .latch_armed = true, .clear_fault = false};
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[3] & 0x0F, 0); /* kp 0 until entered */
     ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[4], 0);
@@ -202,7 +285,8 @@ START_TEST(mit_never_spells_a_special_frame_by_accident)
 {
     struct ak_bench b;
     start_ak(&b);
-    b.command[SIDE_LEFT] = (struct sea_drive_command){0.0f, true, false, false};
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.0f, .enable = true, .latch_armed = false, .clear_fault = false};
     ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
     ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
     b.command[SIDE_LEFT].precompression_m = 1e9f; /* all fields at their upper ends */
@@ -241,6 +325,36 @@ START_TEST(mit_error_and_withdrawal_leave_motor_mode)
 }
 END_TEST
 
+/* A reset leaves motor mode and looks at the motor anew: at its error, and whether it is ours. */
+START_TEST(mit_a_reset_leaves_motor_mode_and_judges_anew)
+{
+    static const uint8_t answer_with_error[8] = {1, 0x05, 0x1F, 0x7F, 0xF7, 0xFF, 90, 3};
+    static const uint8_t far_away[8] = {1, 0xF0, 0x00, 0x7F, 0xF7, 0xFF, 30, 0};
+    struct ak_bench b;
+    struct sea_drive_reading reading;
+    start_ak(&b);
+    ck_assert(give(&b.drives, 0x11, _i == 0 ? answer_with_error : far_away, 8));
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_FAULT);
+    b.command[SIDE_LEFT].clear_fault = true;
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[0], 0xFF);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 1)->data[7], MIT_EXIT);
+    ck_assert_int_eq(fake_bus_last(&b.fake, 2)->data[0] == 0xFF,
+                     0); /* the right one has no fault */
+    b.command[SIDE_LEFT].clear_fault = false;
+    ck_assert(give(&b.drives, 0x11, _i == 0 ? answer_with_error : far_away, 8));
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_FAULT); /* it says so still */
+    b.command[SIDE_LEFT].clear_fault = true;
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
+    ck_assert(give(&b.drives, 0x11, answer_at_zero, 8));
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_DISABLED);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sea_drive_foreign");
@@ -248,11 +362,16 @@ int main(void)
     tcase_add_test(tests, cansimple_reads_estimates_and_heartbeats);
     tcase_add_test(tests, cansimple_refuses_what_is_no_number);
     tcase_add_test(tests, cansimple_way_to_closed_loop_without_a_kick);
+    tcase_add_loop_test(tests, cansimple_errors_beside_the_axis_error_are_faults, 0, 4);
+    tcase_add_test(tests, cansimple_short_heartbeats_have_no_flags);
+    tcase_add_test(tests, cansimple_a_drive_that_disarmed_itself_is_a_fault);
+    tcase_add_test(tests, cansimple_a_reset_of_one_tick_clears_the_errors);
     tcase_add_test(tests, mit_fields_at_their_ends_and_in_the_middle);
     tcase_add_test(tests, mit_enters_after_an_answer_and_commands_bytes_in_order);
     tcase_add_test(tests, mit_never_spells_a_special_frame_by_accident);
     tcase_add_test(tests, mit_refuses_a_motor_with_other_ranges);
     tcase_add_test(tests, mit_error_and_withdrawal_leave_motor_mode);
+    tcase_add_loop_test(tests, mit_a_reset_leaves_motor_mode_and_judges_anew, 0, 2);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -50,8 +50,13 @@ START_TEST(the_interpolation_period_is_the_tick)
     const struct node_setup_config config = {.counts_per_m = {1, 1}};
     unsigned found = 0;
     double value = 0.0, exponent = 0.0;
-    for (unsigned step = 0; drive_step(&config, NODE_DRIVE_LEFT, step).kind != STEP_END; step++) {
-        const struct setup_step s = drive_step(&config, NODE_DRIVE_LEFT, step);
+    for (unsigned step = 0;
+         drive_step(&(struct node_setup){
+                        .config = &config, .node = NODE_DRIVE_LEFT, .step = (uint16_t)(step)})
+             .kind != STEP_END;
+         step++) {
+        const struct setup_step s = drive_step(&(struct node_setup){
+            .config = &config, .node = NODE_DRIVE_LEFT, .step = (uint16_t)(step)});
         if (s.index == 0x60C2 && s.sub == 1) {
             value = (double)s.value;
             found++;

@@ -67,6 +67,27 @@ def test_a_foreign_node_comes_through_and_is_harmless():
     assert [line for line in told if not is_beyond_software(line)] == []
 
 
+def kinds():
+    return re.findall(r'^    X\(\w+,\s+"([^"]+)"', (ROOT / "sim_host/faults/fault_kinds.h").read_text(), re.M)
+
+
+def test_the_controller_is_driven_to_bus_off_and_comes_back(tmp_path):
+    """All that it sends is destroyed until its controller leaves the bus; it asks for recovery as the firmware does."""
+    name = "controller driven to bus-off"
+    result = faults("--runs", 60 * len(kinds()), "--only", name, "--jobs", 2)
+    assert result.returncode == 0, result.stdout + result.stderr
+    injected, effective, noticed, late, unsafe = summary(result.stdout)[name]
+    assert injected >= 30 and effective == injected and late == unsafe == 0, result.stdout
+    assert noticed > injected / 2
+    log = tmp_path / "off.log"
+    run = next(line for line in (faults("--run", kinds().index(name) + len(kinds()) * i, "--log", log) for i in range(9))
+               if name in line.stdout and "; and " not in line.stdout)
+    assert run.returncode in (0, 1), run.stdout
+    syncs = [float(line[1:18]) for line in log.read_text().splitlines() if line.endswith(" 080#")]
+    gaps = [b - a for a, b in zip(syncs, syncs[1:])]
+    assert max(gaps) >= 0.005 and syncs[-1] - syncs[gaps.index(max(gaps)) + 1] > 0.5, "SYNC does not come back"
+
+
 def test_safety_accounts_for_every_unsafe_run():
     """SAFETY.md says how many runs of the last campaign were unsafe; its causes add up to them."""
     text = (ROOT / "controller/SAFETY.md").read_text()
