@@ -95,7 +95,8 @@ void terrain_free(struct terrain_table *table);
 
 /* Iterates until the value at `start` (stance rate, swing angle, swing rate) is settled, at most rounds_max rounds.
  * Steps begin at 0 and are extrapolated where changes shrink by a steady ratio. Values of a chance fall from
- * round to round; each is a bound of all that follow. Returns 0, or -1 without memory. Release with terrain_value_free(). */
+ * round to round; each is a bound of all that follow. Returns 0, or -1 without memory.
+ * Release with terrain_value_free(). */
 int terrain_solve(const struct terrain_table *table, enum terrain_side side,
                   const struct terrain_goal *goal, const double start[3], int rounds_max,
                   int threads, struct terrain_value *value);
