@@ -28,6 +28,9 @@ void socketcan_flush(struct socketcan_bus *bus);
 /* Fetches the next batch from the kernel. Returns false when the interface is lost. */
 bool socketcan_fetch(struct socketcan_bus *bus);
 
+/* True when the interface can be used; tries a lost one now and then. */
+bool socketcan_is_usable(struct socketcan_bus *bus);
+
 /* The interface is down or gone, by this errno. */
 void socketcan_lose_interface(struct socketcan_bus *bus, int error);
 

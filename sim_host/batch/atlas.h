@@ -1,4 +1,4 @@
-/* Pictures of where a walker walks: the basin of attraction as a volume, and the plane of push-off and stiffness.
+/* Maps of where a walker walks: the basin of attraction as a volume, and the plane of push-off and stiffness.
  *
  * Both are computed in chunks (sim_host/batch/chunks.h); one byte a point.
  */
@@ -36,8 +36,8 @@ struct atlas_plane {
 #define ATLAS_NO_GAIT 0     /* falls, or the period-1 gait was not found; 1..64: period */
 #define ATLAS_APERIODIC 255 /* walks on without a period up to 64 */
 
-/* Follows the long-period branch of period-1 gaits (stable or not) over the push-off at each stiffness, starts
- * beside it, and looks at what becomes of it. One chunk is ATLAS_PLANE_ROWS stiffnesses, rows of push-offs. */
+/* Follows the long-period branch of period-1 gaits (stable or not) over the push-off at each stiffness. Starts a
+ * walk beside each gait and stores how it ends. One chunk is ATLAS_PLANE_ROWS stiffnesses, rows of push-offs. */
 int atlas_plane_compute(void *plane, size_t chunk, void *result);
 struct chunks_job atlas_plane_job(struct atlas_plane *plane, const char *path);
 

@@ -1,9 +1,9 @@
 /* Many walkers at once: the return map of model/stride.h on the lanes of SIMD registers and all cores.
  *
- * Same map, same faults, other method: single support by power series in time of an order and step chosen by
- * the accuracy asked for, double support in closed form by its energy. A walker's result depends on its
- * own numbers and the accuracy alone, bit for bit: not on its neighbours, the instruction set, the
- * number of threads or the machine.
+ * The map and its faults are the model's; the method differs. Single support is a power series in time, whose
+ * order and step follow from the accuracy asked for. Double support is in closed form, by its energy. A
+ * walker's result depends on its own numbers and the accuracy alone, bit for bit. It does not depend on its
+ * neighbours, the instruction set, the number of threads or the machine.
  *
  * Plain doubles in SI units, whatever the caller is compiled for. Signs as in model/stride.h: a forward
  * walker's stance rate is negative.
@@ -50,12 +50,11 @@ struct batch_slopes {
     double by_push[3];    /* d next[i] / d r0 */
 };
 
-/* Called for each item after each stride, and once with fault != 0 when it fails; from the thread that runs
- * it, for different items at the same time. `index`: of the item in the array. May change apex,
- * push_m, gain_m_s, target_speed_rad_s, slope_rad and height_rise for the next stride, and keep what it wants to keep: a law
- * of any kind sets push_m here (its first answer the caller writes into the item), noise changes what the law sees,
- * rough ground draws the next foothold. slopes is NULL unless they were asked for. Returns 0 to go on, else the
- * item is done. */
+/* Called for each item after each stride, and once with fault != 0 when it fails. The calling thread is the one
+ * that runs the item; other threads call for other items at the same time. `index`: of the item in the array.
+ * It may change apex, push_m, gain_m_s, target_speed_rad_s, slope_rad and height_rise for the next stride. A law
+ * of any kind sets push_m here; the caller writes its first answer into the item. slopes is NULL unless they
+ * were asked for. Returns 0 to go on, else the item is done. */
 typedef int batch_stride_done_fn(void *context, size_t index, struct batch_item *item,
                                  const struct batch_slopes *slopes);
 

@@ -19,8 +19,8 @@ enum batch_error {
 struct batch_settings {
     double accuracy; /* BATCH_ACCURACY_LOW..HIGH; 0: the default */
     int want_times;  /* also the double support's duration; costs about a tenth */
-    /* Strides from just before one heel strike to just before the next, by way of the apex: an item's apex[] then
-     * holds stance rate, swing angle (0 to pi/2; the stance angle is its negative) and swing rate there.
+    /* Strides from just before one heel strike to just before the next, through the apex. An item's apex[] then
+     * holds stance rate, swing angle and swing rate there. The swing angle is 0 to pi/2, the stance angle its negative.
      * Level ground and no derivatives, else the item's fault is STRIDE_BAD_INPUT. */
     int from_strike;
 };

@@ -6,14 +6,14 @@
 
 #include "model/real.h"
 
-double bench_now_s(void)
+double benchmark_now_s(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-int bench_open(struct bench_rows *rows, int argc, char **argv)
+int benchmark_open(struct benchmark_rows *rows, int argc, char **argv)
 {
     static const char usage[] =
         "usage: %s REFERENCE.csv [SECONDS PER MEASUREMENT [MORE]]\n"
@@ -27,8 +27,8 @@ int bench_open(struct bench_rows *rows, int argc, char **argv)
         fprintf(stderr, usage, argv[0]);
         return 0;
     }
-    rows->count = reference_read(argv[1], rows->row, BENCH_MAX_ROWS);
-    rows->patience_s = argc > 2 ? strtod(argv[2], NULL) : 0.2;
+    rows->count = reference_read(argv[1], rows->row, BENCHMARK_MAX_ROWS);
+    rows->least_time_s = argc > 2 ? strtod(argv[2], NULL) : 0.2;
     if (rows->count <= 0) {
         fprintf(stderr, "%s: cannot read strides from %s\n", argv[0], argv[1]);
         return 0;
@@ -42,10 +42,10 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void errors_of(const struct bench_rows *rows, double (*next)[3], double *largest,
+static void errors_of(const struct benchmark_rows *rows, double (*next)[3], double *largest,
                       double *median)
 {
-    static double error[BENCH_MAX_ROWS];
+    static double error[BENCHMARK_MAX_ROWS];
     for (int i = 0; i < rows->count; i++) {
         error[i] = 0.0;
         for (int k = 0; k < 3; k++) {
@@ -58,20 +58,20 @@ static void errors_of(const struct bench_rows *rows, double (*next)[3], double *
     *median = error[rows->count / 2];
 }
 
-void bench_measure(const char *name, const struct bench_rows *rows, bench_method_fn *method,
-                   void *context, double setting, int repeats)
+void benchmark_measure(const char *name, const struct benchmark_rows *rows,
+                       benchmark_method_fn *method, void *context, double setting, int repeats)
 {
-    static double next[BENCH_MAX_ROWS][3];
+    static double next[BENCHMARK_MAX_ROWS][3];
     double largest, median, best = 1e30, spent = 0.0;
     if (!method(context, rows, setting, next)) {
         fprintf(stderr, "%s at %g: a stride failed\n", name, setting);
         return;
     }
     errors_of(rows, next, &largest, &median);
-    for (int pass = 0; pass < 3 || spent < rows->patience_s; pass++) {
-        const double start = bench_now_s();
+    for (int pass = 0; pass < 3 || spent < rows->least_time_s; pass++) {
+        const double start = benchmark_now_s();
         method(context, rows, setting, next);
-        const double took = bench_now_s() - start;
+        const double took = benchmark_now_s() - start;
         best = took < best ? took : best;
         spent += took;
     }

@@ -1,6 +1,6 @@
-/* Measures ways to compute a stride: time against error over strides known in higher precision.
+/* Measures methods that compute a stride: time against error, over strides known in higher precision.
  *
- * For the programs of make bench; writes lines "method,setting,largest error,median error,strides per second"
+ * For the programs of make bench. Prints lines "method,setting,largest error,median error,strides per second"
  * to stdout, which scripts/bench collects.
  */
 #ifndef SIM_HOST_BATCH_BENCHMARK_H
@@ -8,28 +8,28 @@
 
 #include "sim_host/batch/reference.h"
 
-#define BENCH_MAX_ROWS 1000
+#define BENCHMARK_MAX_ROWS 1000
 
-struct bench_rows {
-    struct reference_stride row[BENCH_MAX_ROWS];
+struct benchmark_rows {
+    struct reference_stride row[BENCHMARK_MAX_ROWS];
     int count;
-    double patience_s; /* least time spent on one measurement */
+    double least_time_s; /* least time spent on one measurement */
 };
 
 /* Reads the rows named on the command line: PROGRAM FILE [SECONDS [MORE]]. 0, and a message on stderr, when it cannot.
  * PROGRAM --help says so on stdout and ends the program. */
-int bench_open(struct bench_rows *rows, int argc, char **argv);
+int benchmark_open(struct benchmark_rows *rows, int argc, char **argv);
 
 /* Computes the next apex of every row; setting: what the ladder varies. Returns 0 when a stride failed. */
-typedef int bench_method_fn(void *context, const struct bench_rows *rows, double setting,
-                            double (*next)[3]);
+typedef int benchmark_method_fn(void *context, const struct benchmark_rows *rows, double setting,
+                                double (*next)[3]);
 
-/* Runs one rung: errors, then the fastest of as many passes as `patience_s` has room for (at least three).
- * repeats: how often one call of the method goes through the rows. Processor time of this thread. */
-void bench_measure(const char *name, const struct bench_rows *rows, bench_method_fn *method,
-                   void *context, double setting, int repeats);
+/* Measures one setting: the errors, then the fastest of at least three passes in `least_time_s`. repeats: how often
+ * one call of the method computes the rows. Times are processor time of this thread. */
+void benchmark_measure(const char *name, const struct benchmark_rows *rows,
+                       benchmark_method_fn *method, void *context, double setting, int repeats);
 
 /* Processor time of this thread, s. */
-double bench_now_s(void);
+double benchmark_now_s(void);
 
 #endif

@@ -3,8 +3,8 @@
 #include "model/collision.h"
 #include "model/trig.h"
 
-double bench_event(enum bench_phase phase, const struct double_support *support,
-                   const double *state)
+double benchmark_event(enum benchmark_phase phase, const struct double_support *support,
+                       const double *state)
 {
     switch (phase) {
     case PHASE_TO_STRIKE:
@@ -16,7 +16,7 @@ double bench_event(enum bench_phase phase, const struct double_support *support,
     }
 }
 
-static int solve_one(const struct bench_solver *solver, const struct reference_stride *row,
+static int solve_one(const struct benchmark_solver *solver, const struct reference_stride *row,
                      double tolerance, double next[3])
 {
     const struct batch_walker *w = &row->walker;
@@ -53,7 +53,8 @@ static int solve_one(const struct bench_solver *solver, const struct reference_s
     return 1;
 }
 
-int bench_solve(void *solver, const struct bench_rows *rows, double tolerance, double (*next)[3])
+int benchmark_solve(void *solver, const struct benchmark_rows *rows, double tolerance,
+                    double (*next)[3])
 {
     for (int i = 0; i < rows->count; i++) {
         if (!solve_one(solver, &rows->row[i], tolerance, next[i])) {

@@ -17,8 +17,8 @@ enum batch_error batch_use_lanes(int lanes);
  * (order 0: back to the table). Not while a job runs. order 4..28; tolerance of a step's last term. */
 void batch_use_method(int order, double log2_tolerance);
 
-/* Flops that a stride's power series take at least, of one lane: multiplications and additions of the recurrence and of
- * two evaluations. order 0: of the settings' accuracy. Event landing and push-off come on top (a fifth). */
+/* Flops that a stride's power series take at least, for one lane and the settings' accuracy. Counted are
+ * multiplications and additions of the recurrence and of two evaluations. Event landing and push-off add a fifth. */
 double batch_series_flops(const struct batch_settings *settings);
 
 /* Measured peak of one core with the vectors in use, flops per second, without fused operations. Takes 0.2 s. */

@@ -1,8 +1,9 @@
-/* Long work in chunks: dealt out to threads, or to the ranks of mpirun, results kept in one file, resumed from it.
+/* Long work in chunks, done by threads or by the ranks of mpirun, with all results in one file.
  *
  * A chunk's result is a fixed number of bytes that depends on its number alone, and has its fixed place in the
- * file; the finished file is the same, byte for byte, for any number of threads and ranks and after any
- * interruption. Each chunk carries a checksum: what a crash left half written is computed again.
+ * file. The finished file is the same, byte for byte, for any number of threads and ranks and after any
+ * interruption. A run that was interrupted goes on from its file. Each chunk carries a checksum: what a crash
+ * left half written is computed again.
  * File: struct chunks_heading, one uint32_t per chunk (CRC-32 of its bytes; 0: not done), the results.
  */
 #ifndef SIM_HOST_BATCH_CHUNKS_H

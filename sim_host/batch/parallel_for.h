@@ -1,5 +1,8 @@
-/* Work in numbered pieces on all cores. Which thread does which piece is chance; a piece's result must
- * depend on its number alone, and then the whole does not depend on the number of threads. */
+/* Runs numbered pieces of work on all cores.
+ *
+ * Nobody knows which thread does which piece. A piece's result must depend on its number alone; then the whole
+ * does not depend on the number of threads.
+ */
 #ifndef SIM_HOST_BATCH_PARALLEL_FOR_H
 #define SIM_HOST_BATCH_PARALLEL_FOR_H
 

@@ -1,4 +1,4 @@
-/* Strides known in higher precision, as a CSV file: what speed measurements check their results against. */
+/* Reads and writes strides known in higher precision, as a CSV file: the reference of speed measurements. */
 #ifndef SIM_HOST_BATCH_REFERENCE_H
 #define SIM_HOST_BATCH_REFERENCE_H
 

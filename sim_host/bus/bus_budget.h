@@ -2,7 +2,8 @@
  *
  * Worst-case response times by Davis, Burns, Bril, Lukkien, "Controller Area Network (CAN)
  * schedulability analysis: refuted, revisited and revised", Real-Time Systems 35 (2007),
- * section 3.2, with one bus error in 10 ms; network management and emergencies are apart.
+ * section 3.2, with one bus error in 10 ms.
+ * Network management and emergencies are not counted.
  * scripts/bus-budget computes the same, prints every frame and can vary more.
  */
 #ifndef SIM_HOST_BUS_BUS_BUDGET_H

@@ -1,9 +1,8 @@
 /* The exact length of a classic CAN frame on the wire, in bit times.
  *
- * ISO 11898-1: SOF to the end of the CRC sequence is stuffed (after five equal
- * bits one of the other kind, which counts for the next run); then CRC
- * delimiter, acknowledge slot and delimiter, 7 bits EOF, and 3 bits of
- * intermission. CRC-15 polynomial 0x4599 over SOF to the end of the data.
+ * ISO 11898-1: SOF to the end of the CRC sequence is stuffed: after five equal bits comes one of the other
+ * kind, which counts for the next run. Then come CRC delimiter, acknowledge slot and delimiter, 7
+ * bits of EOF, and 3 bits of intermission. CRC-15 polynomial 0x4599 over SOF to the end of the data.
  * Works bytewise from two tables, about 30 ns a frame.
  */
 #ifndef SIM_HOST_BUS_FRAME_BITS_H

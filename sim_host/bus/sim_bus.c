@@ -71,7 +71,7 @@ static bool head_of(struct sim_bus_port *port, struct sim_bus_tx_entry *entry)
     return true;
 }
 
-static void take_head(struct sim_bus_port *port, const struct sim_bus_tx_entry *entry)
+static void pop_head(struct sim_bus_port *port, const struct sim_bus_tx_entry *entry)
 {
     if (!entry->is_babble) {
         port->tx_count--;
@@ -187,7 +187,7 @@ static void begin_frame(struct sim_bus *bus)
 {
     for (uint32_t left = bus->contenders; left != 0; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
-        take_head(&bus->ports[i], &bus->rivals[i]);
+        pop_head(&bus->ports[i], &bus->rivals[i]);
     }
     if (apply_fault(bus)) {
         return; /* delayed: the bus stays idle, the next in line tries */

@@ -1,15 +1,15 @@
 /* A classic CAN bus inside the process, in virtual time.
  *
- * Frames compete by identifier, last as long as their exactly stuffed bits
- * (CRC-15 computed) at the chosen bit rate, are acknowledged, fail, are sent
- * again and drive nodes to error passive and bus-off as ISO 11898-1 has it.
+ * Frames compete by identifier, as ISO 11898-1 has it. They last as long as their
+ * exactly stuffed bits (CRC-15 computed) at the chosen bit rate. They are
+ * acknowledged, fail, are sent again, and drive nodes to error passive and bus-off.
  * Nothing here reads a clock: time moves only in sim_bus_run_until(), so the
  * same calls give the same log on every machine.
  *
- * How a loop uses it: attach every node once (with a wake function that polls
- * the node), queue the SYNC, run until the next tick. After each frame the bus
+ * A loop attaches every node once, with a wake function that polls the node. Then it
+ * queues the SYNC and runs the bus until the next tick. After each frame the bus
  * copies it into the receive queue of every other node and wakes them in order
- * of their ports; what they send takes part in the next arbitration, three bit
+ * of their ports. What they send takes part in the next arbitration, three bit
  * times later.
  */
 #ifndef SIM_HOST_BUS_SIM_BUS_H

@@ -35,7 +35,7 @@ int sim_session_configure(struct sim_session *session)
         return program_complain("%s", message);
     }
     if (options->engage_steps > 0) {
-        loop_configure_recording(&session->config, options->engage_steps);
+        loop_configure_person(&session->config, options->engage_steps);
     }
     ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;

@@ -17,13 +17,13 @@ struct scene_spec {
 };
 
 static const struct scene_spec specs[CAMPAIGN_SCENES] = {
-    {"bench 0.45", 0.45, SENSORS_17BIT, 0, 20},
-    {"bench 0.6", 0.6, SENSORS_17BIT, 0, 20},
-    {"bench 0.8", 0.8, SENSORS_17BIT, 0, 30},
-    {"bench 1.0", 1.0, SENSORS_17BIT, 0, 30},
-    {"bench 0.45, 14 bit", 0.45, SENSORS_14BIT, 0, 20},
-    {"wearer 0.45, engaged", 0.45, SENSORS_17BIT, 4, 24},
-    {"wearer 0.6, share rising", 0.6, SENSORS_17BIT, 4, 9},
+    {"walker 0.45", 0.45, SENSORS_17BIT, 0, 20},
+    {"walker 0.6", 0.6, SENSORS_17BIT, 0, 20},
+    {"walker 0.8", 0.8, SENSORS_17BIT, 0, 30},
+    {"walker 1.0", 1.0, SENSORS_17BIT, 0, 30},
+    {"walker 0.45, 14 bit", 0.45, SENSORS_14BIT, 0, 20},
+    {"person 0.45, engaged", 0.45, SENSORS_17BIT, 4, 24},
+    {"person 0.6, assist level rising", 0.6, SENSORS_17BIT, 4, 9},
 };
 
 struct scene {
@@ -42,38 +42,6 @@ struct campaign {
 const char *campaign_scene_name(unsigned scene)
 {
     return scene < CAMPAIGN_SCENES ? specs[scene].name : "?";
-}
-
-/* ---- plans ------------------------------------------------------------------------ */
-
-static void plan_shot(uint64_t *state, enum fault_kind kind, struct fault_shot *shot)
-{
-    const struct fault_kind_info *info = &fault_kinds[kind];
-    const double span = (double)(info->longest_ms - info->shortest_ms);
-    const double part = injector_random(state); /* cubed: short ones more often than long */
-    shot->kind = kind;
-    shot->node = (uint8_t)(injector_random(state) * 4.0);
-    shot->duration_ticks =
-        TICKS_OF_MS(info->shortest_ms + (uint32_t)(span * part * part * part + 0.5));
-    shot->magnitude = info->least + (info->greatest - info->least) * injector_random(state);
-    shot->seed = (uint64_t)(injector_random(state) * 0x1p53);
-}
-
-void campaign_plan(uint64_t seed, uint32_t index, struct campaign_plan *plan)
-{
-    uint64_t state = seed * UINT64_C(0xD1342543DE82EF95) + index;
-    *plan = (struct campaign_plan){.index = index};
-    (void)injector_random(&state);
-    plan->scene = (uint8_t)(injector_random(&state) * CAMPAIGN_SCENES);
-    plan->count = injector_random(&state) < 0.3 ? 2 : 1;
-    plan_shot(&state, (enum fault_kind)(index % FAULT_KINDS), &plan->shot[0]);
-    plan->shot[0].start_tick = (uint32_t)(injector_random(&state) * CAMPAIGN_PHASE_TICKS);
-    if (plan->count == 2) {
-        const double second = injector_random(&state) * FAULT_KINDS;
-        plan_shot(&state, (enum fault_kind)second, &plan->shot[1]);
-        plan->shot[1].start_tick =
-            plan->shot[0].start_tick + (uint32_t)(injector_random(&state) * 500.0);
-    }
 }
 
 /* ---- digests ------------------------------------------------------------------------ */
@@ -136,7 +104,7 @@ static int configure(const struct scene_spec *spec, struct loop_config *config, 
         return -1;
     }
     if (spec->engage_steps > 0) {
-        loop_configure_recording(config, spec->engage_steps);
+        loop_configure_person(config, spec->engage_steps);
     }
     return 0;
 }
@@ -284,41 +252,4 @@ void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, F
     result->late =
         oracle.must_notice_tick != ORACLE_NEVER &&
         (oracle.noticed_tick == ORACLE_NEVER || oracle.noticed_tick > oracle.must_notice_tick);
-}
-
-/* ---- results file ----------------------------------------------------------------------- */
-
-void campaign_write(FILE *file, const struct campaign_result *result)
-{
-    fprintf(file, "%u %d %d %u %u %u %u %d %d %u\n", result->plan.index, result->effective,
-            result->late, result->effect_tick, result->noticed_tick, result->unloaded_tick,
-            result->unsafe_tick, (int)result->fault, (int)result->walk_fault, result->unsafe);
-}
-
-bool campaign_read(const char *line, uint64_t seed, struct campaign_result *result)
-{
-    enum { FIELDS = 10 }; /* as campaign_write has them */
-    long long field[FIELDS];
-    for (int i = 0; i < FIELDS; i++) {
-        char *end;
-        field[i] = strtoll(line, &end, 10);
-        if (end == line || field[i] < INT32_MIN || field[i] > (long long)UINT32_MAX) {
-            return false;
-        }
-        line = end;
-    }
-    if (*line != '\n') {
-        return false;
-    }
-    *result = (struct campaign_result){.effective = field[1] != 0,
-                                       .late = field[2] != 0,
-                                       .effect_tick = (uint32_t)field[3],
-                                       .noticed_tick = (uint32_t)field[4],
-                                       .unloaded_tick = (uint32_t)field[5],
-                                       .unsafe_tick = (uint32_t)field[6],
-                                       .fault = (enum supervisor_fault)field[7],
-                                       .walk_fault = (enum walk_fault)field[8],
-                                       .unsafe = (unsigned)field[9]};
-    campaign_plan(seed, (uint32_t)field[0], &result->plan);
-    return true;
 }

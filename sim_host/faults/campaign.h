@@ -1,9 +1,9 @@
 /* The fault campaign: runs drawn from a seed, each from a saved state of a steady walk.
  *
  * A scene is a steady walk, saved with everything that is in struct loop. A run restores a
- * scene's state, injects one or two faults at a moment of the step and judges what follows. The same
- * scene goes on without a fault once; a run's fault was effective when bus or plant
- * differ from that. Run i of seed s is the same run everywhere and for ever.
+ * scene's state and injects one or two faults at a moment of the step. The oracle decides what
+ * follows. The same scene also goes on without a fault: a run's fault was effective when bus or
+ * plant differ from that. Run i of seed s is the same run on every machine.
  */
 #ifndef SIM_HOST_FAULTS_CAMPAIGN_H
 #define SIM_HOST_FAULTS_CAMPAIGN_H
@@ -32,7 +32,7 @@ struct campaign_plan {
 struct campaign_result {
     struct campaign_plan plan;
     bool effective;
-    bool late; /* had to be noticed by then, and was not */
+    bool late; /* was not noticed within the time of its kind */
     uint32_t effect_tick, noticed_tick, unloaded_tick, unsafe_tick; /* ORACLE_NEVER: not */
     enum supervisor_fault fault;
     enum walk_fault walk_fault;
@@ -43,16 +43,16 @@ struct campaign; /* large; campaign_create() */
 
 const char *campaign_scene_name(unsigned scene);
 
-/* What run `index` of a seed is. Pure. */
+/* Draws run `index` of a seed. Pure; O(1). */
 void campaign_plan(uint64_t seed, uint32_t index, struct campaign_plan *plan);
 
-/* Walks the scenes and saves them (some seconds). NULL with a reason on stderr. The
- * heap of a host program; campaign_destroy() gives it back. */
+/* Walks the scenes and saves them, on the heap; takes some seconds. NULL after a message on
+ * stderr. Release with campaign_destroy(). */
 struct campaign *campaign_create(void);
 void campaign_destroy(struct campaign *campaign);
 
-/* One run. log: candump of every frame, ticks: one line a tick as afo sim --ticks; either
- * may be NULL. About 40 ms. */
+/* Makes one run. log: candump of every frame; ticks: one CSV line a tick; either may be NULL.
+ * About 40 ms. */
 void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, FILE *log,
                   FILE *ticks, struct campaign_result *result);
 

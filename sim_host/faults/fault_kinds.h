@@ -1,12 +1,12 @@
-/* What can go wrong: every class of fault the campaign injects, with the ranges its
- * strength and length are drawn from and the time within which it must be noticed.
+/* The kinds of faults that the campaign injects.
  *
+ * Each has the ranges from which strength and length are drawn, and a time limit for its notice.
  * X(NAME, name, group, lasting_ms, notice_ms, shortest_ms, longest_ms, least, greatest, unit)
- *   lasting_ms, notice_ms: one that lasts at least lasting_ms must be noticed (by the
- *   controller's supervisor or a drive's own) notice_ms after its first effect on bus or
- *   plant; notice_ms 0: need not be noticed, only be harmless. The limits follow from
- *   sensor_age_max_s 10 ms, target time-out 50 ms, heartbeats 250 ms and the checks'
- *   counts in controller/screening/checks.c.
+ *   lasting_ms, notice_ms: a fault that lasts at least lasting_ms must be noticed within
+ *   notice_ms of its first effect on bus or plant, by the supervisor or by a drive.
+ *   notice_ms 0: it need not be noticed, but must do no harm.
+ * The limits follow from sensor_age_max_s 10 ms, target timeout 50 ms, heartbeats 250 ms and the
+ * counts of controller/screening/.
  */
 #ifndef SIM_HOST_FAULTS_FAULT_KINDS_H
 #define SIM_HOST_FAULTS_FAULT_KINDS_H

@@ -59,7 +59,7 @@ static void check_only(const struct fault_options *options)
     exit(EXIT_USAGE);
 }
 
-static error_t take(int key, char *text, struct argp_state *state)
+static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     struct fault_options *options = (struct fault_options *)state->input;
     switch (key) {
@@ -112,7 +112,7 @@ void fault_options_parse(struct fault_options *options, int argc, char **argv)
 {
     static const struct argp parser = {
         option_list,
-        take,
+        parse_option,
         0,
         "Injects faults into steady walks of the simulated walker and judges by the plant what "
         "came of them.\v"

@@ -1,11 +1,12 @@
 /* A foreign node: it sends frames with identifiers of this bus, by a clock of its own.
  *
  * A frame that begins at the same bit as the rightful sender's collides: both see a bit
- * error. At any other moment it comes through. The node's period is drawn from six rhythms,
- * as a second controller, a forgotten script or a gateway has them: the bus's period at a
- * fixed phase, the same with a clock that is off, faster, slower, single frames at irregular
- * intervals, one frame alone. After a bus-off the node recovers by itself, as most
- * controllers are set up to.
+ * error. At any other moment it comes through. The node draws one of six rhythms, as a
+ * second controller, a forgotten script or a gateway has them:
+ *   - the bus's period at a fixed phase, or with a clock that is off;
+ *   - a faster or a slower period;
+ *   - single frames at irregular intervals, or one frame alone.
+ * After a bus-off the node recovers by itself, as most controllers are set up to.
  */
 #ifndef SIM_HOST_FAULTS_FOREIGN_NODE_H
 #define SIM_HOST_FAULTS_FOREIGN_NODE_H

@@ -1,19 +1,19 @@
-/* Judges a run by the plant, not by the controller's opinion.
+/* Decides from the plant whether a run was safe; what the controller believes does not count.
  *
  * Unsafe, each a bit:
  *   RELEASE   spring energy released outside double support, or on the leading leg
- *   LOADED    a spring above 5 % of its force at the notice (and of 1 % of the force at
- *             full stroke) 300 ms after the fault was noticed, or had to be
- *   FALLEN    a spring loaded that long after the walker went down and steps had to be
+ *   LOADED    a spring still loaded 300 ms after the fault was noticed, or had to be. Loaded:
+ *             above 5 % of its force at the notice and above 1 % of its force at full stroke
+ *   FALLEN    a spring loaded that long after the walker fell, and after the steps had to be
  *             known to have stopped
- *   FORCE     ankle force above that of the spring, as configured, at full stroke
+ *   FORCE     ankle force above the force of the configured spring at full stroke
  *   STROKE    motor beyond its stops
- *   RATE      motor faster than 1.3 of the drive's limit
- *   ENABLED   a drive that follows targets, or has its latch armed, 100 ms after the
- *             controller is in FAULT
- *   STEP      commanded precompression jumps up: by more than the reference's speed allows in a
- *             tick, or a step's r0 by more than its limit
- * Noticed: the supervisor unloads or is in FAULT, or a drive is in its own reaction.
+ *   RATE      motor faster than 1.3 times the drive's limit
+ *   ENABLED   a drive follows targets, or has its latch armed, 100 ms after the controller
+ *             entered FAULT
+ *   STEP      the commanded precompression rises in a tick by more than the speed limit allows,
+ *             or a step's r0 changes by more than its limit
+ * Noticed: the supervisor unloads or is in FAULT, or a drive is in its own safe reaction.
  */
 #ifndef SIM_HOST_FAULTS_ORACLE_H
 #define SIM_HOST_FAULTS_ORACLE_H
@@ -57,19 +57,20 @@ struct oracle {
     bool was_enabled[SIDE_COUNT];
     double r0_m;
     uint32_t r0_number;
-    bool double_support; /* as the events told */
+    bool double_support; /* by the events read so far */
     enum side trailing;
     enum supervisor_fault fault; /* first latched */
     enum walk_fault walk_fault;
 };
 
-/* At the moment the shots begin to count. */
+/* Starts the oracle at the loop as it is now: at the moment the shots begin to count. */
 void oracle_begin(struct oracle *oracle, struct loop *loop);
 
-/* After every tick. differs: bus or plant is not as it was without the fault. */
+/* Looks at the loop; call it after every tick. differs: bus or plant is not as it was without
+ * the fault. Reads the plant's events, so nobody else may. O(1). */
 void oracle_tick(struct oracle *oracle, bool differs);
 
-/* Nothing more can happen that matters: torque off, slack, for a while. */
+/* True when torque has been off and both springs slack for half a second: the run may end. */
 bool oracle_is_settled(const struct oracle *oracle);
 
 #endif

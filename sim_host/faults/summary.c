@@ -32,7 +32,7 @@ static bool belongs(const struct campaign_result *result, unsigned row)
                             : result->plan.count == 1 && (unsigned)result->plan.shot[0].kind == row;
 }
 
-static void take(struct row *row, const struct campaign_result *result)
+static void add_result(struct row *row, const struct campaign_result *result)
 {
     row->injected++;
     row->effective += result->effective ? 1 : 0;
@@ -102,7 +102,7 @@ unsigned summary_table(FILE *stream, const struct campaign_result *results, uint
         struct row row = {.notice_ms = times, .unload_ms = times + count};
         for (uint32_t i = 0; i < count; i++) {
             if (belongs(&results[i], index)) {
-                take(&row, &results[i]);
+                add_result(&row, &results[i]);
             }
         }
         print_row(stream, index, &row, markdown);

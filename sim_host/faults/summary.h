@@ -1,4 +1,4 @@
-/* What a campaign found, as a table per class of fault, and one run in words. */
+/* Prints what a campaign found: a table with a row for each kind of fault, and single runs in words. */
 #ifndef SIM_HOST_FAULTS_SUMMARY_H
 #define SIM_HOST_FAULTS_SUMMARY_H
 
@@ -11,7 +11,7 @@
 unsigned summary_table(FILE *stream, const struct campaign_result *results, uint32_t count,
                        bool markdown);
 
-/* One run, for a person. */
+/* Prints one run in words. */
 void summary_tell(FILE *stream, const struct campaign_result *result);
 
 #endif

@@ -1,8 +1,8 @@
-/* Getting onto the two branches of period-1 gaits, for any walker.
+/* Finds the start of the two branches of period-1 gaits, for any walker.
  *
- * "long" and "short" name them by step period; the short one is the faster at the apex and always
- * unstable. From the paper's gaits at r0 = 0.05 the branch is followed in the walker's own units
- * (M = 1, l = 1, g = 1), where a walker is two numbers: m/M and k l / (M g).
+ * "long" and "short" name them by step period. The short one is the faster at the apex, and always unstable. The
+ * branch is followed from the paper's gaits at r0 = 0.05 in the walker's own units (M = 1, l = 1, g = 1). There
+ * a walker is two numbers: m/M and k l / (M g).
  */
 #ifndef SIM_HOST_GAIT_BRANCH_H
 #define SIM_HOST_GAIT_BRANCH_H

@@ -1,10 +1,10 @@
-/* What the laws beyond eq. (16) must know of a walker (controller/laws/gait_branch.h), from the model.
+/* Computes what the laws beyond eq. (16) must know of a walker (controller/laws/gait_branch.h), from the model.
  *
- * Gaits at equally spaced speeds of the long-period branch (Newton on the map at given speed, with the
- * map's derivative), and for each: the Riccati solution and gain of the map linearised there
- * (iterated to rest), and the gain that puts all its eigenvalues at zero (Ackermann's formula).
- * Weights are given for the paper's walker and scaled: times with sqrt(l/g), r0 with the length at
- * which the spring stores the same share of M g l.
+ * The gaits are those of the long-period branch at equally spaced speeds (Newton on the map at given speed, with
+ * the map's derivative). Each has two gains. One comes from the Riccati equation of the map linearised there,
+ * iterated until it does not change. The other puts all eigenvalues at zero (Ackermann's formula). Weights are
+ * given for the paper's walker and scaled: times with sqrt(l/g), r0 with the length at which the spring stores
+ * the same share of M g l.
  *
  * Computed in double whatever the caller is compiled for; plain doubles. The same bits everywhere.
  */
@@ -45,14 +45,14 @@ enum laws_table_error {
 
 struct laws_weights laws_weights_default(void);
 
-/* Fills the table for a walker whose r0 scales by length_scale (1 for the paper's walker): speeds of the
- * gaits from r0 = 0.005 to 0.262 times it (where the clamp of the collision sets in). About 0.1 s. */
+/* Fills the table for a walker whose r0 scales by length_scale (1 for the paper's walker). The speeds are those of
+ * the gaits from r0 = 0.005 to 0.262 times it, where the clamp of the collision begins. About 0.1 s. */
 enum laws_table_error laws_table_make(const struct gait_walker *walker, double length_scale,
                                       const struct laws_weights *weights, struct laws_table *table);
 
-/* The gain of eq. (16) for this walker: `wanted` when it holds the table's gaits from r0_low_m on with no eigenvalue
- * beyond LAWS_TABLE_CALM, else the one that makes the largest smallest. *largest: what comes of it. unit: the
- * gain's scale, 1 for the paper's walker. */
+/* The gain of eq. (16) for this walker. It is `wanted` when no gait of the table from r0_low_m on has an
+ * eigenvalue beyond LAWS_TABLE_CALM with it. Else it is the gain whose largest eigenvalue is smallest. *largest
+ * receives that eigenvalue. unit: the gain's scale, 1 for the paper's walker. */
 #define LAWS_TABLE_CALM 0.9
 double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
                        double *largest);

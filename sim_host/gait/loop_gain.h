@@ -1,6 +1,6 @@
 /* Eigenvalues of steady gaits under eq. (16), and the gain that suits a whole branch of them.
  *
- * r0[k] = r0* - kp (v* - v[k]), v = -x0: the law adds -kp dG/dr0 to the first column of the map's derivative, so
+ * r0[k] = r0* - kp (v* - v[k]), v = -x0: the law adds -kp dG/dr0 to the first column of the map's derivative. So
  * the closed loop of any gain follows from the derivatives without the law.
  */
 #ifndef SIM_HOST_GAIT_LOOP_GAIN_H

@@ -1,8 +1,8 @@
 /* Periodic walks of the return map, with or without the step law: evaluation, derivative, Newton.
  *
- * A problem is a walker, a push-off r0, the law's gain and a period. With gain kp the push-off of
- * each stride is r0 + kp (v - v*), v its apex speed and v* = f(r0) the speed of the long branch's
- * gait at r0 (paper eq. 16 in forward speed), so that the long branch's gaits stay where they are.
+ * A problem is a walker, a push-off r0, the law's gain and a period. With gain kp the push-off of each stride is
+ * r0 + kp (v - v*). Here v is its apex speed, and v* = f(r0) the speed of the long branch's gait at r0 (paper
+ * eq. 16 in forward speed). So the long branch's gaits stay where they are.
  */
 #ifndef SIM_HOST_GAIT_ORBIT_H
 #define SIM_HOST_GAIT_ORBIT_H

@@ -1,8 +1,8 @@
 /* The return map's derivative, by variational equations carried through the events.
  *
- * The stride is run first (model/stride); then state and sensitivities are integrated together over
- * the phases' now known durations, and corrected at each event for the event's own shift in time
- * (the saltation matrices of strike, lift-off and apex). No differences anywhere. Double only.
+ * The stride is run first (model/stride). Then state and sensitivities are integrated together over the phases,
+ * whose durations are now known. At each event they are corrected for the event's own shift in time (the
+ * saltation matrices of strike, lift-off and apex). There are no finite differences. Double only.
  */
 #ifndef SIM_HOST_GAIT_STRIDE_DERIVATIVE_H
 #define SIM_HOST_GAIT_STRIDE_DERIVATIVE_H

@@ -47,7 +47,7 @@ static void append(struct gait_record *record, struct gait_moments *list, double
 
 /* The stride from the last true strike to this one is over: now its true phase at
  * each tick is known. */
-static void judge_phase(struct gait_record *record, enum side side)
+static void measure_phase(struct gait_record *record, enum side side)
 {
     const uint32_t count = record->phase_count[side];
     record->phase_count[side] = 0;
@@ -60,7 +60,7 @@ static void judge_phase(struct gait_record *record, enum side side)
             const double off = said - (double)i / (double)count;
             const double error = off - floor(off + 0.5); /* 0.99 and 0.01 are close */
             record->phase_squares[side] += error * error;
-            record->phase_judged[side]++;
+            record->phase_measured[side]++;
         }
     }
 }
@@ -71,7 +71,7 @@ void gait_record_truth(struct gait_record *record, const struct walk_event *even
     switch (event->kind) {
     case WALK_EVENT_HEEL_STRIKE:
         append(record, &record->true_strike[side], event->time_s, event->time_s);
-        judge_phase(record, side);
+        measure_phase(record, side);
         break;
     case WALK_EVENT_TOE_OFF:
         append(record, &record->true_toe_off[side], event->time_s, event->time_s);
@@ -108,6 +108,6 @@ void gait_record_take(struct gait_record *record, const struct loop *loop)
 
 double gait_record_phase_error(const struct gait_record *record, enum side side)
 {
-    const uint64_t judged = record->phase_judged[side];
-    return judged > 0 ? sqrt(record->phase_squares[side] / (double)judged) : (double)NAN;
+    const uint64_t measured = record->phase_measured[side];
+    return measured > 0 ? sqrt(record->phase_squares[side] / (double)measured) : (double)NAN;
 }

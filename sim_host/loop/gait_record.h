@@ -1,8 +1,8 @@
-/* What the controller said about the gait, and when it knew, beside the plant's truth.
+/* Compares what the controller reported about the gait with the plant's truth, event by event.
  *
- * Times are in seconds of the plant, or of the recording when a wearer walks. The
- * controller's are those of its own events: estimated moment and the tick in which
- * the event was reported.
+ * Times are in seconds of the plant, or of the recording when a recorded person walks. The
+ * controller's times are those of its own events: the estimated moment, and the tick in which it
+ * reported the event.
  */
 #ifndef SIM_HOST_LOOP_GAIT_RECORD_H
 #define SIM_HOST_LOOP_GAIT_RECORD_H
@@ -24,7 +24,7 @@ struct gait_moments {
     size_t count, capacity;
 };
 
-enum { GAIT_PHASE_TICKS = 4096 }; /* longest stride whose phase is judged */
+enum { GAIT_PHASE_TICKS = 4096 }; /* longest stride whose phase is measured */
 
 struct gait_record {
     struct gait_moments seen[SIDE_COUNT][GAIT_EVENT_KINDS];
@@ -35,7 +35,7 @@ struct gait_record {
     float phase[SIDE_COUNT][GAIT_PHASE_TICKS]; /* the controller's, since the last true strike */
     uint32_t phase_count[SIDE_COUNT];
     double phase_squares[SIDE_COUNT]; /* sum of squared errors, share of the stride */
-    uint64_t phase_judged[SIDE_COUNT];
+    uint64_t phase_measured[SIDE_COUNT];
     double origin_s;    /* subtracted from the plant's time */
     bool out_of_memory; /* something was not recorded */
 };
@@ -51,7 +51,7 @@ void gait_record_truth(struct gait_record *record, const struct walk_event *even
 void gait_record_take(struct gait_record *record, const struct loop *loop);
 
 /* RMS error of the leg's gait phase against the true heel strikes, share of a stride;
- * NaN when nothing was judged. */
+ * NaN when nothing was measured. */
 double gait_record_phase_error(const struct gait_record *record, enum side side);
 
 #endif

@@ -1,9 +1,9 @@
-/* Who is waited for in lock-step.
+/* Decides who is waited for in lock-step.
  *
- * A controller that runs ahead of its nodes gets their answers in a bunch, and takes them
- * for somebody else's. So it waits for everybody who will answer, not only when all do: a node
- * that is operational by its heartbeat, or was told to start before the SYNC (frames keep their
- * order); not one that was stopped or is being set up, and no longer one that boots meanwhile.
+ * A controller that runs ahead of its nodes gets their answers in a bunch and takes them for those of
+ * another node. So it waits for each node that will answer, not only when all will. A node
+ * answers when it is operational by its heartbeat, or was told to start before the SYNC (frames keep
+ * their order). Nobody waits for a node that was stopped, is being set up, or boots meanwhile.
  */
 #ifndef SIM_HOST_LOOP_LOCK_STEP_H
 #define SIM_HOST_LOOP_LOCK_STEP_H

@@ -11,7 +11,7 @@
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
-static_assert((int)SPEED_TABLE_MAX <= (int)OWN_PUSH_GAITS_MAX, "the wearer knows as many gaits");
+static_assert((int)SPEED_TABLE_MAX <= (int)OWN_PUSH_GAITS_MAX, "own_push has room for all gaits");
 
 const char *loop_fault_name(enum loop_fault fault)
 {
@@ -77,7 +77,7 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
     return 0;
 }
 
-void loop_configure_recording(struct loop_config *config, unsigned engage_steps)
+void loop_configure_person(struct loop_config *config, unsigned engage_steps)
 {
     struct control_params *params = &config->params;
     params->engage_steps = (real)engage_steps;

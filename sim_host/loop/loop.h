@@ -1,10 +1,9 @@
 /* The whole loop in one process: control task, CAN bus, nodes, plant.
  *
- * The control task is the flown object code; it meets the plant only through
- * frames on the in-process bus. One loop_tick() is one SYNC period in lock-step,
- * as fast as the machine can. Everything is in one struct without pointers to
- * the outside but the log: runs from the same config give the same frames bit
- * for bit on every machine.
+ * The control task is the flashed object code. It meets the plant only through frames on the
+ * in-process bus. One loop_tick() is one SYNC period in lock-step, as fast as the machine can.
+ * Everything is in one struct, without pointers to the outside but the log. So runs from the same
+ * config give the same frames bit for bit on every machine.
  */
 #ifndef SIM_HOST_LOOP_LOOP_H
 #define SIM_HOST_LOOP_LOOP_H
@@ -38,7 +37,7 @@ struct loop_config {
     struct subject subject;
     struct control_params params;
     struct plant_config plant;
-    struct own_push_params own_push; /* the wearer's; not present by default */
+    struct own_push_params own_push; /* the person's; not present by default */
     double desired_speed_rad_s;
     enum loop_fault fault;
     uint32_t fault_step; /* the fault begins when this many apexes have passed */
@@ -75,9 +74,9 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
                    const struct control_params *params, double desired_speed_rad_s,
                    enum sensor_preset_kind sensors, uint64_t seed, char *message);
 
-/* From the bench to a wearer: they have a push-off of their own at the desired speed, the
- * hand lets go of them unloaded, and the controller assists after so many steady steps. */
-void loop_configure_recording(struct loop_config *config, unsigned engage_steps);
+/* Makes a person of the walker: with a push-off of their own at the desired speed, and not held until the
+ * springs are loaded. The controller assists after engage_steps steady steps. */
+void loop_configure_person(struct loop_config *config, unsigned engage_steps);
 
 /* Builds everything and boots the nodes. The loop is large (about 200 kB): static
  * or on the heap. log may be NULL, else it stays the caller's. Returns 0, or -1

@@ -1,8 +1,8 @@
-/* Watches a loop that runs for days: counters that must rise and stop at their ends, clocks that
- * must run over unnoticed, memory that must not grow.
+/* Watches a loop that runs for days: counters, clocks and memory.
  *
- * Counters and clocks begin so close to their ends that every one of them passes it; what they
- * must be is counted here, apart from them.
+ * Counters must rise and stop at their ends. Clocks must run over without an effect. Memory must not
+ * grow. Counters and clocks begin so close to their ends that every one of them passes it. The watch
+ * counts what they must be by itself.
  */
 #ifndef SIM_HOST_LOOP_SOAK_WATCH_H
 #define SIM_HOST_LOOP_SOAK_WATCH_H

@@ -1,34 +1,33 @@
-/* A virtual SEA drive: a CANopen device of profile CiA 402, as an EPOS-like drive
- * behaves on the bus, with a spring, a latch and its own safe reaction.
+/* A virtual SEA drive: a CANopen device of profile CiA 402 that behaves on the bus like an EPOS drive.
  *
- * It knows a `struct can_bus` and the time it is told, nothing else, so the same
- * node runs on the in-process bus and on SocketCAN. The mechanics are outside: the
- * owner hands in what the axis measures and takes out what the axis shall do.
+ * It has a spring, a latch and a safe reaction of its own. It knows a `struct can_bus` and the time it
+ * is told, nothing else. So the same node runs on the in-process bus and on SocketCAN. The
+ * mechanics are outside: the owner passes in what the axis measures, and gets what the axis shall do.
  *
  * At SYNC k (t = k ms):
  *     drive_node_measure(node, &feedback);     state of the plant at t
  *     drive_node_poll(node, now_ns);           sees SYNC: applies the synchronous
  *                                              RPDOs of the cycle before, answers
- *     drive_node_command(node, period, &cmd);  then the plant goes on one period
- * Without SYNC (controller dead) the owner goes on calling all three by the clock.
+ *     drive_node_command(node, period, &cmd);  then the plant advances one period
+ * Without SYNC (controller dead) the owner keeps calling all three by the clock.
  *
- * Power-on mapping (all of it can be changed by SDO): RPDO1 0x201 for both drives,
- * target position 0x607A left, then right, the other drive's half as dummy
- * INTEGER32, transmission type 1, time-out 50 ms; RPDO2 0x300+node controlword and
- * 0x60FE:01, type 255; TPDO1 0x180+node statusword and position, type 1; TPDO3
- * 0x380+node torque, temperature, DC link voltage, type 100. Heartbeat 100 ms;
- * consumes the controller's (node 16) with 250 ms. Mode 8 (cyclic synchronous
- * position), the only one it has: others are refused.
+ * Power-on mapping; all of it can be changed by SDO:
+ *     RPDO1  0x201 for both drives: target position 0x607A left, then right, the other drive's half
+ *            as dummy INTEGER32; transmission type 1, timeout 50 ms
+ *     RPDO2  0x300 + node: controlword and 0x60FE:01; type 255
+ *     TPDO1  0x180 + node: statusword and position; type 1
+ *     TPDO3  0x380 + node: torque, temperature, DC link voltage; type 100
+ * Heartbeat 100 ms; the node consumes the controller's (node 16) with 250 ms. Mode 8 (cyclic
+ * synchronous position) is the only one; others are refused.
  *
- * Safe reaction: when the master's heartbeat, the target RPDO or the SYNC (50 ms)
- * fails or the node leaves NMT operational (0x6007), on a fault (0x605E), on quick stop (0x605A) and
- * on an orderly shutdown (0x605B, 0x605C) the drive disarms the latch, moves its
- * motor to zero spring at config.unload_rate_m_per_s by itself and then switches its
- * torque off. Disable voltage switches off at once, as the profile demands.
+ * Safe reaction: the drive disarms the latch, moves its motor to zero spring at
+ * config.unload_rate_m_per_s, and then switches its torque off. Causes: the master's heartbeat, the
+ * target RPDO or the SYNC (50 ms) fails, or the node leaves NMT operational (0x6007); a fault (0x605E);
+ * quick stop (0x605A); an orderly shutdown (0x605B, 0x605C). Disable voltage switches the torque off at
+ * once, as the profile demands.
  *
- * Statusword bits besides the state (CiA 402-2): 4 voltage, 9 remote (operational),
- * 11 a limit acts, 12 follows the target, 13 following error; of the maker: 14 latch
- * closed, 15 motor at zero spring.
+ * Statusword bits besides the state. CiA 402-2: 4 voltage, 9 remote (operational), 11 a limit acts,
+ * 12 follows the target, 13 following error. Of the maker: 14 latch closed, 15 motor at zero spring.
  */
 #ifndef SIM_HOST_NODES_DRIVE_NODE_H
 #define SIM_HOST_NODES_DRIVE_NODE_H

@@ -1,5 +1,7 @@
-/* The structs of a drive node: its configuration, what its axis measures and shall do, and its inside,
- * which is public only so that its owner can allocate it. */
+/* The structs of a drive node: its configuration, what its axis measures and shall do, and its inside.
+ *
+ * The inside is public only so that its owner can allocate it.
+ */
 #ifndef SIM_HOST_NODES_DRIVE_NODE_TYPE_H
 #define SIM_HOST_NODES_DRIVE_NODE_TYPE_H
 

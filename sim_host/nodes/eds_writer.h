@@ -12,8 +12,8 @@ struct eds_text {
     const char *description;
 };
 
-/* A data sheet describes a type, not one device: `other` is a second device of the type in its
- * power-on state, with another node number and other settings. What both have alike is a default;
+/* A data sheet describes a type, not one device. So `other` is a second device of the type in its power-on
+ * state, with another node number and other settings. What both have alike is a default;
  * what moved with the node number is one relative to $NODEID; all else has none. */
 struct eds_subject {
     struct co_device *device, *other;

@@ -1,13 +1,12 @@
-/* A virtual leg sensor: CANopen encoder of profile CiA 406 that measures the leg
- * angle and the ankle's extension and answers every SYNC with TPDO2 (0x280+node):
- * 0x2020:01 leg angle (INTEGER24), 0x2020:02 ankle (INTEGER16), 5 bytes.
+/* A virtual leg sensor: a CANopen encoder of profile CiA 406 for the leg angle and the ankle's extension.
  *
- * Knows a `struct can_bus` and the time it is told, nothing else. Noise, resolution
- * and latency of the sensor presets are the plant's; the node converts to the counts
- * of hal/bus/frame_table.h (rounded to nearest, saturated).
- * The profile's multi-sensor positions 0x6020 are 32 bits wide (manuals of TR-Electronic
- * LA-46 and Pepperl+Fuchs encoders agree); the maker's 0x2020 has the same values in
- * the widths with which the cycle fits on the bus.
+ * It answers every SYNC with TPDO2 (0x280 + node): 0x2020:01 leg angle (INTEGER24) and 0x2020:02 ankle
+ * (INTEGER16), 5 bytes. It knows a `struct can_bus` and the time it is told, nothing else. Noise,
+ * resolution and latency are the plant's. The node converts to the counts of hal/bus/frame_table.h,
+ * rounded to nearest and saturated.
+ * The profile's multi-sensor positions 0x6020 are 32 bits wide (manuals of TR-Electronic LA-46 and
+ * Pepperl+Fuchs encoders agree). The maker's 0x2020 has the same values in the widths that fit the cycle
+ * on the bus.
  */
 #ifndef SIM_HOST_NODES_LEG_SENSOR_NODE_H
 #define SIM_HOST_NODES_LEG_SENSOR_NODE_H

@@ -7,7 +7,7 @@
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
-static bool is_foreign(const struct walker_nodes *nodes)
+static bool is_vendor(const struct walker_nodes *nodes)
 {
     return nodes->drives.protocol != DRIVE_PROTOCOL_CIA402;
 }
@@ -16,11 +16,11 @@ static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus
                       uint64_t now_ns)
 {
     const struct sea_params *sea = &nodes->plant.config.sea[side];
-    if (is_foreign(nodes)) {
-        const struct foreign_drive_config foreign = {
+    if (is_vendor(nodes)) {
+        const struct vendor_drive_config vendor = {
             .protocol = nodes->drives.protocol,
             .node_id = (uint8_t)(NODE_DRIVE_LEFT + (int)side),
-            .drive_id = side == SIDE_LEFT ? FOREIGN_DRIVE_ID_LEFT : FOREIGN_DRIVE_ID_RIGHT,
+            .drive_id = side == SIDE_LEFT ? VENDOR_DRIVE_ID_LEFT : VENDOR_DRIVE_ID_RIGHT,
             .answer_id = side == SIDE_LEFT ? MIT_ANSWER_ID_LEFT : MIT_ANSWER_ID_RIGHT,
             .units_per_m = nodes->drives.units_per_m,
             .zero_units = nodes->drives.zero_units,
@@ -28,7 +28,7 @@ static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus
             .ranges = nodes->drives.ranges,
             .watchdog_ms = FOREIGN_WATCHDOG_MS,
         };
-        return foreign_drive_init(&nodes->foreign[side], &foreign, bus, now_ns);
+        return vendor_drive_init(&nodes->vendor[side], &vendor, bus, now_ns);
     }
     const struct drive_node_config drive = {
         .side = side,
@@ -89,8 +89,8 @@ bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *mess
                           uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_foreign(nodes)) {
-            foreign_drive_receive(&nodes->foreign[side], message, now_ns);
+        if (is_vendor(nodes)) {
+            vendor_drive_receive(&nodes->vendor[side], message, now_ns);
         } else {
             (void)drive_node_receive(&nodes->drive[side], message, now_ns);
         }
@@ -102,8 +102,8 @@ bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *mess
 void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_foreign(nodes)) {
-            foreign_drive_process(&nodes->foreign[side], now_ns);
+        if (is_vendor(nodes)) {
+            vendor_drive_process(&nodes->vendor[side], now_ns);
         } else {
             nodes->drive[side].now_ns = now_ns;
             co_device_process(&nodes->drive[side].device, now_ns);
@@ -118,8 +118,8 @@ bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64
     if (node == WALKER_SENSOR_LEFT || node == WALKER_SENSOR_RIGHT) {
         return leg_sensor_node_poll(&nodes->sensor[side], now_ns);
     }
-    if (is_foreign(nodes)) {
-        foreign_drive_poll(&nodes->foreign[side], now_ns);
+    if (is_vendor(nodes)) {
+        vendor_drive_poll(&nodes->vendor[side], now_ns);
         return false;
     }
     return drive_node_poll(&nodes->drive[side], now_ns);
@@ -129,8 +129,8 @@ void walker_nodes_advance(struct walker_nodes *nodes)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct drive_axis_command axis;
-        if (is_foreign(nodes)) {
-            foreign_drive_command(&nodes->foreign[side], &axis);
+        if (is_vendor(nodes)) {
+            vendor_drive_command(&nodes->vendor[side], &axis);
         } else {
             drive_node_command(&nodes->drive[side], TICK_NS, &axis);
         }
@@ -158,8 +158,8 @@ void walker_nodes_measure(struct walker_nodes *nodes)
             .dc_link_V = out.dc_link_V,
             .latch_holds = out.latch == SEA_LATCH_CLOSED,
         };
-        if (is_foreign(nodes)) {
-            foreign_drive_measure(&nodes->foreign[side], &feedback);
+        if (is_vendor(nodes)) {
+            vendor_drive_measure(&nodes->vendor[side], &feedback);
         } else {
             drive_node_measure(&nodes->drive[side], &feedback);
         }
@@ -212,9 +212,9 @@ unsigned walker_nodes_ids(const struct walker_nodes *nodes, uint16_t *ids)
 {
     unsigned count = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_foreign(nodes)) {
-            count = add_device(ids, count, &nodes->foreign[side].latch_board);
-            count = foreign_drive_ids(&nodes->foreign[side], ids, count);
+        if (is_vendor(nodes)) {
+            count = add_device(ids, count, &nodes->vendor[side].latch_board);
+            count = vendor_drive_ids(&nodes->vendor[side], ids, count);
         } else {
             count = add_device(ids, count, &nodes->drive[side].device);
         }
@@ -227,8 +227,8 @@ uint32_t walker_nodes_sdo_requests(const struct walker_nodes *nodes)
 {
     uint32_t requests = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        requests += is_foreign(nodes) ? nodes->foreign[side].latch_board.counters.sdo_requests
-                                      : nodes->drive[side].device.counters.sdo_requests;
+        requests += is_vendor(nodes) ? nodes->vendor[side].latch_board.counters.sdo_requests
+                                     : nodes->drive[side].device.counters.sdo_requests;
         requests += nodes->sensor[side].device.counters.sdo_requests;
     }
     return requests;

@@ -1,11 +1,10 @@
-/* The walker as the bus sees it: two drives, two leg sensors, and the plant behind
- * them. The same on the in-process bus (a port per node) and on SocketCAN (one
- * interface for all, frame by frame).
+/* The walker's nodes: two drives, two leg sensors, and the plant behind them.
  *
- * A tick, from SYNC k to SYNC k+1:
- *   - frames go to the nodes as they come; at the SYNC they apply the commands of the
- *     cycle before and answer with what walker_nodes_measure() gave them;
- *   - walker_nodes_advance() carries the drives' commands to the plant and moves it on;
+ * They are the same on the in-process bus (a port per node) and on SocketCAN (one interface for all,
+ * frame by frame). A tick, from SYNC k to SYNC k+1:
+ *   - frames go to the nodes as they come. At the SYNC the nodes apply the commands of the cycle
+ *     before, and answer with what walker_nodes_measure() gave them;
+ *   - walker_nodes_advance() passes the drives' commands to the plant and advances it;
  *   - walker_nodes_measure() reads the plant for the next SYNC.
  */
 #ifndef SIM_HOST_NODES_WALKER_NODES_H
@@ -16,8 +15,8 @@
 
 #include "hal/bus/can_bus.h"
 #include "sim_host/nodes/drive_node.h"
-#include "sim_host/nodes/foreign_drive.h"
 #include "sim_host/nodes/leg_sensor_node.h"
+#include "sim_host/nodes/vendor_drive.h"
 #include "sim_host/plant/plant.h"
 
 enum { WALKER_NODES = 4, WALKER_NODES_IDS_MAX = 48 };
@@ -30,20 +29,20 @@ enum walker_node {
     WALKER_SENSOR_RIGHT = 3
 };
 
-/* Which protocol the drives speak, and for the foreign ones how. */
+/* Which protocol the drives speak, and for those of a maker's own protocol, how. */
 struct walker_drives {
     enum drive_protocol protocol;
-    double units_per_m; /* foreign: turns or radians of the motor per metre of spring */
+    double units_per_m; /* maker's protocol: turns or radians of the motor per metre of spring */
     double zero_units;
     int32_t zero_counts; /* CiA 402: count at the unloaded spring */
     bool inverted;       /* and counts fall with compression */
-    struct foreign_ranges ranges;
+    struct vendor_ranges ranges;
 };
 
-/* Identifiers of the foreign protocols, clear of CANopen's. */
+/* Identifiers of the makers' protocols, clear of CANopen's. */
 enum {
-    FOREIGN_DRIVE_ID_LEFT = 1,
-    FOREIGN_DRIVE_ID_RIGHT = 2,
+    VENDOR_DRIVE_ID_LEFT = 1,
+    VENDOR_DRIVE_ID_RIGHT = 2,
     MIT_ANSWER_ID_LEFT = 0x11,
     MIT_ANSWER_ID_RIGHT = 0x12,
     FOREIGN_WATCHDOG_MS = 50
@@ -52,8 +51,8 @@ enum {
 struct walker_nodes {
     struct plant plant;
     struct walker_drives drives;
-    struct drive_node drive[SIDE_COUNT];      /* CiA 402 */
-    struct foreign_drive foreign[SIDE_COUNT]; /* the others */
+    struct drive_node drive[SIDE_COUNT];    /* CiA 402 */
+    struct vendor_drive vendor[SIDE_COUNT]; /* drives of the other protocols */
     struct leg_sensor_node sensor[SIDE_COUNT];
     struct sensor_sample sample[SIDE_COUNT];
     bool swapped; /* fault: left and right sensor exchanged */

@@ -1,20 +1,19 @@
-/* The plant: what the orthosis moves and what its sensors see.
+/* The plant: what the orthosis moves and what its sensors measure.
  *
- * Either the 3-DOF walker with two SEAs, held by a hand until it may walk, or a
- * recorded wearer whom the SEAs work against; in both cases two sensors per the
- * presets. One plant_advance() is one tick, from SYNC k to SYNC k+1. The order in
- * a process that owns a plant, at SYNC k:
+ * It is the 3-DOF walker with two SEAs, held until it may walk (start_hold.h). Or it is a recorded
+ * person, whose motion the SEAs do not change. In both cases each leg has a sensor.
+ * One plant_advance() is one tick, from SYNC k to SYNC k+1. A process that owns a plant calls, at
+ * SYNC k:
  *     plant_set_command() for each side whose command takes effect now
  *     plant_sample(), plant_sea_output()   (what the nodes answer)
  *     plant_advance()
- * Own parameters throughout (never the controller's), all in double and in plain
- * types, so that float-compiled code may include this header.
+ * The plant has parameters of its own, never the controller's. All are doubles and plain types, so
+ * that float-compiled code may include this header.
  *
- * Nothing is idealised by default: plant_config_default() gives the real SEA and
- * 17-bit sensors. The heap is used by plant_init() for a recording only, and given
- * back by plant_free(). Without a recording struct plant is plain data: a copy is
- * a snapshot from which the same future follows bit for bit; with one, copies
- * share the recording and only one of them may be freed.
+ * Nothing is ideal by default: plant_config_default() gives the real SEA and 17-bit sensors.
+ * Only a recording uses the heap: plant_init() loads it, plant_free() releases it. Without one,
+ * struct plant is plain data: a copy is a snapshot, and the same future follows from it bit for
+ * bit. With one, copies share the recording, and only one of them may be freed.
  * Same config and commands: same bits with gcc and clang at any -O.
  */
 #ifndef SIM_HOST_PLANT_PLANT_H
@@ -39,7 +38,7 @@ struct plant_config {
     enum plant_kind kind;
     double tick_s;           /* SYNC period; default 0.001 */
     uint64_t seed;           /* sensors, release jitter, rough ground */
-    struct walk_params walk; /* body, slope, ...; body also of a wearer's subject */
+    struct walk_params walk; /* body, slope, ...; body also of a recorded person */
     struct walk_pose start;  /* just after lift-off of the start gait */
     struct start_hold_params start_hold;
     struct sea_params sea[SIDE_COUNT];
@@ -71,7 +70,7 @@ struct plant_energy {
     double walker_J;  /* kinetic + potential, now */
     double springs_J; /* in both springs, now */
     double collision_loss_J;
-    double device_work_J[SIDE_COUNT]; /* on the walker or wearer, at the ankle */
+    double device_work_J[SIDE_COUNT]; /* on the walker or person, at the ankle */
     double own_work_J;
     double motor_work_J[SIDE_COUNT];
     double motor_positive_work_J[SIDE_COUNT];
@@ -93,14 +92,13 @@ struct plant {
     size_t recording_cursor;
 };
 
-/* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665), real SEAs,
- * 17-bit sensors, level ground, start pose of the gait at r0 = 0.05 with the left
- * leg in stance. */
+/* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665) with real SEAs and 17-bit sensors on
+ * level ground. It starts in the pose of the gait at r0 = 0.05, with the left leg in stance. */
 void plant_config_default(struct plant_config *config);
 
-/* The same for another body and spring: SEAs, sensors, support, limits scaled to
- * it; the start pose's rates are scaled by sqrt(g/l) (right for a walker with the
- * same m/M and k l / (M g); for another subject set config->start yourself). */
+/* The same for another body and spring. SEAs, sensors, start hold and limits are scaled to it. The
+ * start pose is that of the body's own gait at r0 = 0.05 l. A body without one gets the paper's
+ * angles, with rates scaled by sqrt(g/l). */
 void plant_config_for(const struct walker3_params *body, double spring_N_per_m,
                       enum sea_preset_kind sea, enum sensor_preset_kind sensors,
                       struct plant_config *config);
@@ -111,18 +109,18 @@ void plant_config_for(const struct walker3_params *body, double spring_N_per_m,
 enum plant_error plant_init(struct plant *plant, const struct plant_config *config, char *message);
 void plant_free(struct plant *plant);
 
-/* From now (a SYNC) on. Drives start in SEA_TORQUE_OFF. */
+/* Commands a drive from now (a SYNC) on. Drives start in SEA_TORQUE_OFF. */
 void plant_set_command(struct plant *plant, enum side side, const struct sea_command *command);
 
-/* What the nodes measure at this SYNC: call once per tick and side, before
- * plant_advance() (the sensors' noise and delay line advance here). */
+/* Measures at this SYNC. Call plant_sample() once per tick and side, before plant_advance(): the
+ * sensor's noise and delay line advance here. */
 void plant_sample(struct plant *plant, enum side side, struct sensor_sample *sample);
 void plant_sea_output(const struct plant *plant, enum side side, struct sea_output *output);
 
 /* One tick. Cost: below 8 us on average on a 2 GHz x86-64 core. */
 void plant_advance(struct plant *plant);
 
-/* The truth, for records and judgements; no node may look. */
+/* The true state, for records and for the oracle. Nodes see the sensors only. */
 struct plant_truth {
     uint64_t tick;
     double time_s;
@@ -140,8 +138,8 @@ struct plant_truth {
 void plant_truth(const struct plant *plant, struct plant_truth *truth);
 void plant_energy(const struct plant *plant, struct plant_energy *energy);
 
-/* Next unread event or finished step (walk.h); a wearer's heel strikes, toe-offs
- * and releases come as events too. false if there is none. */
+/* Next unread event or finished step (walk.h). A recorded person's heel strikes, toe-offs and
+ * releases are events, too. False if there is none. */
 bool plant_next_event(struct plant *plant, struct walk_event *event);
 bool plant_next_step(struct plant *plant, struct walk_step *step);
 
@@ -151,8 +149,8 @@ enum walk_fault plant_fault(const struct plant *plant);
 void plant_push(struct plant *plant, double impulse_x_Ns, double impulse_y_Ns);
 /* scale 1: as configured; 0: broken; > 1: stiffer. Clamped to 0 .. 100. */
 void plant_set_spring_scale(struct plant *plant, enum side side, double scale);
-/* The wearer's own push-off: a spring of the given stiffness and rest extension at
- * the trailing ankle, from the next heel strike on; 0 ends it at once. */
+/* Gives the walker a push-off of its own: a spring of this stiffness and rest extension at the
+ * trailing ankle, from the next heel strike on. Stiffness 0 ends it at once. */
 void plant_set_own_push(struct plant *plant, double stiffness_N_per_m, double rest_m);
 void plant_set_next_height(struct plant *plant, double height_m);
 

@@ -1,38 +1,5 @@
 #include "sim_host/plant/recorded_person.h"
 
-#include <stddef.h>
-
-void recording_format_default(struct recording_format *format)
-{
-    *format = (struct recording_format){
-        .time_column = "time_s",
-        .thigh_column = {"thigh_l_deg", "thigh_r_deg"},
-        .shank_column = {"shank_l_deg", "shank_r_deg"},
-        .ankle_column = {"ankle_l_deg", "ankle_r_deg"},
-        .contact_column = {"contact_l", "contact_r"},
-        .sample_rate_hz = 200.0,
-        .angle_unit_rad = 3.14159265358979323846 / 180.0,
-        .ankle_lever_m = 0.12,
-        .ankle_neutral_rad = 0.0,
-        .largest_gap_s = 0.1,
-    };
-}
-
-double recording_span_rad(const struct recording *recording)
-{
-    double widest_rad = 0.0;
-    for (int side = 0; side < SIDE_COUNT && recording->count > 0; side++) {
-        double low = recording->samples[0].leg_angle_rad[side], high = low;
-        for (size_t i = 1; i < recording->count; i++) {
-            const double angle = recording->samples[i].leg_angle_rad[side];
-            low = angle < low ? angle : low;
-            high = angle > high ? angle : high;
-        }
-        widest_rad = high - low > widest_rad ? high - low : widest_rad;
-    }
-    return widest_rad;
-}
-
 /* The quantities that are interpolated, per side. */
 enum quantity { LEG_ANGLE, ANKLE };
 

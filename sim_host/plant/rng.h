@@ -1,8 +1,8 @@
 /* Seeded random numbers with the same bits on every machine.
  *
- * xoshiro256** (Blackman, Vigna 2018), seeded by splitmix64. Normal numbers are
- * the sum of twelve uniforms less six: no libm, exact variance 1, tails cut
- * at 6 sigma (the true normal's are beyond that once in 5e8).
+ * xoshiro256** (Blackman, Vigna 2018), seeded by splitmix64. A normal number is the sum of
+ * twelve uniforms less six. It needs no libm, has variance 1 exactly, and never
+ * exceeds 6 sigma (a true normal does once in 5e8).
  * No heap, no globals; O(1).
  */
 #ifndef SIM_HOST_PLANT_RNG_H

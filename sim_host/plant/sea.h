@@ -1,8 +1,7 @@
 /* One series elastic actuator with its drive and its latch.
  *
- * motor -> screw -> spring -> latch -> ankle. The motor's position is given in
- * metres of spring (precompression: with the ankle at r = 0 and the motor at x
- * the spring pushes k x). The latch holds the spring's output:
+ * motor -> screw -> spring -> latch -> ankle. The motor's position is given in metres of spring:
+ * with the ankle at r = 0 and the motor at x the spring pushes k x. The latch holds the spring's output:
  *   CLOSED    output held; the motor may compress, the ankle may extend freely,
  *             no force reaches it
  *   RELEASED  the spring pushes the ankle, k (x - r), as long as x > r
@@ -12,13 +11,11 @@
  * chosen by release_on. The drive runs its position loop at its own fast rate
  * and reacts to a dead link by itself (SEA_UNLOAD).
  *
- * Time inside: sea_drive_period() computes one period of the drive's loop; in it
- * the motor moves with constant acceleration, so that the walker can integrate
- * against motor position(tau) at any step size.
+ * Time inside: sea_drive_period() computes one period of the drive's loop. In it the motor moves with
+ * constant acceleration. So the walker can integrate against motor position(tau) at any step size.
  *
- * No heap, no globals, no I/O; callable from anywhere that may use double;
- * every function O(1) unless it says otherwise. struct sea is plain data: a copy
- * is a snapshot.
+ * No heap, no globals, no I/O. Callable from anywhere that may use double. Every function is O(1)
+ * unless it says otherwise. struct sea is plain data: a copy is a snapshot.
  */
 #ifndef SIM_HOST_PLANT_SEA_H
 #define SIM_HOST_PLANT_SEA_H
@@ -141,8 +138,8 @@ struct sea_subject {
 };
 
 /* Fills every field of *params.
- * SEA_IDEAL: motor position is the target from the SYNC on, nothing limits it
- *   but the stroke (0 .. 0.5 l), foot back at once, release without latency.
+ * SEA_IDEAL: the motor is at its target from the SYNC on. Only the stroke (0 .. 0.5 l) limits it. The
+ *   foot is back at once. The release has no latency.
  * SEA_REAL: reflected motor mass 4 (M + 2m), 60 Hz loop at 10 kHz, damping 1,
  *   Coulomb friction 1 % of k stroke and viscous friction, force limit 2.5 k stroke,
  *   speed limit 0.6 sqrt(g l), stroke 0 .. 0.35 l, end stops 0.005 l outside, 16-bit
@@ -166,9 +163,8 @@ void sea_init(struct sea *sea, const struct sea_params *params, uint64_t seed);
  * has run cancels the release. */
 void sea_set_command(struct sea *sea, const struct sea_command *command, double now_s);
 
-/* Closes the drive's last period and opens the next: runs the loop once and fixes
- * the motor's acceleration. ankle_m is the ankle's extension now (where the
- * spring's output is, if not latched). */
+/* Ends the drive's last period and begins the next: runs the loop once and fixes the motor's
+ * acceleration. ankle_m is the ankle's extension now, where an unlatched spring's output is. */
 void sea_drive_period(struct sea *sea, double ankle_m);
 
 /* Motor position and speed tau_s after the start of the current period,
@@ -185,9 +181,9 @@ void sea_finish_period(struct sea *sea);
 void sea_other_foot_contact(struct sea *sea, double now_s);
 void sea_ankle_extends(struct sea *sea, double now_s);
 
-/* The moment has come / the spring has reached its motor / the foot is back.
- * sea_lift_off() does nothing unless RELEASED; sea_reclose() nothing unless SLACK
- * with motor and foot both at or below reclose_m, and says whether it closed. */
+/* The latch opens now; the spring has reached its motor; the foot is back. sea_lift_off() acts only
+ * in RELEASED. sea_reclose() acts only in SLACK, with motor and foot both at or below reclose_m. It
+ * returns whether the latch closed. */
 void sea_release_now(struct sea *sea);
 void sea_lift_off(struct sea *sea);
 bool sea_reclose(struct sea *sea, double foot_m);

@@ -1,9 +1,9 @@
 /* One leg's sensor: leg angle and ankle extension as a node would send them.
  *
- * Truth goes in at every SYNC, a sample comes out: delayed by latency_s
- * (interpolated between the ticks), with offset, noise, quantised to the sensor's
- * own resolution, then given in the frame's units (hal/bus/frame_table.h: 2*pi/2^24
- * rad; 10 um, or 2*pi/2^16 rad for a lever ankle).
+ * At every SYNC the true state goes in and a sample comes out. It is delayed by latency_s
+ * (interpolated between the ticks), has offset and noise, and is quantised to the sensor's own
+ * resolution. Its units are the frame's (hal/bus/frame_table.h): 2*pi/2^24 rad; 10 um, or 2*pi/2^16 rad
+ * for a lever ankle.
  *
  * No heap, no globals; O(1); plain data, a copy is a snapshot; same seed, same
  * samples on every machine.
@@ -40,8 +40,8 @@ enum sensor_preset_kind {
     SENSORS_12BIT = 3
 };
 
-/* Fills every field; all presets: linear ankle, no offset, no coloured noise, no
- * drops; a lever ankle is chosen afterwards by ankle_is_lever.
+/* Fills every field. All presets have a linear ankle, no offset, no coloured noise and no drops. Choose
+ * a lever ankle afterwards by ankle_is_lever.
  *            angle res.   angle noise  ankle res.        ankle noise  latency
  *   ideal    2*pi/2^24    0            10 um / 2*pi/2^16 0            0
  *   17bit    2*pi/2^17    1 count      10 um / 2*pi/2^16 1 count      0.1 ms

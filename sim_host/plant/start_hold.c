@@ -29,9 +29,9 @@ const char *start_hold_params_check(const struct start_hold_params *params)
     return range_first_bad(ranges, sizeof ranges / sizeof ranges[0]);
 }
 
-void start_hold_init(struct start_hold *support, const struct start_hold_params *params)
+void start_hold_init(struct start_hold *start_hold, const struct start_hold_params *params)
 {
-    *support = (struct start_hold){
+    *start_hold = (struct start_hold){
         .params = *params, .holding = true, .grid_origin_tick = params->release_tick};
 }
 
@@ -50,46 +50,46 @@ static bool is_settled(const struct start_hold_params *params, const struct star
            magnitude(view->stance_speed_m_s) <= 10.0 * params->position_tolerance_m;
 }
 
-static enum start_hold_action hold(struct start_hold *support, uint64_t tick,
-                                   const struct start_hold_view *view)
+static enum start_hold_action wait_for_load(struct start_hold *start_hold, uint64_t tick,
+                                            const struct start_hold_view *view)
 {
-    const struct start_hold_params *params = &support->params;
+    const struct start_hold_params *params = &start_hold->params;
     if (!is_settled(params, view)) {
-        support->settled_ticks = 0;
+        start_hold->settled_ticks = 0;
         return START_HOLD_NONE;
     }
-    if (support->settled_ticks < params->settle_ticks) {
-        support->settled_ticks++;
+    if (start_hold->settled_ticks < params->settle_ticks) {
+        start_hold->settled_ticks++;
         return START_HOLD_NONE;
     }
-    if (tick < support->grid_origin_tick ||
-        (tick - support->grid_origin_tick) % params->release_grid_ticks != 0) {
+    if (tick < start_hold->grid_origin_tick ||
+        (tick - start_hold->grid_origin_tick) % params->release_grid_ticks != 0) {
         return START_HOLD_NONE;
     }
-    support->holding = false;
+    start_hold->holding = false;
     return START_HOLD_LET_GO;
 }
 
-enum start_hold_action start_hold_tick(struct start_hold *support, uint64_t tick,
+enum start_hold_action start_hold_tick(struct start_hold *start_hold, uint64_t tick,
                                        const struct start_hold_view *view)
 {
-    if (support->holding) {
-        return hold(support, tick, view);
+    if (start_hold->holding) {
+        return wait_for_load(start_hold, tick, view);
     }
     if (!view->fault) {
-        support->fallen = false;
+        start_hold->fallen = false;
         return START_HOLD_NONE;
     }
-    if (!support->fallen) {
-        support->fallen = true;
-        support->fallen_since_tick = tick;
+    if (!start_hold->fallen) {
+        start_hold->fallen = true;
+        start_hold->fallen_since_tick = tick;
     }
-    if (!support->params.hold_after_fall ||
-        tick - support->fallen_since_tick < support->params.fall_ticks) {
+    if (!start_hold->params.hold_after_fall ||
+        tick - start_hold->fallen_since_tick < start_hold->params.fall_ticks) {
         return START_HOLD_NONE;
     }
-    support->holding = true;
-    support->fallen = false;
-    support->settled_ticks = 0;
+    start_hold->holding = true;
+    start_hold->fallen = false;
+    start_hold->settled_ticks = 0;
     return START_HOLD_TAKE_HOLD;
 }

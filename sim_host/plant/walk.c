@@ -76,7 +76,7 @@ const char *walk_params_check(const struct walk_params *params)
     return "body";
 }
 
-static void take_pose(struct walk *walk, const struct walk_pose *pose)
+static void set_pose(struct walk *walk, const struct walk_pose *pose)
 {
     walk->phase = WALK_HELD;
     walk->fault = WALK_FAULT_NONE;
@@ -98,12 +98,12 @@ void walk_init(struct walk *walk, const struct walk_params *params, const struct
     memset(walk, 0, sizeof *walk);
     walk->params = *params;
     walk->current.index = 1;
-    take_pose(walk, pose);
+    set_pose(walk, pose);
 }
 
 void walk_hold(struct walk *walk, const struct walk_pose *pose)
 {
-    take_pose(walk, pose);
+    set_pose(walk, pose);
     walk_post(walk, WALK_EVENT_TAKE_HOLD, walk->stance, walk->time_s, 0.0);
 }
 

@@ -1,28 +1,25 @@
-/* Walking: the phases of a step, their events, and the two SEAs at the ankles.
+/* The walk: the phases of a step, their events, and the two SEAs at the ankles.
  *
- * Phases: HELD (by the hand), SINGLE and DOUBLE support, DOWN (a fault ended the
- * walk; the state stays where it was). Events are landed inside a step of the
- * integrator: heel strike, release, ankle locked, lift-off, fall; apexes are
- * landed for the record only. What holds the ankle and the toes is walker3.h's
- * contact; the walk chooses it:
- *   - single support: heel on the ground (r = 0 held) unless the stance spring is
- *     not latched, then r is free while the spring lifts it, and the heel comes
- *     down again plastically;
- *   - heel strike: toe of the swing leg meets the ground, coming down, ahead of
- *     the stance toe, with theta_s < 0 and theta_s + theta_n falling (the mid-stance
- *     scuff, where it rises, is ignored). Plastic impact. If the trailing latch is
- *     not armed and the wearer does not push, the trailing foot leaves after
- *     unarmed_hold_s (default: at once);
- *   - double support: both toes pinned, r of the trailing leg free, not below 0;
- *     the leading ankle is held as it landed;
- *   - lift-off: released spring and wearer's own push have reached their ends.
- *     The leaving foot follows its motor back; one that is not back yet lands
- *     earlier, on a longer leg, and then stands on its spring.
+ * Phases: HELD (start_hold.h), SINGLE and DOUBLE support, DOWN (a fault ended the walk; the state
+ * stays as it was). Heel strike, release, locked ankle, lift-off and fall are landed inside a step
+ * of the integrator. Apexes are landed for the record only. What holds the ankle and the toes is
+ * walker3.h's contact. The walk chooses it:
+ *   - single support: the heel is on the ground (r = 0 is held) while the stance spring is
+ *     latched. Else r is free while the spring lifts the heel, which comes down again plastically.
+ *   - heel strike: the toe of the swing leg meets the ground on its way down, ahead of the stance
+ *     toe, with theta_s < 0 and theta_s + theta_n falling. While that sum rises, in mid-stance,
+ *     the scuff is ignored. The impact is plastic. If the trailing latch is not armed and the
+ *     walker has no push-off of its own, the trailing foot leaves after unarmed_hold_s (default:
+ *     at once).
+ *   - double support: both toes are pinned. r of the trailing leg is free, not below 0. The
+ *     leading ankle is held as it landed.
+ *   - lift-off: the released spring and the own push-off have reached their ends. The leaving foot
+ *     follows its motor back. One that is not back yet lands earlier, on a longer leg, and then
+ *     stands on its spring.
  * Sides: the walk names legs left and right; walker3 knows stance and swing.
  *
- * No heap, no globals, no I/O; plain data, a copy is a snapshot. Cost of one tick:
- * one step of the integrator in single support, one per drive period elsewhere,
- * and about ten more where an event is landed.
+ * No heap, no globals, no I/O; plain data, a copy is a snapshot. Cost of one tick: one step of the
+ * integrator in single support, one per drive period elsewhere, and about ten more per event.
  */
 #ifndef SIM_HOST_PLANT_WALK_H
 #define SIM_HOST_PLANT_WALK_H
@@ -62,7 +59,7 @@ struct walk_params {
     double unarmed_hold_s;   /* an unarmed trailing foot stays on the ground so long; default 0 */
     double single_step_s;    /* largest integrator step, single support; default 1 ms */
     double double_step_s;    /* and elsewhere; default 0.25 ms */
-    double own_push_N_per_m; /* the wearer's own push-off, default 0: none */
+    double own_push_N_per_m; /* own push-off of the walker, default 0: none */
     double own_push_rest_m;
 };
 
@@ -74,7 +71,7 @@ enum walk_event_kind {
     WALK_EVENT_FAULT = 4,       /* value: enum walk_fault */
     WALK_EVENT_LET_GO = 5,      /* side: stance; value: 0 */
     WALK_EVENT_TAKE_HOLD = 6,
-    WALK_EVENT_TOE_OFF = 7, /* wearer only: contact ends; value: leg angle, rad */
+    WALK_EVENT_TOE_OFF = 7, /* recorded person only: contact ends; value: leg angle, rad */
     WALK_EVENT_RECLOSED = 8 /* latch of side has closed again; value: motor, m */
 };
 
@@ -100,7 +97,7 @@ struct walk_step {
     double step_length_m; /* toe to toe at heel strike */
     double collision_loss_J;
     double push_off_J;           /* work of the device on the walker */
-    double own_push_J;           /* work of the wearer's own push-off */
+    double own_push_J;           /* work of the own push-off */
     double energy_J;             /* walker, kinetic + potential above the stance toe, at the apex */
     double least_normal_force_N; /* smallest vertical ground force at a tick of the step */
     double
@@ -120,7 +117,7 @@ struct walk {
     double foot_m[2];     /* world position of the stance toe */
     double next_height_m; /* ground of the next foothold relative to the slope through this one */
     double phase_since_s;
-    bool own_push_active; /* the wearer's push-off, from heel strike to lift-off */
+    bool own_push_active; /* the own push-off, from heel strike to lift-off */
     bool foot_was_above;  /* swing toe has been above the ground, ahead: may land */
     struct walk_step current;
     struct walk_event events[WALK_EVENT_RING];
@@ -131,7 +128,7 @@ struct walk {
     double collision_loss_J, own_work_J, device_work_J[SIDE_COUNT];
 };
 
-/* Angles and rates of the pose the hand holds. */
+/* Angles and rates of the pose that is held. */
 struct walk_pose {
     enum side stance;
     double theta_s_rad, theta_n_rad;
@@ -144,9 +141,9 @@ const char *walk_params_check(const struct walk_params *params);
 
 /* Held in pose at time 0. Params have passed walk_params_check(). */
 void walk_init(struct walk *walk, const struct walk_params *params, const struct walk_pose *pose);
-/* The hand takes the walker back into pose (fault cleared, step count goes on). */
+/* Holds the walker in pose again: the fault is cleared, the step count goes on. */
 void walk_hold(struct walk *walk, const struct walk_pose *pose);
-/* The hand lets go: single support with pose's rates from now on. No effect unless held. */
+/* Ends the hold: single support with the pose's rates from now on. No effect unless held. */
 void walk_let_go(struct walk *walk);
 
 /* Advances walker and both SEAs (indexed by side) by duration_s (one tick, a whole

@@ -272,7 +272,7 @@ static void handle(struct walk_run *run, enum happening happening)
 }
 
 /* What ends a walk without an event of its own. */
-static void judge(struct walk_run *run, double legs_before_rad)
+static void check_ending(struct walk_run *run, double legs_before_rad)
 {
     struct walk *walk = run->walk;
     const struct walker3_state *state = &walk->state;
@@ -334,7 +334,7 @@ double walk_step_once(struct walk_run *run, double step_s)
     const enum side stance = walk->stance;
     handle(run, happening);
     if (walk->stance == stance) {
-        judge(run, legs_before_rad);
+        check_ending(run, legs_before_rad);
     }
     watch_foot(run);
     return landing.at_s;

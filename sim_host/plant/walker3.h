@@ -6,8 +6,8 @@
  *       the vertical (positive = foot ahead of the hip, which then lies at
  *       x = (l + r) sin theta_s > 0 of the stance toe) and extension of the
  *       stance ankle.
- * Points: hip mass M at (l + r) along the stance leg, stance leg mass m at
- * r + l/2 (the spring sits below the leg), swing leg mass m at l/2 below the hip.
+ * Points: the hip mass M is at (l + r) along the stance leg. The stance leg's mass m is at r + l/2, for
+ * the spring is below the leg. The swing leg's mass m is l/2 below the hip.
  * Nothing here is taken from model/: no reduced equations, constraints are
  * forces (Lagrange multipliers), impacts are impulses.
  *
@@ -43,12 +43,11 @@ struct walker3_contact {
 };
 
 /* Force along the stance ankle as a function of time and extension:
- * device_N_per_m * (position - r) + own_N_per_m * (own_rest_m - r), where
- * position(tau) = position_m + speed_m_s tau + acceleration_m_s2 tau^2 / 2 is the
- * motor's, tau counted from the instant the struct describes. Neither spring
- * pulls: each term is 0 when negative. device_smooth leaves the device's
- * unclipped, for double support, which the caller ends where it would pull: so the
- * force is smooth up to the event that is landed on it. */
+ *     device_N_per_m * (position - r) + own_N_per_m * (own_rest_m - r).
+ * The motor is at position(tau) = position_m + speed_m_s tau + acceleration_m_s2 tau^2 / 2. tau
+ * counts from the instant that the struct describes. Neither spring pulls: each term is 0 when
+ * negative. device_smooth lets the device's term be negative, for double support. The caller ends that
+ * where the spring would pull, so the force is smooth up to the event that is landed on it. */
 struct walker3_ankle {
     bool device_smooth;
     double device_N_per_m;
@@ -114,9 +113,8 @@ struct walker3_impact {
 };
 
 /* Plastic impact of the other toe while the stance toe stays pinned: from the
- * impulse equations, no slip, no rebound. The stance ankle is free but
- * its heel is not: at r <= 0, a rate that would come out negative makes all three
- * rates zero (heel and both toes hold). impact may be NULL. */
+ * impulse equations, no slip, no rebound. The stance ankle is free but its heel is not.
+ * At r <= 0, a negative rate makes all three rates zero: heel and both toes hold. impact may be NULL. */
 void walker3_collide(const struct walker3_params *params, struct walker3_state *state,
                      double swing_extension_m, struct walker3_impact *impact);
 

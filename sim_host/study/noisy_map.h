@@ -1,6 +1,8 @@
-/* The step law on the ideal return map, told apex speeds with an error: what an
- * estimator's error costs the law. Many walkers on the batch engine; plain doubles, for callers of
- * either precision. */
+/* The step law on the ideal return map, with errors in the apex speed that it sees.
+ *
+ * This shows what an estimator's error costs the law. Many walkers run on the batch engine. Plain doubles, for
+ * callers of either precision.
+ */
 #ifndef SIM_HOST_STUDY_NOISY_MAP_H
 #define SIM_HOST_STUDY_NOISY_MAP_H
 
@@ -21,8 +23,8 @@ struct noisy_law {
     double r0_m, kp_m_s_rad;
 };
 
-/* `count` walks from the gait, `strides` long, each measured speed multiplied by 1 + error_share times a normal
- * number; walk i draws from stream i of the seed. On `threads` threads (0: all cores); no result depends on it.
+/* Makes `count` walks from the gait, `strides` long. Each measured speed is multiplied by 1 + error_share times a
+ * normal number. Walk i draws from stream i of the seed. On `threads` threads (0: all cores); no result depends on it.
  * Returns 0, or -1 without memory or with a walker out of range. Cost: about a microsecond a stride. */
 int noisy_map_walks(const struct noisy_law *law, double error_share, int strides, uint64_t seed,
                     int threads, struct noisy_walk *walks, size_t count);

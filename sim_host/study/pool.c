@@ -1,61 +1,46 @@
 #include "sim_host/study/pool.h"
 
 #include <pthread.h>
-#include <sched.h>
 #include <stdlib.h>
 
-#define MOST_THREADS 256
+#include "sim_host/batch/parallel_for.h"
 
 struct pool {
     const struct pool_jobs *jobs;
-    pthread_mutex_t lock;
-    pthread_cond_t finished;
-    unsigned char *done; /* per job */
-    int next;
-    int stop;
+    pthread_mutex_t lock; /* of what follows, and of calling collect() */
+    unsigned char *done;  /* per job */
+    int next;             /* first job that is not collected */
 };
 
-static void *work(void *argument)
-{
-    struct pool *pool = argument;
-    pthread_mutex_lock(&pool->lock);
-    while (!pool->stop && pool->next < pool->jobs->count) {
-        const int i = pool->next++;
-        pthread_mutex_unlock(&pool->lock);
-        pool->jobs->compute(pool->jobs->context, i);
-        pthread_mutex_lock(&pool->lock);
-        pool->done[i] = 1;
-        pthread_cond_signal(&pool->finished);
-    }
-    pthread_mutex_unlock(&pool->lock);
-    return NULL;
-}
-
-static int take_in_order(struct pool *pool)
+/* Hands over what is complete in order. 1: collect() wants no more. */
+static int collect_in_order(struct pool *pool)
 {
     const struct pool_jobs *jobs = pool->jobs;
-    for (int i = jobs->first; i < jobs->count; i++) {
-        pthread_mutex_lock(&pool->lock);
-        while (!pool->done[i]) {
-            pthread_cond_wait(&pool->finished, &pool->lock);
-        }
-        pthread_mutex_unlock(&pool->lock);
-        if (!jobs->take(jobs->context, i)) {
-            pthread_mutex_lock(&pool->lock);
-            pool->stop = 1;
-            pthread_mutex_unlock(&pool->lock);
-            return 0;
-        }
+    while (pool->next >= 0 && pool->next < jobs->count && pool->done[pool->next]) {
+        pool->next = jobs->collect(jobs->context, pool->next) ? pool->next + 1 : -1;
     }
-    return 1;
+    return pool->next < 0;
+}
+
+static int do_job(void *context, size_t piece)
+{
+    struct pool *pool = context;
+    const struct pool_jobs *jobs = pool->jobs;
+    const int i = jobs->first + (int)piece;
+    int is_stopped = 0;
+    jobs->compute(jobs->context, i);
+    if (jobs->collect != NULL) {
+        pthread_mutex_lock(&pool->lock);
+        pool->done[i] = 1;
+        is_stopped = collect_in_order(pool);
+        pthread_mutex_unlock(&pool->lock);
+    }
+    return is_stopped;
 }
 
 int pool_run(const struct pool_jobs *jobs)
 {
-    pthread_t threads[MOST_THREADS];
     struct pool pool = {.jobs = jobs, .next = jobs->first};
-    const int wanted = jobs->threads < MOST_THREADS ? jobs->threads : MOST_THREADS;
-    int made = 0;
     if (jobs->count <= jobs->first) {
         return 1;
     }
@@ -64,24 +49,14 @@ int pool_run(const struct pool_jobs *jobs)
         return 0;
     }
     pthread_mutex_init(&pool.lock, NULL);
-    pthread_cond_init(&pool.finished, NULL);
-    while (made < wanted && pthread_create(&threads[made], NULL, work, &pool) == 0) {
-        made++;
-    }
-    const int complete = made > 0 && take_in_order(&pool);
-    for (int i = 0; i < made; i++) {
-        pthread_join(threads[i], NULL);
-    }
-    pthread_cond_destroy(&pool.finished);
+    const int status =
+        parallel_for(jobs->threads, (size_t)(jobs->count - jobs->first), do_job, &pool);
     pthread_mutex_destroy(&pool.lock);
     free(pool.done);
-    return complete;
+    return status == 0;
 }
 
 int pool_processors(void)
 {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    const int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-    return count > 1 ? count : 1;
+    return parallel_for_threads(0);
 }

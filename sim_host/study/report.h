@@ -1,5 +1,4 @@
-/* How a command of afo study prints: the same rows as a table for people, as CSV or as one JSON object;
- * and a progress line with the time left. */
+/* Prints the results of a study command: the same rows as a table for people, as CSV or as one JSON object. */
 #ifndef SIM_HOST_STUDY_REPORT_H
 #define SIM_HOST_STUDY_REPORT_H
 

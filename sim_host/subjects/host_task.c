@@ -26,8 +26,8 @@ static struct sea_drives init_cansimple(struct host_task *rig, const struct subj
 {
     struct cansimple_axis_config axes[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        axes[leg] = (struct cansimple_axis_config){leg == SIDE_LEFT ? FOREIGN_DRIVE_ID_LEFT
-                                                                    : FOREIGN_DRIVE_ID_RIGHT,
+        axes[leg] = (struct cansimple_axis_config){leg == SIDE_LEFT ? VENDOR_DRIVE_ID_LEFT
+                                                                    : VENDOR_DRIVE_ID_RIGHT,
                                                    (float)subject->turns_per_m, 0.0f, 1};
     }
     cansimple_drives_init(&rig->cansimple, axes);
@@ -39,7 +39,7 @@ static struct sea_drives init_mit(struct host_task *rig, const struct subject *s
     struct mit_axis_config axes[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         axes[leg] = (struct mit_axis_config){
-            .motor_id = leg == SIDE_LEFT ? FOREIGN_DRIVE_ID_LEFT : FOREIGN_DRIVE_ID_RIGHT,
+            .motor_id = leg == SIDE_LEFT ? VENDOR_DRIVE_ID_LEFT : VENDOR_DRIVE_ID_RIGHT,
             .answer_id = leg == SIDE_LEFT ? MIT_ANSWER_ID_LEFT : MIT_ANSWER_ID_RIGHT,
             .rad_per_m = (float)subject->rad_per_m,
             .zero_rad = (float)subject->zero_rad,

@@ -80,7 +80,7 @@ static int read_line(const char *path, int line, char *text, char *section, ini_
 enum line_end { LINE_MORE, LINE_LAST, LINE_NUL, LINE_TOO_LONG, LINE_READ_ERROR };
 
 /* The next line into text (INI_LINE_MAX + 1 bytes), without its newline; says what ended it. */
-static enum line_end take_line(FILE *file, char *text)
+static enum line_end fetch_line(FILE *file, char *text)
 {
     size_t length = 0;
     for (;;) {
@@ -115,7 +115,7 @@ int ini_read(const char *path, ini_handler handler, void *context, char *message
     int result = 0;
     enum line_end end = LINE_MORE;
     for (int line = 1; result == 0 && end == LINE_MORE; line++) {
-        end = take_line(file, text);
+        end = fetch_line(file, text);
         if (end == LINE_READ_ERROR) {
             snprintf(message, message_size, "%s: %s", path, strerror(errno));
             result = -1;

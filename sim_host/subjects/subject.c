@@ -128,8 +128,8 @@ static int check_whole(const char *key, double value, char *message, size_t size
     return 0;
 }
 
-static int take_control_key(struct subject *subject, const char *key, const char *value,
-                            char *message, size_t size)
+static int set_control_key(struct subject *subject, const char *key, const char *value,
+                           char *message, size_t size)
 {
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         const struct control_param_descriptor *d = &control_param_descriptors[i];
@@ -161,7 +161,7 @@ static int take_control_key(struct subject *subject, const char *key, const char
     return -1;
 }
 
-static int take_protocol(struct subject *subject, const char *value, char *message, size_t size)
+static int set_protocol(struct subject *subject, const char *value, char *message, size_t size)
 {
     static const char *const names[] = {"cia402", "cansimple", "mit"};
     for (int i = 0; i < 3; i++) {
@@ -175,7 +175,7 @@ static int take_protocol(struct subject *subject, const char *value, char *messa
     return -1;
 }
 
-static int take_ankle_kind(struct subject *subject, const char *value, char *message, size_t size)
+static int set_ankle_kind(struct subject *subject, const char *value, char *message, size_t size)
 {
     if (strcmp(value, "linear") == 0) {
         subject->ankle = ANKLE_LINEAR;
@@ -190,8 +190,8 @@ static int take_ankle_kind(struct subject *subject, const char *value, char *mes
     return -1;
 }
 
-static int take_word(struct reading *reading, enum word_key word, const char *value, char *message,
-                     size_t size)
+static int set_word(struct reading *reading, enum word_key word, const char *value, char *message,
+                    size_t size)
 {
     struct subject *subject = reading->subject;
     if (reading->word_given[word]) {
@@ -201,17 +201,17 @@ static int take_word(struct reading *reading, enum word_key word, const char *va
     reading->word_given[word] = true;
     switch (word) {
     case WORD_PROTOCOL:
-        return take_protocol(subject, value, message, size);
+        return set_protocol(subject, value, message, size);
     case WORD_ANKLE_KIND:
-        return take_ankle_kind(subject, value, message, size);
+        return set_ankle_kind(subject, value, message, size);
     default:
         snprintf(subject->name, sizeof subject->name, "%.*s", SUBJECT_NAME_MAX - 1, value);
         return 0;
     }
 }
 
-static int take_key(void *context, const char *section, const char *key, const char *value,
-                    int line, char *message, size_t size)
+static int set_key(void *context, const char *section, const char *key, const char *value, int line,
+                   char *message, size_t size)
 {
     static const struct {
         const char *section, *key;
@@ -220,11 +220,11 @@ static int take_key(void *context, const char *section, const char *key, const c
     struct subject *subject = reading->subject;
     (void)line;
     if (strcmp(section, "controller") == 0) {
-        return take_control_key(subject, key, value, message, size);
+        return set_control_key(subject, key, value, message, size);
     }
     for (int i = 0; i < WORD_KEYS; i++) {
         if (strcmp(section, words[i].section) == 0 && strcmp(key, words[i].key) == 0) {
-            return take_word(reading, (enum word_key)i, value, message, size);
+            return set_word(reading, (enum word_key)i, value, message, size);
         }
     }
     for (int i = 0; i < SUBJECT_KEYS; i++) {
@@ -309,7 +309,7 @@ int subject_read(struct subject *subject, const char *path, char *message)
     subject->speed_max_m_s = 0.0;
     subject->force_max_N = 0.0;
     snprintf(subject->name, sizeof subject->name, "%.*s", SUBJECT_NAME_MAX - 1, path);
-    if (ini_read(path, take_key, &reading, message, SUBJECT_MESSAGE_MAX) != 0) {
+    if (ini_read(path, set_key, &reading, message, SUBJECT_MESSAGE_MAX) != 0) {
         return -1;
     }
     for (int i = 0; i < SUBJECT_KEYS_REQUIRED; i++) {

@@ -27,7 +27,7 @@ static struct rig *start(double speed_rad_s, unsigned engage_steps)
     ck_assert_int_eq(
         loop_configure(&config, &subject, &params, speed_rad_s, SENSORS_17BIT, 1, message), 0);
     if (engage_steps > 0) {
-        loop_configure_recording(&config, engage_steps);
+        loop_configure_person(&config, engage_steps);
     }
     ck_assert_int_eq(loop_init(&rig->loop, &config, NULL, message), 0);
     injector_begin(&rig->injector, &rig->loop, NULL, 0);

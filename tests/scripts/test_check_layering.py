@@ -86,6 +86,38 @@ def test_modules_that_include_each_other_are_caught(tmp_path):
     assert result.stdout.splitlines()[0] == "circle: hal/a -> hal/b -> hal/c"
 
 
+PARTS = {
+    "hal/device_internal.h": "void device_send(int x);\nint device_next(void);\nextern const int device_table[];\n",
+    "hal/device.c": '#include "hal/device_internal.h"\n\nint device_run(void)\n{\n    return device_next();\n}\n',
+    "hal/device_errors.c": '#include "hal/device_internal.h"\n\nint device_next(void)\n{\n    return 1;\n}\n',
+}
+
+
+def test_files_that_use_each_other_behind_a_shared_header_are_caught(tmp_path):
+    lay_out(tmp_path, CLEAN | PARTS)
+    assert "0 violations" in run(tmp_path).stdout
+    found = "circle of uses: hal/device.c -> hal/device_errors.c"
+    for addition in ("void device_send(int x)\n{\n    (void)x;\n}\n", "const int device_table[] = {1};\n",
+                     "struct long_type *\ndevice_send(int (*hook)(int),\n            int x)\n{\n}\n"):
+        name = "device_table" if "table" in addition else "device_send"
+        lay_out(tmp_path, {"hal/device.c": PARTS["hal/device.c"] + addition,
+                           "hal/device_errors.c": f"int device_next(void)\n{{\n    return {name} != 0;\n}}\n"})
+        result = run(tmp_path)
+        assert (result.returncode, result.stdout.splitlines()[0]) == (1, found)
+
+
+def test_a_name_that_is_only_mentioned_or_static_is_no_use(tmp_path):
+    lay_out(tmp_path, CLEAN | PARTS)
+    lay_out(tmp_path, {
+        "hal/device.c": PARTS["hal/device.c"] + "void device_send(int x)\n{\n    (void)x;\n}\n",
+        "hal/device_errors.c": '/* device_send() is for others */\nstatic const char *name = "device_send";\n'
+                               "int device_next(void)\n{\n    return it.device_send + it->device_send;\n}\n"})
+    assert "0 violations" in run(tmp_path).stdout
+    lay_out(tmp_path, {"hal/device_errors.c": "static int device_send(int x)\n{\n    return x;\n}\n\n"
+                                              "int device_next(void)\n{\n    return device_send(1);\n}\n"})
+    assert "0 violations" in run(tmp_path).stdout
+
+
 def test_a_row_that_names_a_later_one_is_caught(tmp_path):
     lay_out(tmp_path, CLEAN)
     script = tmp_path / "check-layering"

@@ -29,12 +29,12 @@ def stances_with_apex(rows, side):
 
 
 @pytest.fixture(scope="module")
-def wearer(person):
+def person_walk(person):
     return walk("--recording", person)
 
 
-def test_one_apex_per_stance(wearer, person):
-    _, result = wearer
+def test_one_apex_per_stance(person_walk, person):
+    _, result = person_walk
     rows = read_rows(person)
     assert result["apexes_left"] == stances_with_apex(rows, "l") > 40
     assert result["apexes_right"] == stances_with_apex(rows, "r") > 40
@@ -46,8 +46,8 @@ def test_the_apexes_of_the_recording():
     assert (result["apexes_left"], result["apexes_right"]) == (45, 44)
 
 
-def test_r0_is_reported_for_every_step(wearer):
-    _, result = wearer
+def test_r0_is_reported_for_every_step(person_walk):
+    _, result = person_walk
     assert len(result["r0_m"]) > 0
     assert all(math.isfinite(r0) and 0 <= r0 < 0.3 for r0 in result["r0_m"])
 

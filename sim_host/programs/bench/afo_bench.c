@@ -14,11 +14,11 @@
 
 struct scalar {
     ode_method *method;
-    struct walker walker[BENCH_MAX_ROWS];
+    struct walker walker[BENCHMARK_MAX_ROWS];
 };
 
 /* setting: parts of the accurate settings' step. */
-static int scalar_strides(void *context, const struct bench_rows *rows, double setting,
+static int scalar_strides(void *context, const struct benchmark_rows *rows, double setting,
                           double (*next)[3])
 {
     const struct scalar *scalar = context;
@@ -40,7 +40,7 @@ static int scalar_strides(void *context, const struct bench_rows *rows, double s
     return 1;
 }
 
-static void measure_scalar(const struct bench_rows *rows)
+static void measure_scalar(const struct benchmark_rows *rows)
 {
     static struct scalar scalar;
     for (int i = 0; i < rows->count; i++) {
@@ -52,26 +52,26 @@ static void measure_scalar(const struct bench_rows *rows)
     scalar.method = ODE_RK8;
     double parts = 0.25;
     for (int rung = 0; rung < 15; rung++) {
-        bench_measure("scalar map RK8", rows, scalar_strides, &scalar, parts, 1);
+        benchmark_measure("scalar map RK8", rows, scalar_strides, &scalar, parts, 1);
         parts *= 1.19;
     }
     scalar.method = ODE_RK4;
     parts = 1.0;
     for (int rung = 0; rung < 8; rung++) {
-        bench_measure("scalar map RK4", rows, scalar_strides, &scalar, parts, 1);
+        benchmark_measure("scalar map RK4", rows, scalar_strides, &scalar, parts, 1);
         parts *= 2.0;
     }
 }
 
 struct many {
-    struct batch_walker walker[BENCH_MAX_ROWS];
+    struct batch_walker walker[BENCHMARK_MAX_ROWS];
     struct batch_item *items; /* REPEATS times the rows */
     struct batch_slopes *slopes;
     int want_times;
 };
 
 /* setting 0: the method that is in use; else the accuracy. */
-static int batch_strides(void *context, const struct bench_rows *rows, double setting,
+static int batch_strides(void *context, const struct benchmark_rows *rows, double setting,
                          double (*next)[3])
 {
     struct many *many = context;
@@ -100,29 +100,29 @@ static int batch_strides(void *context, const struct bench_rows *rows, double se
 }
 
 /* Orders and tolerances side by side: what batch.c's table is chosen from. */
-static void measure_methods(const struct bench_rows *rows, struct many *many)
+static void measure_methods(const struct benchmark_rows *rows, struct many *many)
 {
     for (int order = 8; order <= 28; order += 2) {
         char name[80];
         snprintf(name, sizeof name, "series of order %d: %s", order, batch_lanes_name());
         for (int bits = 12; bits <= 54; bits += 2) {
             batch_use_method(order, -(double)bits);
-            bench_measure(name, rows, batch_strides, many, 0.0, REPEATS);
+            benchmark_measure(name, rows, batch_strides, many, 0.0, REPEATS);
         }
     }
     batch_use_method(0, 0.0);
 }
 
 /* Lines that begin with # are remarks for the reader. */
-static void report_peak(const struct bench_rows *rows, struct many *many)
+static void report_peak(const struct benchmark_rows *rows, struct many *many)
 {
-    static double next[BENCH_MAX_ROWS][3];
+    static double next[BENCHMARK_MAX_ROWS][3];
     const struct batch_settings settings = {0};
     double best = 1e30, series = 0.0;
     for (int i = 0; i < 10; i++) {
-        const double start = bench_now_s();
+        const double start = benchmark_now_s();
         batch_strides(many, rows, 0.0, next);
-        const double took = bench_now_s() - start;
+        const double took = benchmark_now_s() - start;
         best = took < best ? took : best;
     }
     for (int i = 0; i < rows->count; i++) {
@@ -156,11 +156,11 @@ static double pass_s(const struct batch_job *job, int threads, double *processor
 
 /* The paper's stable gait, many times over: what all cores do together against one. Short passes by turns, the
  * fastest of each: on a busy machine some find all cores free. */
-static void report_cores(const struct bench_rows *rows)
+static void report_cores(const struct benchmark_rows *rows)
 {
     enum { PASSES = 1000, STRIDES = 2 };
     const int cores = parallel_for_threads(0);
-    static struct batch_item items[BENCH_MAX_ROWS * REPEATS];
+    static struct batch_item items[BENCHMARK_MAX_ROWS * REPEATS];
     const struct batch_job job = {.walkers = &rows->row[0].walker,
                                   .walker_count = 1,
                                   .items = items,
@@ -185,28 +185,28 @@ static void report_cores(const struct bench_rows *rows)
         100.0 * processor[0] / processor[1]);
 }
 
-static void measure_lanes(const struct bench_rows *rows, struct many *many)
+static void measure_lanes(const struct benchmark_rows *rows, struct many *many)
 {
     static const double accuracies[] = {1e-4, 1e-6, 1e-9, 1e-11, 1e-12};
-    static struct batch_slopes slopes[BENCH_MAX_ROWS * REPEATS];
+    static struct batch_slopes slopes[BENCHMARK_MAX_ROWS * REPEATS];
     char name[80];
     snprintf(name, sizeof name, "batch %s", batch_lanes_name());
     for (size_t i = 0; i < sizeof accuracies / sizeof accuracies[0]; i++) {
-        bench_measure(name, rows, batch_strides, many, accuracies[i], REPEATS);
+        benchmark_measure(name, rows, batch_strides, many, accuracies[i], REPEATS);
     }
     many->want_times = 1;
     snprintf(name, sizeof name, "batch %s with times", batch_lanes_name());
-    bench_measure(name, rows, batch_strides, many, 1e-9, REPEATS);
+    benchmark_measure(name, rows, batch_strides, many, 1e-9, REPEATS);
     many->want_times = 0;
     many->slopes = slopes;
     snprintf(name, sizeof name, "batch %s with derivatives", batch_lanes_name());
-    bench_measure(name, rows, batch_strides, many, 1e-9, REPEATS);
+    benchmark_measure(name, rows, batch_strides, many, 1e-9, REPEATS);
     many->slopes = NULL;
 }
 
-static void measure_batch(const struct bench_rows *rows)
+static void measure_batch(const struct benchmark_rows *rows)
 {
-    static struct batch_item items[BENCH_MAX_ROWS * REPEATS];
+    static struct batch_item items[BENCHMARK_MAX_ROWS * REPEATS];
     static struct many many = {.items = items};
     for (int i = 0; i < rows->count; i++) {
         many.walker[i] = rows->row[i].walker;
@@ -223,8 +223,8 @@ static void measure_batch(const struct bench_rows *rows)
 
 int main(int argc, char **argv)
 {
-    static struct bench_rows rows;
-    if (!bench_open(&rows, argc, argv)) {
+    static struct benchmark_rows rows;
+    if (!benchmark_open(&rows, argc, argv)) {
         return EXIT_FAILURE;
     }
     if (argc > 3) {

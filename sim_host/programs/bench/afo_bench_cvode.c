@@ -25,7 +25,7 @@ struct cvode {
     SUNNonlinearSolver nonlinear[2];
     struct walker walker;
     struct double_support support;
-    enum bench_phase phase;
+    enum benchmark_phase phase;
 };
 
 static int rates_of(realtype t, N_Vector y, N_Vector dy, void *user)
@@ -44,11 +44,11 @@ static int root_of(realtype t, N_Vector y, realtype *value, void *user)
 {
     const struct cvode *cvode = user;
     (void)t;
-    *value = bench_event(cvode->phase, &cvode->start_hold, N_VGetArrayPointer(y));
+    *value = benchmark_event(cvode->phase, &cvode->start_hold, N_VGetArrayPointer(y));
     return 0;
 }
 
-static int run_phase(void *solver, enum bench_phase phase, double tolerance, double *state)
+static int run_phase(void *solver, enum benchmark_phase phase, double tolerance, double *state)
 {
     struct cvode *cvode = solver;
     const int which = phase == PHASE_PUSH_OFF;
@@ -116,15 +116,15 @@ static void cvode_close(struct cvode *cvode)
     SUNContext_Free(&cvode->sun);
 }
 
-static void measure(const char *name, int method, const struct bench_rows *rows)
+static void measure(const char *name, int method, const struct benchmark_rows *rows)
 {
     static struct cvode cvode;
     cvode = (struct cvode){0};
     if (cvode_open(&cvode, method)) {
-        struct bench_solver solver = {run_phase, &cvode, &cvode.walker, &cvode.start_hold};
+        struct benchmark_solver solver = {run_phase, &cvode, &cvode.walker, &cvode.start_hold};
         double tolerance = 1e-5;
         for (int rung = 0; rung < 20; rung++) {
-            bench_measure(name, rows, bench_solve, &solver, tolerance, 1);
+            benchmark_measure(name, rows, benchmark_solve, &solver, tolerance, 1);
             tolerance /= 3.1622776601683795;
         }
     }
@@ -133,8 +133,8 @@ static void measure(const char *name, int method, const struct bench_rows *rows)
 
 int main(int argc, char **argv)
 {
-    static struct bench_rows rows;
-    if (!bench_open(&rows, argc, argv)) {
+    static struct benchmark_rows rows;
+    if (!benchmark_open(&rows, argc, argv)) {
         return EXIT_FAILURE;
     }
     measure("CVODE Adams", CV_ADAMS, &rows);

@@ -39,7 +39,7 @@ static int double_rates(double t, const double y[], double dy[], void *support)
 }
 
 /* From before the event (at `state`) to it, within a step. */
-static int land(struct gsl *gsl, int which, enum bench_phase phase, double step, double *state)
+static int land(struct gsl *gsl, int which, enum benchmark_phase phase, double step, double *state)
 {
     gsl_odeiv2_system *system = &gsl->system[which];
     double before[4], after[4] = {0.0}, slope[4] = {0.0}, error[4];
@@ -54,8 +54,8 @@ static int land(struct gsl *gsl, int which, enum bench_phase phase, double step,
             return 0;
         }
         system->function(0.0, after, slope, system->params);
-        const double rate = bench_event(phase, &gsl->start_hold, slope) - rest;
-        const double change = bench_event(phase, &gsl->start_hold, after) / rate;
+        const double rate = benchmark_event(phase, &gsl->start_hold, slope) - rest;
+        const double change = benchmark_event(phase, &gsl->start_hold, after) / rate;
         t -= change;
         if (real_abs(change) < 1e-14) {
             break;
@@ -65,7 +65,7 @@ static int land(struct gsl *gsl, int which, enum bench_phase phase, double step,
     return 1;
 }
 
-static int run_phase(void *solver, enum bench_phase phase, double tolerance, double *state)
+static int run_phase(void *solver, enum benchmark_phase phase, double tolerance, double *state)
 {
     struct gsl *gsl = solver;
     const int which = phase == PHASE_PUSH_OFF;
@@ -84,8 +84,8 @@ static int run_phase(void *solver, enum bench_phase phase, double tolerance, dou
                                     state) != GSL_SUCCESS) {
             break;
         }
-        if (bench_event(phase, &gsl->start_hold, before) > 0.0 &&
-            bench_event(phase, &gsl->start_hold, state) <= 0.0) {
+        if (benchmark_event(phase, &gsl->start_hold, before) > 0.0 &&
+            benchmark_event(phase, &gsl->start_hold, state) <= 0.0) {
             memcpy(state, before, bytes);
             done = land(gsl, which, phase, t - from, state);
         }
@@ -96,9 +96,9 @@ static int run_phase(void *solver, enum bench_phase phase, double tolerance, dou
 
 int main(int argc, char **argv)
 {
-    static struct bench_rows rows;
+    static struct benchmark_rows rows;
     static struct gsl gsl;
-    if (!bench_open(&rows, argc, argv)) {
+    if (!benchmark_open(&rows, argc, argv)) {
         return EXIT_FAILURE;
     }
     gsl.system[0] = (gsl_odeiv2_system){single_rates, NULL, 4, &gsl.walker};
@@ -107,10 +107,10 @@ int main(int argc, char **argv)
         gsl.step[i] = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, gsl.system[i].dimension);
         gsl.evolve[i] = gsl_odeiv2_evolve_alloc(gsl.system[i].dimension);
     }
-    struct bench_solver solver = {run_phase, &gsl, &gsl.walker, &gsl.start_hold};
+    struct benchmark_solver solver = {run_phase, &gsl, &gsl.walker, &gsl.start_hold};
     double tolerance = 1e-4;
     for (int rung = 0; rung < 22; rung++) {
-        bench_measure("GSL rk8pd", &rows, bench_solve, &solver, tolerance, 1);
+        benchmark_measure("GSL rk8pd", &rows, benchmark_solve, &solver, tolerance, 1);
         tolerance /= 3.1622776601683795;
     }
     for (int i = 0; i < 2; i++) {

@@ -1,6 +1,6 @@
 /* The basin: from which share of a box of apex states does the law bring the walker to the gait it was told? And
  * what is there to reach: the share of the box from which any sequence of push-offs can walk on for ever, between
- * an inner and an outer bound (viable.h). */
+ * an inner and an outer bound (viability_kernel.h). */
 #include <math.h>
 #include <stdlib.h>
 
@@ -32,7 +32,7 @@ struct basin {
 /* The walks of one chunk. */
 struct chunk_walks {
     const struct basin *basin;
-    struct law_setup bench;
+    struct law_setup setup;
     double gait[3];
     struct laws_course course[CHUNK];
     bool may[CHUNK]; /* begins within the outer bound */
@@ -52,7 +52,7 @@ static void look(void *context, size_t i, struct laws_ahead *ahead)
     ahead->desired_rad_s = walks->basin->speed_rad_s;
 }
 
-static int judge(void *context, size_t i, const struct laws_walk *walk)
+static int count_end(void *context, size_t i, const struct laws_walk *walk)
 {
     struct chunk_walks *walks = (struct chunk_walks *)context;
     if (walk->stride.fault != 0) {
@@ -75,7 +75,7 @@ static void bound(struct chunk_walks *walks, int i, const double apex[3])
 {
     const struct basin *basin = walks->basin;
     struct viability_state state;
-    const bool strikes = viability_after_apex(&walks->bench.truth, apex, &state);
+    const bool strikes = viability_after_apex(&walks->setup.truth, apex, &state);
     walks->may[i] = strikes && viability_has(&basin->grid, VIABILITY_OUTER, basin->outer, &state);
     walks->count->viability_outer += walks->may[i] ? 1 : 0;
     walks->count->viability_inner +=
@@ -93,20 +93,20 @@ static void compute(void *context, int chunk)
         return;
     }
     walks->basin = basin;
-    walks->bench = law_case_setup(basin->options, basin->law_case);
+    walks->setup = law_case_setup(basin->options, basin->law_case);
     walks->count = &basin->chunk[chunk];
-    const double r0_m = law_setup_gait(&walks->bench, basin->speed_rad_s, walks->gait);
+    const double r0_m = law_setup_gait(&walks->setup, basin->speed_rad_s, walks->gait);
     rng_init(&rng, basin->options->seed, (uint64_t)chunk); /* the same states for every law */
     for (; count < CHUNK && chunk * CHUNK + count < basin->samples; count++) {
         struct laws_course *course = &walks->course[count];
         double apex[3];
         laws_draw_apex(basin->options, &rng, apex);
         bound(walks, count, apex);
-        course->bench = &walks->bench;
-        laws_walk_start(&walks->bench, &course->walk, apex, r0_m, basin->speed_rad_s);
+        course->setup = &walks->setup;
+        laws_walk_start(&walks->setup, &course->walk, apex, r0_m, basin->speed_rad_s);
     }
     basin->chunk[chunk].failed =
-        laws_walks_run(walks->course, (size_t)count, STEPS, look, judge, walks, 1) != 0;
+        laws_walks_run(walks->course, (size_t)count, STEPS, look, count_end, walks, 1) != 0;
     free(walks);
 }
 

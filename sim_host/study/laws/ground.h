@@ -1,7 +1,9 @@
-/* Mean steps to failure on uneven ground by the transfer operator (Byl, Tedrake 2009: Metastable walking
- * machines): apex states are gathered into cells as they are reached, one representative a cell; every
- * cell's transitions under the distribution of the ground make a sparse stochastic matrix with "fallen" as
- * its absorbing state. The quasi-stationary distribution gives the chance to fall per step. */
+/* Mean steps to failure on uneven ground by the transfer operator (Byl, Tedrake 2009: Metastable walking machines).
+ *
+ * Apex states are gathered into cells as they are reached, with one representative a cell. Every cell's
+ * transitions under the distribution of the ground make a sparse stochastic matrix, with "fallen" as its
+ * absorbing state. The quasi-stationary distribution gives the chance to fall per step.
+ */
 #ifndef SIM_HOST_STUDY_LAWS_GROUND_H
 #define SIM_HOST_STUDY_LAWS_GROUND_H
 
@@ -15,11 +17,10 @@ struct ground_operator_result {
     bool full; /* more cells were reached than there is room for: the result is a guess */
 };
 
-/* The law on its own (no learning from step to step: each answer from a fresh law at that cell) at a gait
- * of speed_rad_s, rises uniform within +- rise_most leg
- * lengths, as a height or else as the incline that rises so much on a step of step_share leg
- * lengths. Returns 0, or -1 without memory. */
-int ground_operator(const struct law_setup *bench, double speed_rad_s, double rise_most,
+/* Evaluates the law at the gait of speed_rad_s. The law learns nothing from step to step: each answer is that of
+ * a fresh law at that cell. Rises are uniform within +- rise_most leg lengths: heights, or else the incline that
+ * rises so much on a step of step_share leg lengths. Returns 0, or -1 without memory. */
+int ground_operator(const struct law_setup *setup, double speed_rad_s, double rise_most,
                     double step_share, bool heights, struct ground_operator_result *result);
 
 /* What one rise does to a steady gait, the push-off being chosen before it is met. */
@@ -33,7 +34,7 @@ struct ground_rise {
 };
 
 /* By bisection on the map; survival is taken to end once as the rise grows. */
-void ground_rise_survived(const struct law_setup *bench, double speed_rad_s,
+void ground_rise_survived(const struct law_setup *setup, double speed_rad_s,
                           struct ground_rise *rise);
 
 #endif

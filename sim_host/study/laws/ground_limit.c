@@ -32,7 +32,7 @@ struct study {
 struct walking {
     const struct study *study;
     const struct terrain_value *value;
-    struct law_setup bench;
+    struct law_setup setup;
     double speed_rad_s;
     struct walked {
         int steps;
@@ -43,11 +43,11 @@ struct walking {
 
 static int step_by_value(const struct walking *walking, struct laws_walk *walk, double rise)
 {
-    const struct control_params *params = &walking->bench.params;
+    const struct control_params *params = &walking->setup.params;
     double worth;
     walk->r0_m = terrain_law(&walking->study->table, walking->value, walk->apex,
                              (double)params->r0_min_m, (double)params->r0_max_m, &worth);
-    const int fault = laws_stride(&walking->bench.truth, walking->bench.accuracy, walk->apex,
+    const int fault = laws_stride(&walking->setup.truth, walking->setup.accuracy, walk->apex,
                                   walk->r0_m, 0.0, rise, &walk->stride);
     for (int i = 0; i < 3; i++) {
         walk->apex[i] = walk->stride.next[i];
@@ -62,15 +62,15 @@ static void walk_once(void *context, int w)
     struct laws_walk walk;
     struct rng rng;
     double apex[3];
-    const double r0_m = law_setup_gait(&walking->bench, walking->speed_rad_s, apex);
-    laws_walk_start(&walking->bench, &walk, apex, r0_m, walking->speed_rad_s);
+    const double r0_m = law_setup_gait(&walking->setup, walking->speed_rad_s, apex);
+    laws_walk_start(&walking->setup, &walk, apex, r0_m, walking->speed_rad_s);
     rng_init(&rng, walking->study->options->seed + (uint64_t)w, 75);
     *walked = (struct walked){0, false, 0.0};
     while (walked->steps < STEPS_MOST && !walked->fell) {
         const double rise = RISE_MOST * (2.0 * rng_uniform(&rng) - 1.0);
         walked->fell =
             (walking->value != NULL ? step_by_value(walking, &walk, rise)
-                                    : laws_walk_step(&walking->bench, &walk, walking->speed_rad_s,
+                                    : laws_walk_step(&walking->setup, &walk, walking->speed_rad_s,
                                                      NULL, 0.0, rise)) != 0;
         walked->steps++;
         walked->speed_sum -= walked->fell ? 0.0 : walk.apex[0];
@@ -79,9 +79,9 @@ static void walk_once(void *context, int w)
 
 /* Steps per fall, share still up at the end, mean speed over the command. */
 static bool walk_all(const struct study *study, const char *name, const struct terrain_value *value,
-                     const struct law_setup *bench, double speed)
+                     const struct law_setup *setup, double speed)
 {
-    struct walking walking = {study, value, *bench, speed * laws_speed_unit(study->options),
+    struct walking walking = {study, value, *setup, speed * laws_speed_unit(study->options),
                               malloc((size_t)study->walks * sizeof *walking.walked)};
     const struct pool_jobs jobs = {0,        study->walks, study->options->threads,
                                    &walking, walk_once,    laws_count_part};
@@ -116,11 +116,11 @@ static bool walk_all(const struct study *study, const char *name, const struct t
 static bool solve(const struct study *study, double speed, enum terrain_side side,
                   const struct terrain_goal *goal, bool walks)
 {
-    const struct law_setup *bench = &study->options->bench;
+    const struct law_setup *setup = &study->options->setup;
     struct terrain_value value;
     double apex[3], worth;
     char name[48];
-    (void)law_setup_gait(bench, speed * laws_speed_unit(study->options), apex);
+    (void)law_setup_gait(setup, speed * laws_speed_unit(study->options), apex);
     if (terrain_solve(&study->table, side, goal, apex, ROUNDS_MOST, study->options->threads,
                       &value) != 0) {
         return false;
@@ -142,7 +142,7 @@ static bool solve(const struct study *study, double speed, enum terrain_side sid
                 side == TERRAIN_OUTER ? "outer" : "middle", name, goal->price, worth, value.rounds,
                 value.settled);
     }
-    const bool done = !walks || walk_all(study, name, &value, bench, speed);
+    const bool done = !walks || walk_all(study, name, &value, setup, speed);
     terrain_value_free(&value);
     return done;
 }
@@ -155,8 +155,8 @@ static bool study_speed(const struct study *study, int v)
     printf("  %.1f rad/s\n", speed);
     for (int e = 0; e < LAW_CASES && done; e++) {
         if (study->options->law_case[e] && e != LAW_CASE_RAMP) {
-            const struct law_setup bench = law_case_setup(study->options, (enum law_case)e);
-            done = walk_all(study, law_case_names[e], NULL, &bench, speed);
+            const struct law_setup setup = law_case_setup(study->options, (enum law_case)e);
+            done = walk_all(study, law_case_names[e], NULL, &setup, speed);
         }
     }
     done = done && solve(study, speed, TERRAIN_OUTER, &any, false) &&
@@ -172,7 +172,7 @@ static bool study_speed(const struct study *study, int v)
 static struct terrain_range range_of(const struct laws_options *options, int fineness)
 {
     const double unit = laws_speed_unit(options);
-    const struct control_params *params = &options->bench.params;
+    const struct control_params *params = &options->setup.params;
     return (struct terrain_range){
         .speed = {0.0, 1.6 * unit, 2.0, 55 * fineness + 1},
         .angle = {-0.6, 0.3, 1.0, 30 * fineness + 1},

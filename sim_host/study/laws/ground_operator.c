@@ -16,7 +16,7 @@ enum {
 static const double cell_size[3] = {0.01, 0.005, 0.04};
 
 struct mesh {
-    const struct law_setup *bench;
+    const struct law_setup *setup;
     double speed_rad_s, unit;
     double (*apex)[3];                    /* of each cell's representative */
     int (*next)[DRAWS];                   /* cell after each draw of the ground */
@@ -75,15 +75,15 @@ static double answer(const struct mesh *mesh, const double apex[3])
 {
     struct laws_walk walk;
     double gait[3];
-    const double r0_m = law_setup_gait(mesh->bench, mesh->speed_rad_s, gait);
-    laws_walk_start(mesh->bench, &walk, apex, r0_m, mesh->speed_rad_s);
-    return laws_walk_answer(mesh->bench, &walk, mesh->speed_rad_s, apex);
+    const double r0_m = law_setup_gait(mesh->setup, mesh->speed_rad_s, gait);
+    laws_walk_start(mesh->setup, &walk, apex, r0_m, mesh->speed_rad_s);
+    return laws_walk_answer(mesh->setup, &walk, mesh->speed_rad_s, apex);
 }
 
 /* The strides of `count` cells from `first` on, over every draw of the ground. */
 static int stride_cells(const struct mesh *mesh, int first, int count, struct batch_item *items)
 {
-    const struct batch_walker walker = laws_batch_walker(&mesh->bench->truth);
+    const struct batch_walker walker = laws_batch_walker(&mesh->setup->truth);
     const struct batch_settings settings = {0};
     const struct batch_job job = {.walkers = &walker,
                                   .walker_count = 1,
@@ -110,7 +110,7 @@ static int explore(struct mesh *mesh)
     double gait[3];
     struct batch_item *items = calloc((size_t)CELLS_AT_ONCE * DRAWS, sizeof *items);
     int status = items == NULL ? -1 : 0;
-    (void)law_setup_gait(mesh->bench, mesh->speed_rad_s, gait);
+    (void)law_setup_gait(mesh->setup, mesh->speed_rad_s, gait);
     (void)cell_of(mesh, gait);
     for (int first = 0; first < mesh->cells && status == 0;) {
         const int left = mesh->cells - first;
@@ -175,11 +175,11 @@ static void count_steps(const struct mesh *mesh, double *p, double *q,
     result->settled_steps = chance > 0.0 ? 1.0 / chance : (double)INFINITY;
 }
 
-int ground_operator(const struct law_setup *bench, double speed_rad_s, double rise_most,
+int ground_operator(const struct law_setup *setup, double speed_rad_s, double rise_most,
                     double step_share, bool heights, struct ground_operator_result *result)
 {
-    struct mesh mesh = {.bench = bench, .speed_rad_s = speed_rad_s};
-    mesh.unit = __builtin_sqrt(bench->truth.gravity_m_s2 / 9.80665 / bench->truth.leg_length_m);
+    struct mesh mesh = {.setup = setup, .speed_rad_s = speed_rad_s};
+    mesh.unit = __builtin_sqrt(setup->truth.gravity_m_s2 / 9.80665 / setup->truth.leg_length_m);
     mesh.apex = calloc(CELLS_MAX, sizeof *mesh.apex);
     mesh.next = calloc(CELLS_MAX, sizeof *mesh.next);
     mesh.key = calloc(CELLS_MAX, sizeof *mesh.key);
@@ -203,41 +203,41 @@ int ground_operator(const struct law_setup *bench, double speed_rad_s, double ri
     return explored ? 0 : -1;
 }
 
-static double largest_rise(const struct law_setup *bench, const double apex[3], double r0_m)
+static double largest_rise(const struct law_setup *setup, const double apex[3], double r0_m)
 {
     struct laws_stride stride;
     double low = 0.0, high = 0.2;
-    if (laws_stride(&bench->truth, bench->accuracy, apex, r0_m, 0.0, 0.0, &stride) != 0) {
+    if (laws_stride(&setup->truth, setup->accuracy, apex, r0_m, 0.0, 0.0, &stride) != 0) {
         return 0.0;
     }
     while (high - low > 1e-6) {
         const double middle = 0.5 * (low + high);
         const int fault =
-            laws_stride(&bench->truth, bench->accuracy, apex, r0_m, 0.0, middle, &stride);
+            laws_stride(&setup->truth, setup->accuracy, apex, r0_m, 0.0, middle, &stride);
         *(fault == 0 ? &low : &high) = middle;
     }
     return low;
 }
 
-void ground_rise_survived(const struct law_setup *bench, double speed_rad_s,
+void ground_rise_survived(const struct law_setup *setup, double speed_rad_s,
                           struct ground_rise *rise)
 {
-    const struct gait_walker *body = &bench->truth;
-    const double low_m = (double)bench->params.r0_min_m, high_m = (double)bench->params.r0_max_m;
+    const struct gait_walker *body = &setup->truth;
+    const double low_m = (double)setup->params.r0_min_m, high_m = (double)setup->params.r0_max_m;
     double apex[3];
     struct laws_stride stride;
-    const double r0_m = law_setup_gait(bench, speed_rad_s, apex);
+    const double r0_m = law_setup_gait(setup, speed_rad_s, apex);
     *rise = (struct ground_rise){.climbed = 0.5 * speed_rad_s * speed_rad_s * body->leg_length_m /
                                             body->gravity_m_s2,
-                                 .own_push = largest_rise(bench, apex, r0_m)};
+                                 .own_push = largest_rise(setup, apex, r0_m)};
     for (int i = 0; i <= RISE_PUSHES; i++) {
         const double push_m = low_m + (high_m - low_m) * i / RISE_PUSHES;
-        const double largest = largest_rise(bench, apex, push_m);
+        const double largest = largest_rise(setup, apex, push_m);
         if (largest > rise->any_push) {
             rise->any_push = largest;
             rise->any_push_m = push_m;
         }
     }
-    (void)laws_stride(body, bench->accuracy, apex, rise->any_push_m, 0.0, 0.0, &stride);
+    (void)laws_stride(body, setup->accuracy, apex, rise->any_push_m, 0.0, 0.0, &stride);
     rise->level_speed = stride.fault == 0 ? -stride.next[0] : 0.0;
 }

@@ -99,14 +99,14 @@ static void compute_operator(void *context, int i)
     if (!wanted(study, e)) {
         return;
     }
-    const struct law_setup bench = law_case_setup(study->options, (enum law_case)e);
+    const struct law_setup setup = law_case_setup(study->options, (enum law_case)e);
     const struct ground_case what = case_of(study, i % CELLS);
     struct laws_stride stride;
     double apex[3];
-    const double r0_m = law_setup_gait(&bench, what.speed_rad_s, apex);
-    (void)laws_stride(&bench.truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
-    cell->failed = ground_operator(&bench, what.speed_rad_s, what.rise,
-                                   stride.step_length_m / bench.truth.leg_length_m, what.heights,
+    const double r0_m = law_setup_gait(&setup, what.speed_rad_s, apex);
+    (void)laws_stride(&setup.truth, LAWS_COARSE, apex, r0_m, 0.0, 0.0, &stride);
+    cell->failed = ground_operator(&setup, what.speed_rad_s, what.rise,
+                                   stride.step_length_m / setup.truth.leg_length_m, what.heights,
                                    &cell->operator) != 0;
 }
 
@@ -160,7 +160,7 @@ static void print_rises(const struct laws_options *options)
     const double unit = laws_speed_unit(options), leg_mm = 1e3 * options->subject.leg_length_m;
     for (int v = 0; v < SPEEDS; v++) {
         struct ground_rise rise;
-        ground_rise_survived(&options->bench, speeds[v] * unit, &rise);
+        ground_rise_survived(&options->setup, speeds[v] * unit, &rise);
         printf(
             "  %.1f rad/s: v^2 l/(2 g) = %.1f mm; one rise survived by the gait's own push-off: %.1f mm, "
             "by any: %.1f mm\n    (r0 = %.4f m, which on level ground leads to %.2f rad/s)\n",

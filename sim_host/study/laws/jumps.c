@@ -38,8 +38,8 @@ static struct session_config pair(const struct jumps *jumps, int i)
     return config;
 }
 
-static void judge(const struct session_config *config, const struct session_result *result,
-                  struct jump *jump)
+static void evaluate(const struct session_config *config, const struct session_result *result,
+                     struct jump *jump)
 {
     jump->fell = result->fell;
     jump->steps =
@@ -57,7 +57,7 @@ static int run(struct jumps *jumps)
     }
     const int status = session_run(jumps->options, jumps->config, PAIRS, jumps->result);
     for (int i = 0; i < PAIRS && status == 0; i++) {
-        judge(&jumps->config[i], &jumps->result[i], &jumps->jump[i]);
+        evaluate(&jumps->config[i], &jumps->result[i], &jumps->jump[i]);
     }
     session_records_free(jumps->result);
     return status;

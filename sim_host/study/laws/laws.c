@@ -11,12 +11,12 @@ static const enum law_mode law_of_case[LAW_CASES] = {LAW_PROPORTIONAL, LAW_PROPO
 
 struct law_setup law_case_setup(const struct laws_options *options, enum law_case law_case)
 {
-    struct law_setup bench = options->bench;
-    bench.params.law = (real)law_of_case[law_case];
+    struct law_setup setup = options->setup;
+    setup.params.law = (real)law_of_case[law_case];
     if (law_case == LAW_CASE_RAMP) {
-        bench.params.speed_ramp_rad_s = (real)(0.005 * laws_speed_unit(options)); /* as flown */
+        setup.params.speed_ramp_rad_s = (real)(0.005 * laws_speed_unit(options)); /* as flown */
     }
-    return bench;
+    return setup;
 }
 
 const double laws_box_low[3] = {-1.45, -0.5, 0.2}, laws_box_high[3] = {-0.05, 0.2, 5.2};
@@ -95,7 +95,7 @@ int laws_csv_close(struct output_file *file, bool failed)
 struct viability_range laws_viability_range(const struct laws_options *options, int fineness,
                                             int pushes)
 {
-    const struct control_params *params = &options->bench.params;
+    const struct control_params *params = &options->setup.params;
     return (struct viability_range){.legs_low_rad = 0.03,
                                     .legs_high_rad = 2.4,
                                     .rate_low = 0.0,

@@ -1,7 +1,7 @@
-/* afo study laws: the laws beside each other, in numbers. What its studies share.
+/* What the studies of afo study laws share: the laws beside each other, in numbers.
  *
- * Each study prints a table for people and, with --out DIR, writes the same numbers to
- * DIR/laws-STUDY.csv (scripts/plot-laws draws them). No result depends on the number of threads.
+ * Each study prints a table for people and, with --out DIR, writes the same numbers to DIR/laws-STUDY.csv
+ * (scripts/plot-laws draws them). No result depends on the number of threads.
  */
 #ifndef SIM_HOST_STUDY_LAWS_LAWS_H
 #define SIM_HOST_STUDY_LAWS_LAWS_H
@@ -37,7 +37,7 @@ struct laws_options {
     uint64_t seed;
     const char *out_directory; /* NULL: none */
     struct subject subject;
-    struct law_setup bench; /* of the subject, with eq. (16) */
+    struct law_setup setup; /* of the subject, with eq. (16) */
 };
 
 /* A study: returns 0, or -1 after saying what is wrong on standard error. */
@@ -51,11 +51,11 @@ extern const double laws_box_low[3], laws_box_high[3];
 /* A state of the box for this subject, drawn evenly. */
 void laws_draw_apex(const struct laws_options *options, struct rng *rng, double apex[3]);
 
-/* The grid of all states that viable.h is asked on, finer with fineness (1: 100 x 60 states). */
+/* The grid of all states that viability_kernel.h is asked on, finer with fineness (1: 100 x 60 states). */
 struct viability_range laws_viability_range(const struct laws_options *options, int fineness,
                                             int pushes);
 
-/* The bench of an law_case for the subject. */
+/* The setup of a law_case for the subject. */
 struct law_setup law_case_setup(const struct laws_options *options, enum law_case law_case);
 
 /* For pools whose results stay where they were computed. */

@@ -68,7 +68,7 @@ struct input {
     double terrain_speed_rad_s; /* below 0: not said */
 };
 
-static void only(struct laws_options *options, const char *name, struct argp_state *state)
+static void set_only_case(struct laws_options *options, const char *name, struct argp_state *state)
 {
     bool found = false;
     for (int i = 0; i < LAW_CASES; i++) {
@@ -81,27 +81,27 @@ static void only(struct laws_options *options, const char *name, struct argp_sta
     }
 }
 
-static void take_sensors(struct laws_options *options, const char *text, struct argp_state *state)
+static void set_sensors(struct laws_options *options, const char *text, struct argp_state *state)
 {
     if (!sensor_preset_from_name(text, &options->sensors)) {
         argp_error(state, "--sensors: \"%s\" is none of ideal, 17bit, 14bit", text);
     }
 }
 
-static error_t take(int key, char *text, struct argp_state *state)
+static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     struct input *input = (struct input *)state->input;
     struct laws_options *options = &input->options;
     char message[SUBJECT_MESSAGE_MAX];
     switch (key) {
     case KEY_LAW:
-        only(options, text, state);
+        set_only_case(options, text, state);
         return 0;
     case KEY_CHAIN:
         options->chain = true;
         return 0;
     case KEY_SENSORS:
-        take_sensors(options, text, state);
+        set_sensors(options, text, state);
         return 0;
     case KEY_SAMPLES:
         options->samples = (int)option_whole(state, "--samples", text, 1, 100000000);
@@ -156,7 +156,7 @@ int laws_main(int argc, char **argv)
         "  energy       spring energy per metre, steady and with noisy sensing\n"
         "  timing       the push-off before, at and after heel strike\n"
         "  all          the quick ones, one after the other";
-    const struct argp parser = {option_list, take, "STUDY", doc, NULL, NULL, NULL};
+    const struct argp parser = {option_list, parse_option, "STUDY", doc, NULL, NULL, NULL};
     struct input input = {
         .options = {.sensors = SENSORS_14BIT, .threads = pool_processors(), .seed = 1},
         .terrain_speed_rad_s = -1.0};
@@ -166,13 +166,13 @@ int laws_main(int argc, char **argv)
     subject_default(&input.options.subject);
     option_parse(&parser, argc, argv, &input);
     char message[SUBJECT_MESSAGE_MAX];
-    if (law_setup_init(&input.options.bench, &input.options.subject, LAW_PREDICTIVE, message) !=
+    if (law_setup_init(&input.options.setup, &input.options.subject, LAW_PREDICTIVE, message) !=
         0) {
         fprintf(stderr, "afo study laws: %s\n", message);
         return 2;
     }
     if (input.terrain_speed_rad_s >= 0.0) {
-        input.options.bench.params.terrain_speed_rad_s = (real)input.terrain_speed_rad_s;
+        input.options.setup.params.terrain_speed_rad_s = (real)input.terrain_speed_rad_s;
     }
     if (input.options.out_directory != NULL &&
         access(input.options.out_directory, W_OK | X_OK) != 0) {

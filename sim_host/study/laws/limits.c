@@ -1,6 +1,6 @@
 /* What is possible at all, whatever the law. On the map, every push-off within the law's limits.
  *
- * Survival: which share of the box of apex states can be walked on from for ever (viable.h), on grids of rising
+ * Survival: which share of the box of apex states can be walked on from for ever (viability_kernel.h), on grids of rising
  * fineness, from outside (no law can do more) and from inside.
  * The law's own figures for jumps need no such bound: they are walks that exist. */
 #include <math.h>

@@ -11,15 +11,15 @@ enum { SETTLE = 60, RESPONSE = 80, INDICATORS = 2 };
 static const double speeds[] = {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
 
 /* Indicators of RESPONSE steps after a foothold raised by `rise` at the first. Returns false on a fall. */
-static bool respond(const struct law_setup *bench, double speed_rad_s, double rise,
+static bool respond(const struct law_setup *setup, double speed_rad_s, double rise,
                     double indicator[RESPONSE][INDICATORS])
 {
     struct laws_walk walk;
     double gait[3];
-    const double r0_m = law_setup_gait(bench, speed_rad_s, gait);
-    laws_walk_start(bench, &walk, gait, r0_m, speed_rad_s);
+    const double r0_m = law_setup_gait(setup, speed_rad_s, gait);
+    laws_walk_start(setup, &walk, gait, r0_m, speed_rad_s);
     for (int k = 0; k < SETTLE + RESPONSE; k++) {
-        if (laws_walk_step(bench, &walk, speed_rad_s, NULL, 0.0, k == SETTLE ? rise : 0.0) != 0) {
+        if (laws_walk_step(setup, &walk, speed_rad_s, NULL, 0.0, k == SETTLE ? rise : 0.0) != 0) {
             return false;
         }
         if (k >= SETTLE) {
@@ -31,10 +31,10 @@ static bool respond(const struct law_setup *bench, double speed_rad_s, double ri
     return true;
 }
 
-static bool norms(const struct law_setup *bench, double speed_rad_s, double norm[INDICATORS])
+static bool norms(const struct law_setup *setup, double speed_rad_s, double norm[INDICATORS])
 {
     static double up[RESPONSE][INDICATORS], down[RESPONSE][INDICATORS];
-    if (!respond(bench, speed_rad_s, RISE, up) || !respond(bench, speed_rad_s, -RISE, down)) {
+    if (!respond(setup, speed_rad_s, RISE, up) || !respond(setup, speed_rad_s, -RISE, down)) {
         return false;
     }
     for (int i = 0; i < INDICATORS; i++) {
@@ -61,12 +61,12 @@ int laws_sensitivity(const struct laws_options *options)
         if (!options->law_case[e] || e == LAW_CASE_RAMP) {
             continue;
         }
-        struct law_setup bench = law_case_setup(options, (enum law_case)e);
-        bench.accuracy = LAWS_FINE;
+        struct law_setup setup = law_case_setup(options, (enum law_case)e);
+        setup.accuracy = LAWS_FINE;
         printf("  %-13s", law_case_names[e]);
         for (unsigned i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
             double norm[INDICATORS];
-            if (!norms(&bench, speeds[i] * laws_speed_unit(options), norm)) {
+            if (!norms(&setup, speeds[i] * laws_speed_unit(options), norm)) {
                 printf("  %.1f: fell      ", speeds[i]);
                 continue;
             }

@@ -45,9 +45,9 @@ int session_records(const struct session_config *configs, int count,
                     struct session_result *results);
 void session_records_free(struct session_result *results);
 
-/* Runs `count` >= 1 walks on all of options->threads: those on the map side by side (walks.h), those through the chain
- * one after the other on each thread. results[i].step is the caller's, all else is written; each depends on its own
- * config alone. Returns 0, or -1 when one could not be set up, after a message. */
+/* Runs `count` >= 1 walks on options->threads threads. Walks on the map run side by side (walks.h), those through
+ * the chain one after the other on each thread. results[i].step is the caller's, all else is written. Each
+ * result depends on its own config alone. Returns 0, or -1 when one could not be set up, after a message. */
 int session_run(const struct laws_options *options, const struct session_config *configs, int count,
                 struct session_result *results);
 

@@ -30,7 +30,7 @@ static bool reach(const struct timing *timing, double speed, double release_s,
                   struct laws_timed_gait *gait)
 {
     const struct gait_walker walker = subject_gait_walker(&timing->options->subject);
-    gait->r0_m = law_setup_gait(&timing->options->bench, speed, gait->apex);
+    gait->r0_m = law_setup_gait(&timing->options->setup, speed, gait->apex);
     const int steps = 1 + (int)((release_s < 0.0 ? -release_s : release_s) / 0.002);
     for (int k = 0; k <= steps; k++) {
         if (laws_timed_gait(&walker, speed, release_s * k / steps, gait) != 0) {
@@ -50,7 +50,7 @@ static void compute(void *context, int i)
     for (int law = 0; law < 3 && entry->found; law++) {
         entry->basin[law] =
             laws_timed_basin(&walker, &entry->gait, (enum laws_timed_law)law,
-                             (double)timing->options->bench.params.kp_m_s_rad, SECOND_INPUT_LIMIT_S,
+                             (double)timing->options->setup.params.kp_m_s_rad, SECOND_INPUT_LIMIT_S,
                              laws_box_low, laws_box_high, timing->samples, timing->options->seed);
     }
 }

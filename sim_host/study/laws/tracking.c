@@ -8,27 +8,27 @@
 enum { SPEEDS = 3, CASES_MAX = 24, STEPS = 200, LAST = 50 };
 static const double speeds[SPEEDS] = {0.4, 0.6, 0.8};
 
-struct hold_case {
+struct tracking_case {
     char label[24];
     struct subject truth;
     double slope_rad, noise_rms;
 };
 
-struct hold_result {
+struct tracking_result {
     bool fell;
     int steps, fallbacks;
     double speed_share, spread, energy_J_per_m, cost_of_transport;
 };
 
-struct hold {
+struct tracking {
     const struct laws_options *options;
     int cases;
-    struct hold_case item[CASES_MAX];
-    struct hold_result result[LAW_CASES][CASES_MAX][SPEEDS];
+    struct tracking_case item[CASES_MAX];
+    struct tracking_result result[LAW_CASES][CASES_MAX][SPEEDS];
 };
 
-static void judge(const struct hold *hold, const struct hold_case *item, double speed,
-                  const struct session_result *walk, struct hold_result *r)
+static void evaluate(const struct tracking *tracking, const struct tracking_case *item,
+                     double speed, const struct session_result *walk, struct tracking_result *r)
 {
     const int first = walk->steps > LAST ? walk->steps - LAST : 0;
     double energy_J = 0.0, way_m = 0.0, least = 1e9, most = 0.0;
@@ -43,17 +43,17 @@ static void judge(const struct hold *hold, const struct hold_case *item, double 
         way_m += step->step_length_m;
     }
     const double weight_N = (item->truth.torso_mass_kg + 2.0 * item->truth.leg_mass_kg) *
-                            hold->options->subject.gravity_m_s2;
+                            tracking->options->subject.gravity_m_s2;
     r->speed_share = session_mean_speed(walk, LAST) / speed;
     r->spread = (most - least) / speed;
     r->energy_J_per_m = way_m > 0.0 ? energy_J / way_m : 0.0;
     r->cost_of_transport = r->energy_J_per_m / weight_N;
 }
 
-static struct session_config session_of(const struct hold *hold, int e,
-                                        const struct hold_case *item, int v)
+static struct session_config session_of(const struct tracking *tracking, int e,
+                                        const struct tracking_case *item, int v)
 {
-    const double speed = speeds[v] * laws_speed_unit(hold->options);
+    const double speed = speeds[v] * laws_speed_unit(tracking->options);
     return (struct session_config){.law_case = (enum law_case)e,
                                    .truth = &item->truth,
                                    .from_rad_s = speed,
@@ -62,37 +62,37 @@ static struct session_config session_of(const struct hold *hold, int e,
                                    .slope_rad = item->slope_rad,
                                    .slope_ramp_rad = 0.001, /* 0.06 degrees a step */
                                    .noise_rms = item->noise_rms,
-                                   .seed = hold->options->seed};
+                                   .seed = tracking->options->seed};
 }
 
 /* All cases and speeds under one law. */
-static int walk_all(struct hold *hold, int e)
+static int walk_all(struct tracking *tracking, int e)
 {
     struct session_config config[CASES_MAX * SPEEDS];
     struct session_result result[CASES_MAX * SPEEDS];
-    const int count = hold->cases * SPEEDS;
+    const int count = tracking->cases * SPEEDS;
     for (int i = 0; i < count; i++) {
-        config[i] = session_of(hold, e, &hold->item[i / SPEEDS], i % SPEEDS);
+        config[i] = session_of(tracking, e, &tracking->item[i / SPEEDS], i % SPEEDS);
     }
     if (session_records(config, count, result) != 0) {
         return -1;
     }
-    const int status = session_run(hold->options, config, count, result);
+    const int status = session_run(tracking->options, config, count, result);
     for (int i = 0; i < count && status == 0; i++) {
-        judge(hold, &hold->item[i / SPEEDS], config[i].to_rad_s, &result[i],
-              &hold->result[e][i / SPEEDS][i % SPEEDS]);
+        evaluate(tracking, &tracking->item[i / SPEEDS], config[i].to_rad_s, &result[i],
+                 &tracking->result[e][i / SPEEDS][i % SPEEDS]);
     }
     session_records_free(result);
     return status;
 }
 
-static void print(const struct hold *hold, int e, const char *what, bool energy, FILE *csv)
+static void print(const struct tracking *tracking, int e, const char *what, bool energy, FILE *csv)
 {
     printf("  %s, %s (mean speed over command; spread; - = fell)\n", law_case_names[e], what);
-    for (int c = 0; c < hold->cases; c++) {
-        printf("    %-14s", hold->item[c].label);
+    for (int c = 0; c < tracking->cases; c++) {
+        printf("    %-14s", tracking->item[c].label);
         for (int v = 0; v < SPEEDS; v++) {
-            const struct hold_result *r = &hold->result[e][c][v];
+            const struct tracking_result *r = &tracking->result[e][c][v];
             if (r->fell) {
                 printf("  %.1f: - at %-12d", speeds[v], r->steps + 1);
             } else {
@@ -105,7 +105,7 @@ static void print(const struct hold *hold, int e, const char *what, bool energy,
             }
             if (csv != NULL) {
                 fprintf(csv, "%s,%s,%.1f,%d,%d,%.6g,%.6g,%d,%.6g,%.6g\n", law_case_names[e],
-                        hold->item[c].label, speeds[v], r->fell, r->steps, r->speed_share,
+                        tracking->item[c].label, speeds[v], r->fell, r->steps, r->speed_share,
                         r->spread, r->fallbacks, r->energy_J_per_m, r->cost_of_transport);
             }
         }
@@ -113,68 +113,68 @@ static void print(const struct hold *hold, int e, const char *what, bool energy,
     }
 }
 
-static int run(struct hold *hold, const char *study, const char *what, bool energy)
+static int run(struct tracking *tracking, const char *study, const char *what, bool energy)
 {
     bool failed;
     struct output_file file;
-    FILE *csv = laws_csv(hold->options, study,
+    FILE *csv = laws_csv(tracking->options, study,
                          "law,case,speed_rad_s,fell,steps,speed_share,spread,fallbacks,"
                          "energy_J_per_m,cost_of_transport",
                          &file, &failed);
     for (int e = 0; e < LAW_CASES && !failed; e++) {
-        if (hold->options->law_case[e] && e != LAW_CASE_RAMP) {
-            failed = walk_all(hold, e) != 0;
+        if (tracking->options->law_case[e] && e != LAW_CASE_RAMP) {
+            failed = walk_all(tracking, e) != 0;
             if (!failed) {
-                print(hold, e, what, energy, csv);
+                print(tracking, e, what, energy, csv);
             }
         }
     }
     return laws_csv_close(&file, failed);
 }
 
-static struct hold *make(const struct laws_options *options)
+static struct tracking *make(const struct laws_options *options)
 {
-    struct hold *hold = calloc(1, sizeof *hold);
-    if (hold == NULL) {
+    struct tracking *tracking = calloc(1, sizeof *tracking);
+    if (tracking == NULL) {
         fprintf(stderr, "afo study laws: out of memory\n");
         return NULL;
     }
-    hold->options = options;
-    return hold;
+    tracking->options = options;
+    return tracking;
 }
 
-static struct hold_case *add(struct hold *hold)
+static struct tracking_case *add(struct tracking *tracking)
 {
-    struct hold_case *item = &hold->item[hold->cases++];
-    item->truth = hold->options->subject;
+    struct tracking_case *item = &tracking->item[tracking->cases++];
+    item->truth = tracking->options->subject;
     return item;
 }
 
 int laws_slope(const struct laws_options *options)
 {
-    struct hold *hold = make(options);
-    if (hold == NULL) {
+    struct tracking *tracking = make(options);
+    if (tracking == NULL) {
         return -1;
     }
     for (int half = -8; half <= 8; half++) {
-        struct hold_case *item = add(hold);
+        struct tracking_case *item = add(tracking);
         item->slope_rad = 0.5 * half * 0.017453292519943295;
         snprintf(item->label, sizeof item->label, "%+.1f deg", 0.5 * half);
     }
-    const int status = run(hold, "slope", "slopes, uphill positive", false);
-    free(hold);
+    const int status = run(tracking, "slope", "slopes, uphill positive", false);
+    free(tracking);
     return status;
 }
 
 int laws_mismatch(const struct laws_options *options)
 {
     static const char *const names[] = {"M", "m", "l", "k"};
-    struct hold *hold = make(options);
-    if (hold == NULL) {
+    struct tracking *tracking = make(options);
+    if (tracking == NULL) {
         return -1;
     }
     for (int i = 0; i < 8; i++) {
-        struct hold_case *item = add(hold);
+        struct tracking_case *item = add(tracking);
         const double factor = i % 2 == 0 ? 0.9 : 1.1;
         double *const field[] = {&item->truth.torso_mass_kg, &item->truth.leg_mass_kg,
                                  &item->truth.leg_length_m, &item->truth.spring_N_per_m};
@@ -182,24 +182,24 @@ int laws_mismatch(const struct laws_options *options)
         snprintf(item->label, sizeof item->label, "%s %+.0f %%", names[i / 2],
                  100.0 * (factor - 1.0));
     }
-    const int status = run(hold, "mismatch", "the walker's true parameters differ", false);
-    free(hold);
+    const int status = run(tracking, "mismatch", "the walker's true parameters differ", false);
+    free(tracking);
     return status;
 }
 
 int laws_energy(const struct laws_options *options)
 {
     static const double noise[] = {0.0, 0.001, 0.003, 0.01};
-    struct hold *hold = make(options);
-    if (hold == NULL) {
+    struct tracking *tracking = make(options);
+    if (tracking == NULL) {
         return -1;
     }
     for (int i = 0; i < (options->chain ? 1 : 4); i++) {
-        struct hold_case *item = add(hold);
+        struct tracking_case *item = add(tracking);
         item->noise_rms = noise[i];
         snprintf(item->label, sizeof item->label, "noise %.1f %%", 100.0 * noise[i]);
     }
-    const int status = run(hold, "energy", "spring energy per metre", true);
-    free(hold);
+    const int status = run(tracking, "energy", "spring energy per metre", true);
+    free(tracking);
     return status;
 }

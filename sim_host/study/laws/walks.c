@@ -15,7 +15,7 @@ struct walks {
     size_t count;
     int strides;
     laws_look *look;
-    laws_assess *judge;
+    laws_assess *assess;
     void *context;
 };
 
@@ -27,7 +27,7 @@ static void answer(const struct walks *walks, size_t i)
     struct batch_item *item = &walks->items[i];
     struct laws_ahead ahead = {.seen = {walk->apex[0], walk->apex[1], walk->apex[2]}};
     walks->look(walks->context, i, &ahead);
-    item->push_m = laws_walk_answer(course->bench, walk, ahead.desired_rad_s, ahead.seen);
+    item->push_m = laws_walk_answer(course->setup, walk, ahead.desired_rad_s, ahead.seen);
     item->slope_rad = ahead.slope_rad;
     item->height_rise = ahead.rise;
 }
@@ -46,7 +46,7 @@ static int stride_done(void *context, size_t i, struct batch_item *item,
                              .step_length_m = item->step_length_m,
                              .after_collision = {item->inter_leg_rad, item->ankle_rate_m_s}};
     memcpy(walk->apex, item->apex, sizeof walk->apex);
-    if (walks->judge(walks->context, i, walk) != 0 || item->fault != 0 ||
+    if (walks->assess(walks->context, i, walk) != 0 || item->fault != 0 ||
         item->strides >= walks->strides) {
         return 1;
     }
@@ -77,21 +77,21 @@ static enum batch_error run(struct walks *walks, struct batch_walker *walkers, i
                                   .stride_done = stride_done,
                                   .context = walks};
     for (size_t i = 0; i < walks->count; i++) {
-        walkers[i] = laws_batch_walker(&walks->courses[i].bench->truth);
+        walkers[i] = laws_batch_walker(&walks->courses[i].setup->truth);
     }
     (void)parallel_for(threads, (walks->count + PIECE - 1) / PIECE, first_answers, walks);
     return batch_run_threads(&settings, &job, threads);
 }
 
 int laws_walks_run(struct laws_course *courses, size_t count, int strides, laws_look *look,
-                   laws_assess *judge, void *context, int threads)
+                   laws_assess *assess, void *context, int threads)
 {
     struct walks walks = {.courses = courses,
                           .items = calloc(count, sizeof *walks.items),
                           .count = count,
                           .strides = strides,
                           .look = look,
-                          .judge = judge,
+                          .assess = assess,
                           .context = context};
     struct batch_walker *walkers = calloc(count, sizeof *walkers);
     const enum batch_error error = walks.items == NULL || walkers == NULL

@@ -25,8 +25,8 @@ int laws_timed_gait(const struct gait_walker *walker, double speed_rad_s, double
 
 enum laws_timed_law { TIMED_PROPORTIONAL = 0, TIMED_LQR_R0 = 1, TIMED_LQR_BOTH = 2 };
 
-/* Share of a box of apex states (low[3]..high[3]) from which the law returns to the gait within 60 steps.
- * r0 within 0.005..0.3 m, release within +-limit_s of the gait's own; kp is eq. (16)'s. */
+/* Share of a box of apex states (low[3]..high[3]) from which the law returns to the gait within 60 steps. r0 is
+ * within 0.005..0.3 m, release within +-limit_s of the gait's own; kp is eq. (16)'s. */
 double laws_timed_basin(const struct gait_walker *walker, const struct laws_timed_gait *gait,
                         enum laws_timed_law law, double kp, double limit_s, const double low[3],
                         const double high[3], int samples, uint64_t seed);

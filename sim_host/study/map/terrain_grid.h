@@ -1,4 +1,4 @@
-/* Places on the grids of terrain_ground.h: what its tables and their iteration share. */
+/* Places on the grids of terrain_ground.h, shared by its tables and their iteration. */
 #ifndef SIM_HOST_STUDY_MAP_TERRAIN_GRID_H
 #define SIM_HOST_STUDY_MAP_TERRAIN_GRID_H
 
@@ -6,8 +6,9 @@
 
 #include "sim_host/study/map/terrain_ground.h"
 
+/* The value at a place, in cells from the first node. */
 double terrain_axis_value(const struct terrain_axis *axis, double place);
-/* Onto the nearest edge where the value lies beyond. */
+/* The place of a value; the nearest edge where the value lies beyond. */
 float terrain_axis_place(const struct terrain_axis *axis, double value);
 
 /* The cell a place lies in along an axis (the last one's far edge belongs to it), and how far in it. */
@@ -29,7 +30,7 @@ static inline size_t terrain_push_at(const struct terrain_range *r, int rise, in
     return (row * (size_t)r->ankle.count + (size_t)ankle) * (size_t)r->push.count;
 }
 
-/* Leg lengths. */
+/* The height of rise number `rise`, leg lengths. */
 double terrain_rise(const struct terrain_range *range, int rise);
 
 /* Where an apex (stance rate, swing angle, swing rate) strikes a rise; the walker's parameters are those of a table

@@ -157,13 +157,6 @@ static void compute_apexes(void *context, int row)
     }
 }
 
-static int take(void *context, int row)
-{
-    (void)context;
-    (void)row;
-    return 1;
-}
-
 static bool is_range(const struct terrain_range *r)
 {
     const struct terrain_axis *axes[] = {&r->speed, &r->angle, &r->swing,
@@ -192,9 +185,9 @@ int terrain_make(struct terrain_table *table, const struct gait_walker *walker,
     table->apex = malloc(strikes * (size_t)range->push.count * sizeof *table->apex);
     making.wanted = calloc(strikes, 1);
     const struct pool_jobs from_apex = {
-        0, range->speed.count * range->angle.count, threads, &making, compute_strikes, take};
+        0, range->speed.count * range->angle.count, threads, &making, compute_strikes, NULL};
     const struct pool_jobs from_strike = {
-        0, range->rises * range->legs.count, threads, &making, compute_apexes, take};
+        0, range->rises * range->legs.count, threads, &making, compute_apexes, NULL};
     bool done = table->strike != NULL && table->apex != NULL && making.wanted != NULL &&
                 pool_run(&from_apex) == 1;
     if (done) {

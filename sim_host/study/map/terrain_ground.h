@@ -1,22 +1,24 @@
 /* What the best of all laws can do on uneven ground: dynamic programming on the return map.
  *
- * A law knows the apex and chooses the push-off; then the height of the next foothold is drawn, against the one
- * before and evenly over equally likely rises (Byl, Tedrake 2009: Metastable walking machines; the mean first passage
- * to the fall). The most steps that can be expected from an apex x are
+ * A law knows the apex and chooses the push-off. Then the height of the next foothold is drawn against the one
+ * before, evenly from equally likely rises (Byl, Tedrake 2009: Metastable walking machines). The most steps that
+ * can be expected from an apex x are found by iteration on a grid:
  *
- *     V(x) = 1 + max over r0 of mean over rises of V(next(x, r0, rise)),    0 when the stride ends in a fault,
+ *     V(x) = 1 + max over r0 of mean over rises of V(next(x, r0, rise)),    0 when the stride ends in a fault.
  *
- * found by iteration on a grid. The stride parts at the heel strike: apex and rise make an angle between the legs and a
- * rate of the ankle, and these, the rise and r0 the next apex; so two tables of three and four dimensions
- * stand for one of five. Values between nodes are interpolated (MIDDLE: an estimate, and the law made from it can
- * be walked: from below), or are those of the best corner of the cell (OUTER: from above, as far as a corner is
- * better than all of its cell).
+ * The heel strike parts the stride in two. Apex and rise make an angle between the legs and a rate of the ankle.
+ * These, the rise and r0 make the next apex. So two tables of three and four dimensions replace one of five.
+ * Values between nodes are interpolated (MIDDLE), or are those of the best corner of the cell (OUTER). MIDDLE is an
+ * estimate; the law made from it can be walked, which gives a bound from below. OUTER is a bound from above, as far as
+ * a corner is better than all of its cell.
  *
- * Without a word on speed the best law walks off at the speed that bears the ground best, and then need not fall at all:
- * then the chance to be still up after n steps is asked for instead, V_0 = 1, V_n = max mean V_(n-1). A price on speed
- * asks for the most steps among laws whose mean speed over the walk stays below a limit: for every price p >= 0
+ * Without a limit on speed the best law changes to the speed that bears the ground best, and then need not
+ * fall at all. Two other questions have finite answers. The chance to be still up after n steps: V_0 = 1,
+ * V_n = max mean V_(n-1). And the most steps among laws whose mean speed stays below a limit. For every price p >= 0
+ *
  *     V_p(x) = 1 + max mean [ V_p(next) - p (v_next / limit - 1) ]
- * is at least that (weak duality of Lagrange), and the least over p is the bound.
+ *
+ * is at least that (weak duality of Lagrange). The least over p is the bound.
  *
  * Plain doubles, SI units. The same bits for any number of threads.
  */
@@ -92,15 +94,16 @@ int terrain_make(struct terrain_table *table, const struct gait_walker *walker,
 void terrain_free(struct terrain_table *table);
 
 /* Iterates until the value at `start` (stance rate, swing angle, swing rate) is settled, at most rounds_max rounds.
- * Steps begin at 0 and leap ahead where changes shrink by a steady ratio; values of a chance fall from round to
- * round, each a bound of all that follow. Returns 0, or -1 without memory. Release with terrain_value_free(). */
+ * Steps begin at 0 and are extrapolated where changes shrink by a steady ratio. Values of a chance fall from
+ * round to round; each is a bound of all that follow. Returns 0, or -1 without memory.
+ * Release with terrain_value_free(). */
 int terrain_solve(const struct terrain_table *table, enum terrain_side side,
                   const struct terrain_goal *goal, const double start[3], int rounds_max,
                   int threads, struct terrain_value *value);
 void terrain_value_free(struct terrain_value *value);
 
-/* The law made from a value: the push-off within low_m..high_m that promises the most from an apex, whose
- * strikes are computed, not read off the grid. *worth: how much. */
+/* The law made from a value: the push-off within low_m..high_m with the greatest value from an apex. The apex's
+ * strikes are computed, not read from the grid. *worth receives the value. */
 double terrain_law(const struct terrain_table *table, const struct terrain_value *value,
                    const double apex[3], double low_m, double high_m, double *worth);
 

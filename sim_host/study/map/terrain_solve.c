@@ -123,20 +123,13 @@ static void value_apexes(void *context, int row)
     }
 }
 
-static int take(void *context, int row)
-{
-    (void)context;
-    (void)row;
-    return 1;
-}
-
 static bool round_of(struct solving *solving, int threads)
 {
     const struct terrain_range *r = &solving->table->range;
     const struct pool_jobs pushes = {0,   r->rises * r->legs.count, threads, solving, value_pushes,
-                                     take};
+                                     NULL};
     const struct pool_jobs apexes = {
-        0, r->speed.count * r->angle.count, threads, solving, value_apexes, take};
+        0, r->speed.count * r->angle.count, threads, solving, value_apexes, NULL};
     return pool_run(&pushes) == 1 && pool_run(&apexes) == 1;
 }
 

@@ -110,7 +110,7 @@ static void compute(void *context, int row)
     free(items);
 }
 
-static int take(void *context, int row)
+static int is_made(void *context, int row)
 {
     return ((const struct making *)context)->made[row];
 }
@@ -123,7 +123,7 @@ int viability_make(struct viability_grid *grid, const struct gait_walker *walker
         .walker = *walker, .range = *range, .nodes = range->legs * range->rates};
     grid->image = malloc((size_t)grid->nodes * (size_t)range->pushes * sizeof *grid->image);
     making.made = calloc((size_t)range->legs, 1);
-    const struct pool_jobs jobs = {0, range->legs, threads, &making, compute, take};
+    const struct pool_jobs jobs = {0, range->legs, threads, &making, compute, is_made};
     const bool done =
         grid->image != NULL && making.made != NULL &&
         study_walker(walker, STUDY_COARSE_UNITS, &making.walker, &making.settings) == 0 &&
@@ -232,8 +232,8 @@ struct box {
     int images;
 };
 
-static void take_in(const struct viability_grid *grid, const struct viability_image *image,
-                    struct box *box)
+static void extend_box(const struct viability_grid *grid, const struct viability_image *image,
+                       struct box *box)
 {
     if (!has_image(image)) {
         return;
@@ -274,9 +274,9 @@ static bool cell_leads(const struct viability_grid *grid, const int *sum, int ce
     for (int i = 0; i + 1 < pushes; i++) {
         struct box box = {.images = 0};
         for (int k = 0; k < BOX_IMAGES; k++) {
-            take_in(grid,
-                    &grid->image[(size_t)corner[k / 2] * (size_t)pushes + (size_t)(i + k % 2)],
-                    &box);
+            extend_box(grid,
+                       &grid->image[(size_t)corner[k / 2] * (size_t)pushes + (size_t)(i + k % 2)],
+                       &box);
         }
         if (box.images > 0 && box_meets(grid, sum, &box)) {
             return true;

@@ -1,13 +1,14 @@
-/* What any push-offs at all can do: the stride on a grid of all the states it can begin from.
+/* The set of states from which some sequence of push-offs keeps a walker up, found on a grid.
  *
- * After heel strike two numbers are left of a walker's state, the angle between its legs and the rate at which the
- * ankle begins to extend; all that follows until the next heel strike is a function of them and of r0. So the
- * question "does any sequence of push-offs keep it up?" is one about sets in a plane: the largest set of states each
- * of which has a push-off that leads back into it (Aubin's viability kernel), found by taking away states
- * that have none until nothing changes. On a grid it is found twice. From outside, in cells: a cell stays while the
- * box around what some push-off (from one of the grid's to the next) makes of its corners meets a cell that
- * stays; what leaves the grid stays. From inside, in nodes: a node stays while some push-off leads it into a cell
- * all of whose corners stay. The truth lies between; a finer grid brings the two together.
+ * After heel strike two numbers are left of a walker's state: the angle between its legs, and the rate at which
+ * the ankle begins to extend. All that follows until the next heel strike is a function of them and of r0. So
+ * the states lie in a plane. Wanted is the largest set of states each of which has a push-off that leads back
+ * into the set (Aubin's viability kernel). The search removes states that have none, until nothing changes.
+ *
+ * The grid gives two bounds. OUTER, in cells: a push-off makes a box of the images of a cell's corners, and the
+ * cell stays while some such box meets a cell that stays. What leaves the grid stays. INNER, in nodes: a node stays
+ * while some push-off leads it into a cell whose corners all stay. The true set lies between. A finer grid
+ * brings the bounds together.
  *
  * Plain doubles, SI units. The same bits for any number of threads.
  */
@@ -57,8 +58,8 @@ bool viability_after_apex(const struct gait_walker *walker, const double apex[3]
 
 enum viability_side { VIABILITY_OUTER, VIABILITY_INNER };
 
-/* The largest set that has push-offs leading back into it, of cells (outer; named by their lower corner's node) or
- * of nodes (inner). set[nodes] receives 1 or 0. Returns the number of rounds it took to come to rest,
+/* Finds the largest set whose push-offs lead back into it: of cells (outer; numbered by their lower corner's
+ * node), or of nodes (inner). set[nodes] receives 1 or 0. Returns the number of rounds until nothing changed,
  * 0 without memory. */
 int viability_kernel(const struct viability_grid *grid, enum viability_side side,
                      unsigned char *set);

@@ -1,5 +1,7 @@
-/* What one would do without a model: the leg's rate at the moment its angle falls
- * through zero, by plain differentiation and behind a Butterworth filter. */
+/* Two estimators without a model, for comparison: plain differentiation, and a Butterworth filter.
+ *
+ * Both give the leg's rate at the moment its angle falls through zero.
+ */
 #ifndef SIM_HOST_STUDY_OBSERVER_ESTIMATORS_H
 #define SIM_HOST_STUDY_OBSERVER_ESTIMATORS_H
 

@@ -74,7 +74,7 @@ void gain_schedule(const struct gain_assumptions *assumptions, double spring, do
     }
 }
 
-static error_t take(int key, char *text, struct argp_state *state)
+static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     if (key == ARGP_KEY_ARG) {
         option_refuse_argument(state, text);
@@ -86,7 +86,7 @@ int command_observer_gains(int argc, char **argv)
 {
     static const struct argp parser = {
         0,
-        take,
+        parse_option,
         0,
         "Solves for the model observer's gains and prints them as C, for "
         "controller/estimator/observer_gains.c.\v"

@@ -1,4 +1,4 @@
-/* A walk in closed loop and how well its controller knew it. */
+/* A walk in closed loop, with the errors of what its controller knew about the gait. */
 #ifndef SIM_HOST_STUDY_OBSERVER_OBSERVED_WALK_H
 #define SIM_HOST_STUDY_OBSERVER_OBSERVED_WALK_H
 

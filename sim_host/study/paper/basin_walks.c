@@ -20,8 +20,8 @@ static int is_there(const struct basin_start *start, const double x[3])
     return near;
 }
 
-static int judge(void *context, size_t index, struct batch_item *item,
-                 const struct batch_slopes *slopes)
+static int end_walk(void *context, size_t index, struct batch_item *item,
+                    const struct batch_slopes *slopes)
 {
     struct walks *walks = context;
     const struct basin_start *start = &walks->starts[index];
@@ -54,17 +54,17 @@ int basin_walks(const struct basin_start *starts, size_t count, int strides, str
         batch_adapter_push(starts[i].problem, &items[i]);
         if (is_there(&starts[i], starts[i].x)) {
             ends[i].outcome = BASIN_CONVERGES;
-            items[i].fault = ENGINE_LEAVE_ALONE;
+            items[i].fault = BATCH_ADAPTER_SKIP;
         }
     }
     const struct batch_walker walker = batch_adapter_walker(&starts[0].problem->params);
-    const struct batch_settings settings = {.accuracy = ENGINE_ACCURACY};
+    const struct batch_settings settings = {.accuracy = BATCH_ADAPTER_ACCURACY};
     const struct batch_job job = {.walkers = &walker,
                                   .walker_count = 1,
                                   .items = items,
                                   .count = count,
                                   .strides = strides,
-                                  .stride_done = judge,
+                                  .stride_done = end_walk,
                                   .context = &walks};
     const enum batch_error error = batch_run(&settings, &job);
     for (size_t i = 0; i < count; i++) {

@@ -178,7 +178,7 @@ static int is_computed(const struct line *line)
     return !line->has_failed;
 }
 
-static int take_line(void *context, int i)
+static int report_line(void *context, int i)
 {
     struct study *study = context;
     const struct options *options = &study->options;
@@ -237,7 +237,7 @@ static void compute_slice(void *context, int i)
     free(ends);
 }
 
-static int take_slice(void *context, int i)
+static int report_slice(void *context, int i)
 {
     struct study *study = context;
     const struct line *line = &study->lines[i];
@@ -315,7 +315,7 @@ static int run_study(struct study *study)
                                    options->common.threads,
                                    study,
                                    options->volume ? compute_slice : compute_line,
-                                   options->volume ? take_slice : take_line};
+                                   options->volume ? report_slice : report_line};
     const int complete = pool_run(&jobs);
     if (options->volume && complete) {
         print_volume(study);

@@ -76,7 +76,7 @@ static void compute(void *context, int group)
     const int from = group * GROUP > study->first ? group * GROUP : study->first;
     struct long_run *runs = &study->runs[from];
     if (long_runs(&settings, runs, (size_t)(group_end(study, group) - from)) != 0) {
-        runs->samples = NULL; /* take tells */
+        runs->samples = NULL; /* report_group() says it */
     }
 }
 
@@ -100,7 +100,7 @@ static void print_run(struct study *study, const struct long_run *run)
     study->skip = 0;
 }
 
-static int take(void *context, int group)
+static int report_group(void *context, int group)
 {
     struct study *study = context;
     const int end = group_end(study, group);
@@ -164,7 +164,7 @@ static int run_study(struct study *study)
                                    options->common.threads,
                                    study,
                                    compute,
-                                   take};
+                                   report_group};
     const int complete = pool_run(&jobs);
     return report_close(&study->report) && complete ? EXIT_FOUND : EXIT_USAGE;
 }

@@ -133,11 +133,11 @@ static void prepare(struct group *group)
 static enum batch_error walk(struct group *group, double side)
 {
     const struct long_run_settings *settings = group->settings;
-    const struct batch_settings accurate = {.accuracy = ENGINE_ACCURACY};
+    const struct batch_settings accurate = {.accuracy = BATCH_ADAPTER_ACCURACY};
     for (size_t i = 0; i < group->count; i++) {
         struct long_run *run = &group->runs[i];
         struct batch_item *item = &group->items[i];
-        *item = (struct batch_item){.fault = ENGINE_LEAVE_ALONE};
+        *item = (struct batch_item){.fault = BATCH_ADAPTER_SKIP};
         if (!run->has_gait || run->fault == STRIDE_OK) {
             continue;
         }
@@ -153,7 +153,7 @@ static enum batch_error walk(struct group *group, double side)
         job_of(group, (int64_t)settings->transient + settings->keep, keep_sample);
     const enum batch_error error = batch_run(&accurate, &job);
     for (size_t i = 0; i < group->count; i++) {
-        if (group->items[i].fault != ENGINE_LEAVE_ALONE) {
+        if (group->items[i].fault != BATCH_ADAPTER_SKIP) {
             group->runs[i].fault = (enum stride_fault)group->items[i].fault;
         }
     }
@@ -163,14 +163,14 @@ static enum batch_error walk(struct group *group, double side)
 /* The exponents of the runs that walk, from where they are. */
 static enum batch_error measure_growth(struct group *group)
 {
-    const struct batch_settings accurate = {.accuracy = ENGINE_ACCURACY};
+    const struct batch_settings accurate = {.accuracy = BATCH_ADAPTER_ACCURACY};
     struct batch_job job = job_of(group, group->settings->lyapunov, carry);
     job.slopes = group->slopes;
     for (size_t i = 0; i < group->count; i++) {
         static const double start[3] = {1.0, 0.3, 0.2};
         const struct long_run *run = &group->runs[i];
         struct batch_item *item = &group->items[i];
-        *item = (struct batch_item){.fault = ENGINE_LEAVE_ALONE};
+        *item = (struct batch_item){.fault = BATCH_ADAPTER_SKIP};
         if (run->fault == STRIDE_OK) {
             memcpy(item->apex, run->last, sizeof item->apex);
             memcpy(group->direction[i], start, sizeof start);

@@ -162,7 +162,7 @@ static int law_and_ground(void *context, size_t index, struct batch_item *item,
     return 0;
 }
 
-START_TEST(a_law_on_rough_ground_walks_as_it_does_on_the_scalar_map)
+START_TEST(a_law_on_uneven_ground_walks_as_it_does_on_the_scalar_map)
 {
     struct batch_item items[8] = {{.fault = 0}};
     struct course course, again;
@@ -229,7 +229,7 @@ int main(void)
     suite_add_tcase(suite, tests);
     tcase_add_test(tests, one_stride_is_that_of_the_scalar_map);
     tcase_add_test(tests, level_walkers_do_not_notice_others_on_slopes);
-    tcase_add_test(tests, a_law_on_rough_ground_walks_as_it_does_on_the_scalar_map);
+    tcase_add_test(tests, a_law_on_uneven_ground_walks_as_it_does_on_the_scalar_map);
     tcase_add_test(tests, bad_ground_is_refused);
     return run_suite(suite);
 }

@@ -139,7 +139,7 @@ def walk(tmp_path, *arguments):
 
 
 @pytest.mark.parametrize("speed", [0.407, 0.6, 0.8])
-def test_the_wearer_is_engaged_after_steady_steps(tmp_path, speed):
+def test_the_person_is_engaged_after_steady_steps(tmp_path, speed):
     report, steps = walk(tmp_path, "--speed", speed, "--engage", 4, "--steps", 100)
     assert not report["fell"] and report["fault"] is None
     r0 = [float(step["r0_m"]) for step in steps if step["r0_m"]]
@@ -153,7 +153,7 @@ def test_the_wearer_is_engaged_after_steady_steps(tmp_path, speed):
 
 
 @pytest.mark.parametrize("fault", ["cut-drives", "never-armed"])
-def test_the_wearer_walks_on_without_the_device(tmp_path, fault):
+def test_the_person_walks_on_without_the_device(tmp_path, fault):
     report, _ = walk(tmp_path, "--speed", 0.45, "--engage", 4, "--steps", 80, "--fault", fault,
                      "--fault-step", 30)
     assert not report["fell"], report["fault"]

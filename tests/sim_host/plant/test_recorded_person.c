@@ -13,7 +13,7 @@ static char path[64];
 
 static void write_file(const char *text, size_t bytes)
 {
-    (void)snprintf(path, sizeof path, "/tmp/test_wearer_%ld.csv", (long)getpid());
+    (void)snprintf(path, sizeof path, "/tmp/test_recording_%ld.csv", (long)getpid());
     FILE *file = fopen(path, "wb");
     ck_assert_ptr_nonnull(file);
     ck_assert_uint_eq(fwrite(text, 1, bytes, file), bytes);
@@ -382,7 +382,7 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("recorded person");
+    Suite *suite = suite_create("recorded_person");
     TCase *reading = tcase_create("reading"), *playing = tcase_create("playing");
     tcase_add_test(reading, values_are_read_and_turned_into_leg_and_ankle);
     tcase_add_test(reading, other_names_rates_and_order);

@@ -111,7 +111,7 @@ END_TEST
 int main(void)
 {
     Suite *suite = suite_create("start_hold");
-    TCase *tcase = tcase_create("hand");
+    TCase *tcase = tcase_create("start_hold");
     tcase_add_test(tcase, lets_go_at_the_fixed_tick_or_on_its_grid);
     tcase_add_test(tcase, holds_until_everything_is_ready);
     tcase_add_test(tcase, a_flicker_starts_the_wait_again);

@@ -1,5 +1,5 @@
 /* What the walk does besides the model's stride: every fault by its name, the latch's rules at heel
- * strike, ground, pushes, the wearer's own push-off, an unretracted foot. */
+ * strike, ground, pushes, the own push-off, an unretracted foot. */
 #include <math.h>
 #include <string.h>
 
@@ -110,7 +110,7 @@ static void rig_walk_steps(struct rig *rig, int steps, double r0_m)
     }
 }
 
-START_TEST(the_hand_holds)
+START_TEST(the_start_hold_holds)
 {
     struct rig rig;
     rig_init(&rig, SEA_REAL);
@@ -483,7 +483,7 @@ START_TEST(pushes_change_the_speed)
 }
 END_TEST
 
-START_TEST(the_wearers_own_push_off_walks_without_the_device)
+START_TEST(the_own_push_off_walks_without_the_device)
 {
     struct rig rig;
     rig_init(&rig, SEA_REAL);
@@ -502,7 +502,7 @@ START_TEST(the_wearers_own_push_off_walks_without_the_device)
 }
 END_TEST
 
-START_TEST(the_hand_takes_hold_again)
+START_TEST(the_start_hold_takes_hold_again)
 {
     struct rig rig;
     struct walk_pose slow = START;
@@ -589,7 +589,7 @@ int main(void)
     Suite *suite = suite_create("walk");
     TCase *gait = tcase_create("gait"), *faults = tcase_create("faults"),
           *ground = tcase_create("ground");
-    tcase_add_test(gait, the_hand_holds);
+    tcase_add_test(gait, the_start_hold_holds);
     tcase_add_test(gait, ideal_actuators_walk_the_papers_gait);
     tcase_add_test(gait, real_actuators_cost_no_more_than_their_latency);
     tcase_add_test(gait, the_spring_is_released_after_its_latency);
@@ -597,8 +597,8 @@ int main(void)
     tcase_add_test(gait, timed_by_the_controller_it_releases_on_command);
     tcase_add_test(gait, a_weak_spring_released_in_single_support_moves_nothing);
     tcase_add_test(gait, a_foot_not_quite_back_lands_earlier_and_stands_on_its_spring);
-    tcase_add_test(gait, the_wearers_own_push_off_walks_without_the_device);
-    tcase_add_test(gait, the_hand_takes_hold_again);
+    tcase_add_test(gait, the_own_push_off_walks_without_the_device);
+    tcase_add_test(gait, the_start_hold_takes_hold_again);
     tcase_add_test(gait, energy_is_accounted_for);
     tcase_add_test(gait, rings_drop_the_oldest_and_count);
     tcase_add_test(faults, released_in_single_support_it_throws_the_walker_off);

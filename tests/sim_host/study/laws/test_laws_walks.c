@@ -26,7 +26,7 @@ struct witness {
 };
 
 struct trial {
-    struct law_setup bench[LAWS];
+    struct law_setup setup[LAWS];
     struct laws_course course[COUNT];
     struct witness witness[COUNT];
     size_t first; /* course that is the run's number 0 */
@@ -47,14 +47,14 @@ static void look(void *context, size_t number, struct laws_ahead *ahead)
     w->ahead = *ahead;
 }
 
-static int judge(void *context, size_t number, const struct laws_walk *walk)
+static int assess(void *context, size_t number, const struct laws_walk *walk)
 {
     struct trial *trial = (struct trial *)context;
     const size_t i = trial->first + number;
     struct witness *w = &trial->witness[i];
-    struct law_setup *bench = &trial->bench[i / EACH];
+    struct law_setup *setup = &trial->setup[i / EACH];
     memcpy(w->alone.apex, w->before, sizeof w->alone.apex);
-    const int fault = laws_walk_step(bench, &w->alone, w->ahead.desired_rad_s, w->ahead.seen,
+    const int fault = laws_walk_step(setup, &w->alone, w->ahead.desired_rad_s, w->ahead.seen,
                                      w->ahead.slope_rad, w->ahead.rise);
     w->same_answers = w->same_answers && memcmp(&w->alone.r0_m, &walk->r0_m, sizeof(double)) == 0;
     w->same_faults = w->same_faults && fault == walk->stride.fault;
@@ -77,16 +77,16 @@ static struct trial *make(void)
     ck_assert_ptr_nonnull(trial);
     subject_default(&subject);
     for (int l = 0; l < LAWS; l++) {
-        ck_assert_int_eq(law_setup_init(&trial->bench[l], &subject, laws[l], message), 0);
-        trial->bench[l].accuracy = LAWS_FINE;
+        ck_assert_int_eq(law_setup_init(&trial->setup[l], &subject, laws[l], message), 0);
+        trial->setup[l].accuracy = LAWS_FINE;
     }
     for (int i = 0; i < COUNT; i++) {
-        const struct law_setup *bench = &trial->bench[i / EACH];
+        const struct law_setup *setup = &trial->setup[i / EACH];
         struct witness *w = &trial->witness[i];
         double apex[3];
-        const double r0_m = law_setup_gait(bench, 0.6, apex);
-        trial->course[i].bench = bench;
-        laws_walk_start(bench, &trial->course[i].walk, apex, r0_m, 0.6);
+        const double r0_m = law_setup_gait(setup, 0.6, apex);
+        trial->course[i].setup = setup;
+        laws_walk_start(setup, &trial->course[i].walk, apex, r0_m, 0.6);
         *w = (struct witness){
             .alone = trial->course[i].walk, .same_answers = true, .same_faults = true};
         rng_init(&w->rng, 8, (uint64_t)i);
@@ -98,7 +98,7 @@ START_TEST(every_stride_is_the_scalar_one)
 {
     struct trial *trial = make();
     int steps[LAWS] = {0}, falls = 0;
-    ck_assert_int_eq(laws_walks_run(trial->course, COUNT, STRIDES, look, judge, trial, 2), 0);
+    ck_assert_int_eq(laws_walks_run(trial->course, COUNT, STRIDES, look, assess, trial, 2), 0);
     for (int i = 0; i < COUNT; i++) {
         const struct witness *w = &trial->witness[i];
         ck_assert_msg(w->same_answers, "walk %d: another push-off", i);
@@ -119,10 +119,10 @@ END_TEST
 START_TEST(a_walk_does_not_depend_on_company_or_threads)
 {
     struct trial *many = make(), *alone = make();
-    ck_assert_int_eq(laws_walks_run(many->course, COUNT, STRIDES, look, judge, many, 3), 0);
+    ck_assert_int_eq(laws_walks_run(many->course, COUNT, STRIDES, look, assess, many, 3), 0);
     for (size_t i = 0; i < COUNT; i += 5) {
         alone->first = i;
-        ck_assert_int_eq(laws_walks_run(&alone->course[i], 1, STRIDES, look, judge, alone, 1), 0);
+        ck_assert_int_eq(laws_walks_run(&alone->course[i], 1, STRIDES, look, assess, alone, 1), 0);
         const struct laws_walk *a = &alone->course[i].walk, *b = &many->course[i].walk;
         ck_assert_int_eq(a->steps, b->steps);
         ck_assert_mem_eq(a->apex, b->apex, sizeof a->apex);

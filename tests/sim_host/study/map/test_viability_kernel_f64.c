@@ -96,7 +96,7 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("viable");
+    Suite *suite = suite_create("viability_kernel");
     TCase *tests = tcase_create("all");
     tcase_set_timeout(tests, 240);
     tcase_add_test(tests, bounds_hold_what_the_map_does);

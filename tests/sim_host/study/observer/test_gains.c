@@ -99,7 +99,7 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("observe");
+    Suite *suite = suite_create("gains");
     TCase *tcase = tcase_create("gains and costs");
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, steady_gains, 0, 2);

@@ -1,4 +1,4 @@
-#include "sim_host/nodes/foreign_drive.h"
+#include "sim_host/nodes/vendor_drive.h"
 
 #include <string.h>
 
@@ -21,13 +21,13 @@ static const uint32_t ERROR_WATCHDOG = UINT32_C(0x800);
 /* ---- the latch board ------------------------------------------------------- */
 
 static const struct co_entry latch_objects[] = {
-    CO_ANY(struct foreign_drive, latch_outputs, 0x60FE, 1, CO_UNSIGNED32,
+    CO_ANY(struct vendor_drive, latch_outputs, 0x60FE, 1, CO_UNSIGNED32,
            CO_READ | CO_WRITE | CO_MAP_RX, "Physical outputs"),
 };
 
 static void board_defaults(void *context, struct co_comm *comm)
 {
-    const struct foreign_drive *drive = context;
+    const struct vendor_drive *drive = context;
     comm->device_type = 401; /* CiA 401: generic I/O */
     comm->heartbeat_ms = HEARTBEAT_PERIOD_MS;
     comm->consumer[0] = (uint32_t)NODE_CONTROLLER << 16 | HEARTBEAT_TIMEOUT_MS;
@@ -40,7 +40,7 @@ static void board_defaults(void *context, struct co_comm *comm)
 
 static void board_heartbeat(void *context, uint8_t node, bool alive, uint64_t now_ns)
 {
-    struct foreign_drive *drive = context;
+    struct vendor_drive *drive = context;
     (void)node;
     (void)now_ns;
     if (!alive) {
@@ -50,8 +50,8 @@ static void board_heartbeat(void *context, uint8_t node, bool alive, uint64_t no
 
 static const struct co_device_ops board_ops = {.heartbeat = board_heartbeat};
 
-int foreign_drive_init(struct foreign_drive *drive, const struct foreign_drive_config *config,
-                       struct can_bus bus, uint64_t now_ns)
+int vendor_drive_init(struct vendor_drive *drive, const struct vendor_drive_config *config,
+                      struct can_bus bus, uint64_t now_ns)
 {
     memset(drive, 0, sizeof *drive);
     const bool known = config->protocol == DRIVE_PROTOCOL_CANSIMPLE ||
@@ -75,28 +75,28 @@ int foreign_drive_init(struct foreign_drive *drive, const struct foreign_drive_c
 
 /* ---- common ---------------------------------------------------------------- */
 
-static double position_units(const struct foreign_drive *drive)
+static double position_units(const struct vendor_drive *drive)
 {
     return drive->config.zero_units + drive->feedback.position_m * drive->config.units_per_m;
 }
 
-void foreign_drive_measure(struct foreign_drive *drive, const struct drive_axis_feedback *feedback)
+void vendor_drive_measure(struct vendor_drive *drive, const struct drive_axis_feedback *feedback)
 {
     drive->feedback = *feedback;
 }
 
-static void send(struct foreign_drive *drive, const struct can_msg *message)
+static void send(struct vendor_drive *drive, const struct can_msg *message)
 {
     (void)can_bus_send(&drive->latch_board.bus, message); /* cyclic: the next one replaces it */
 }
 
-static void fed(struct foreign_drive *drive, uint64_t now_ns)
+static void fed(struct vendor_drive *drive, uint64_t now_ns)
 {
     drive->last_command_ns = now_ns;
     drive->commanded = true;
 }
 
-static void watch(struct foreign_drive *drive)
+static void watch(struct vendor_drive *drive)
 {
     const uint64_t limit_ns = drive->config.watchdog_ms * NS_PER_MS;
     if (limit_ns != 0 && drive->commanded && drive->closed_loop &&
@@ -108,12 +108,12 @@ static void watch(struct foreign_drive *drive)
 
 /* ---- CANSimple ------------------------------------------------------------- */
 
-static uint32_t cansimple_id(const struct foreign_drive *drive, enum cansimple_command command)
+static uint32_t cansimple_id(const struct vendor_drive *drive, enum cansimple_command command)
 {
     return (uint32_t)drive->config.drive_id << 5 | (uint32_t)command;
 }
 
-static void cansimple_receive(struct foreign_drive *drive, const struct can_msg *message,
+static void cansimple_receive(struct vendor_drive *drive, const struct can_msg *message,
                               uint64_t now_ns)
 {
     if (message->id >> 5 != drive->config.drive_id) {
@@ -151,7 +151,7 @@ static void cansimple_receive(struct foreign_drive *drive, const struct can_msg 
     }
 }
 
-static void cansimple_process(struct foreign_drive *drive, uint64_t now_ns)
+static void cansimple_process(struct vendor_drive *drive, uint64_t now_ns)
 {
     if (now_ns >= drive->next_estimate_ns) {
         struct can_msg estimate = {.id = cansimple_id(drive, CANSIMPLE_ENCODER_ESTIMATES),
@@ -178,9 +178,9 @@ static uint32_t field16(double value, double range)
     return mit_encode((float)value, (float)range, false, 16);
 }
 
-static void mit_answer(struct foreign_drive *drive)
+static void mit_answer(struct vendor_drive *drive)
 {
-    const struct foreign_ranges *ranges = &drive->config.ranges;
+    const struct vendor_ranges *ranges = &drive->config.ranges;
     const uint32_t position = field16(position_units(drive), ranges->position_rad);
     const uint32_t velocity =
         mit_encode((float)(drive->feedback.velocity_m_per_s * drive->config.units_per_m),
@@ -208,7 +208,7 @@ static bool is_special(const struct can_msg *message)
     return message->data[7] >= MIT_ENTER && message->data[7] <= MIT_ZERO;
 }
 
-static void mit_receive(struct foreign_drive *drive, const struct can_msg *message, uint64_t now_ns)
+static void mit_receive(struct vendor_drive *drive, const struct can_msg *message, uint64_t now_ns)
 {
     if (message->id != drive->config.drive_id || message->length != 8 || message->flags != 0) {
         return;
@@ -234,8 +234,8 @@ static void mit_receive(struct foreign_drive *drive, const struct can_msg *messa
 
 /* ---- both ------------------------------------------------------------------ */
 
-void foreign_drive_receive(struct foreign_drive *drive, const struct can_msg *message,
-                           uint64_t now_ns)
+void vendor_drive_receive(struct vendor_drive *drive, const struct can_msg *message,
+                          uint64_t now_ns)
 {
     drive->now_ns = now_ns;
     (void)co_device_receive(&drive->latch_board, message, now_ns);
@@ -248,7 +248,7 @@ void foreign_drive_receive(struct foreign_drive *drive, const struct can_msg *me
     }
 }
 
-void foreign_drive_process(struct foreign_drive *drive, uint64_t now_ns)
+void vendor_drive_process(struct vendor_drive *drive, uint64_t now_ns)
 {
     drive->now_ns = now_ns;
     co_device_process(&drive->latch_board, now_ns);
@@ -257,16 +257,16 @@ void foreign_drive_process(struct foreign_drive *drive, uint64_t now_ns)
     }
 }
 
-void foreign_drive_poll(struct foreign_drive *drive, uint64_t now_ns)
+void vendor_drive_poll(struct vendor_drive *drive, uint64_t now_ns)
 {
     struct can_msg message;
     while (can_bus_receive(&drive->latch_board.bus, &message, NULL) == CAN_OK) {
-        foreign_drive_receive(drive, &message, now_ns);
+        vendor_drive_receive(drive, &message, now_ns);
     }
-    foreign_drive_process(drive, now_ns);
+    vendor_drive_process(drive, now_ns);
 }
 
-void foreign_drive_command(struct foreign_drive *drive, struct drive_axis_command *command)
+void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command *command)
 {
     watch(drive);
     const bool loop = drive->closed_loop &&
@@ -280,7 +280,7 @@ void foreign_drive_command(struct foreign_drive *drive, struct drive_axis_comman
         .target_m = loop ? target_m : drive->feedback.position_m};
 }
 
-unsigned foreign_drive_ids(const struct foreign_drive *drive, uint16_t *ids, unsigned count)
+unsigned vendor_drive_ids(const struct vendor_drive *drive, uint16_t *ids, unsigned count)
 {
     if (drive->config.protocol == DRIVE_PROTOCOL_MIT) {
         ids[count++] = drive->config.drive_id;

@@ -1,15 +1,14 @@
-/* A virtual SEA drive that is no CANopen device: ODrive (CANSimple) or CubeMars AK
- * (MIT mode), with a latch board beside it.
+/* A virtual SEA drive with its maker's own protocol, and a latch board beside it.
  *
- * The latch board is a small CANopen device (node 1 or 2) which takes the latch bit
- * from the drive command frame (0x300 + node, bytes 2..5) and produces the
- * heartbeat that the master expects of that node; when the master's heartbeat
- * fails it disarms. The drive half is written from the makers' protocol
- * descriptions (hal/devices/sea_drive_cansimple.h and hal/devices/sea_drive_mit.h name them).
- * Same life as a drive_node: measure, receive or poll, command.
+ * The protocols are ODrive's (CANSimple) and CubeMars AK's (MIT mode), by the makers' descriptions, which
+ * hal/devices/sea_drive_cansimple.h and hal/devices/sea_drive_mit.h name. The latch board is a small
+ * CANopen device (node 1 or 2). It reads the latch bit from the drive command frame (0x300 + node, bytes
+ * 2..5). It produces the heartbeat that the master expects of that node. It disarms when the master's
+ * heartbeat fails.
+ * Used like a drive_node: measure, receive or poll, command.
  */
-#ifndef SIM_HOST_NODES_FOREIGN_DRIVE_H
-#define SIM_HOST_NODES_FOREIGN_DRIVE_H
+#ifndef SIM_HOST_NODES_VENDOR_DRIVE_H
+#define SIM_HOST_NODES_VENDOR_DRIVE_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -27,11 +26,11 @@ enum drive_protocol {
 };
 
 /* Half widths of the MIT fields, as set in the motor. */
-struct foreign_ranges {
+struct vendor_ranges {
     double position_rad, velocity_rad_s, torque_Nm;
 };
 
-struct foreign_drive_config {
+struct vendor_drive_config {
     enum drive_protocol protocol;
     uint8_t node_id;    /* of the latch board: 1 or 2 */
     uint8_t drive_id;   /* CANSimple node, or MIT motor id */
@@ -39,12 +38,12 @@ struct foreign_drive_config {
     double units_per_m; /* turns or radians of the motor per metre of spring, > 0 */
     double zero_units;  /* reading at the unloaded spring */
     double stroke_m;
-    struct foreign_ranges ranges; /* MIT */
-    uint32_t watchdog_ms;         /* without a command for so long: idle; 0 = off */
+    struct vendor_ranges ranges; /* MIT */
+    uint32_t watchdog_ms;        /* without a command for so long: idle; 0 = off */
 };
 
-struct foreign_drive {
-    struct foreign_drive_config config;
+struct vendor_drive {
+    struct vendor_drive_config config;
     struct co_device latch_board;
     struct co_pdo_four latch_pdos;
     struct co_dictionary dictionary;
@@ -61,26 +60,26 @@ struct foreign_drive {
 
 /* Boots the latch board on `bus` (kept by value). Returns 0, or -1 when a config
  * value is out of range. Do not move *drive afterwards. */
-int foreign_drive_init(struct foreign_drive *drive, const struct foreign_drive_config *config,
-                       struct can_bus bus, uint64_t now_ns);
+int vendor_drive_init(struct vendor_drive *drive, const struct vendor_drive_config *config,
+                      struct can_bus bus, uint64_t now_ns);
 
-void foreign_drive_measure(struct foreign_drive *drive, const struct drive_axis_feedback *feedback);
+void vendor_drive_measure(struct vendor_drive *drive, const struct drive_axis_feedback *feedback);
 
 /* One frame from the bus, whoever it is for. */
-void foreign_drive_receive(struct foreign_drive *drive, const struct can_msg *message,
-                           uint64_t now_ns);
+void vendor_drive_receive(struct vendor_drive *drive, const struct can_msg *message,
+                          uint64_t now_ns);
 
 /* What is due by time: estimates and heartbeats, the board's own. */
-void foreign_drive_process(struct foreign_drive *drive, uint64_t now_ns);
+void vendor_drive_process(struct vendor_drive *drive, uint64_t now_ns);
 
 /* Both, from the drive's own bus. */
-void foreign_drive_poll(struct foreign_drive *drive, uint64_t now_ns);
+void vendor_drive_poll(struct vendor_drive *drive, uint64_t now_ns);
 
 /* What the axis shall do in the coming period. */
-void foreign_drive_command(struct foreign_drive *drive, struct drive_axis_command *command);
+void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command *command);
 
 /* Identifiers the drive half listens to, appended to ids (room for at least 4).
  * Returns the new count. */
-unsigned foreign_drive_ids(const struct foreign_drive *drive, uint16_t *ids, unsigned count);
+unsigned vendor_drive_ids(const struct vendor_drive *drive, uint16_t *ids, unsigned count);
 
 #endif

@@ -1,13 +1,13 @@
-/* Reading a recording: a CSV file, checked field by field. */
-#include <errno.h>
+#include "sim_host/plant/recording.h"
+
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "model/trig.h"
+#include "sim_host/plant/csv_text.h"
 #include "sim_host/plant/range.h"
-#include "sim_host/plant/recorded_person.h"
 
 static const double HALF_TURN_RAD = 3.14159265358979323846;
 
@@ -24,25 +24,17 @@ enum column {
     COLUMN_COUNT
 };
 
-enum { LARGEST_FILE_BYTES = 1 << 30, ABSENT = -1, SHOWN_CHARACTERS = 40 };
+enum { ABSENT = -1, SHOWN_CHARACTERS = 40 };
 
 struct reader {
     const char *path;
     const struct recording_format *format;
-    char *text; /* owned, zero-terminated */
-    size_t bytes;
-    const char *at;
-    size_t line;              /* of *at, from 1 */
+    struct csv_text csv;
     long index[COLUMN_COUNT]; /* place of each column in a row, or ABSENT */
     long columns;             /* per row */
     struct recording *recording;
     size_t capacity;
     char *message;
-};
-
-/* A field: [begin, end), without surrounding blanks and quotes. */
-struct field {
-    const char *begin, *end;
 };
 
 static const char *column_name(const struct recording_format *format, int column)
@@ -73,12 +65,28 @@ static enum recording_error fail_at(const struct reader *reader, enum recording_
 {
     if (column >= 0) {
         (void)snprintf(reader->message, RECORDING_ERROR_MAX, "%.200s: line %zu, column %ld: %.200s",
-                       reader->path, reader->line, column + 1, what);
+                       reader->path, reader->csv.line, column + 1, what);
     } else {
         (void)snprintf(reader->message, RECORDING_ERROR_MAX, "%.200s: line %zu: %.200s",
-                       reader->path, reader->line, what);
+                       reader->path, reader->csv.line, what);
     }
     return error;
+}
+
+void recording_format_default(struct recording_format *format)
+{
+    *format = (struct recording_format){
+        .time_column = "time_s",
+        .thigh_column = {"thigh_l_deg", "thigh_r_deg"},
+        .shank_column = {"shank_l_deg", "shank_r_deg"},
+        .ankle_column = {"ankle_l_deg", "ankle_r_deg"},
+        .contact_column = {"contact_l", "contact_r"},
+        .sample_rate_hz = 200.0,
+        .angle_unit_rad = 3.14159265358979323846 / 180.0,
+        .ankle_lever_m = 0.12,
+        .ankle_neutral_rad = 0.0,
+        .largest_gap_s = 0.1,
+    };
 }
 
 static enum recording_error check_format(const struct recording_format *format, char *message)
@@ -105,72 +113,13 @@ static enum recording_error check_format(const struct recording_format *format, 
 
 static enum recording_error read_file(struct reader *reader)
 {
-    const char *why = NULL;
-    enum recording_error error = RECORDING_CANNOT_READ;
-    FILE *file = fopen(reader->path, "rb");
-    long size = -1;
-    if (file == NULL) {
-        why = strerror(errno);
-    } else if (fseek(file, 0, SEEK_END) != 0 || (size = ftell(file)) < 0 ||
-               fseek(file, 0, SEEK_SET) != 0) {
-        why = "cannot tell its size";
-    } else if (size > LARGEST_FILE_BYTES) {
-        why = "larger than 1 GB";
-    } else if ((reader->text = malloc((size_t)size + 1)) == NULL) {
-        why = "not enough memory";
-        error = RECORDING_NO_MEMORY;
-    } else if (fread(reader->text, 1, (size_t)size, file) != (size_t)size) {
-        why = "cannot be read";
-    } else {
-        reader->text[size] = '\0';
-        reader->bytes = (size_t)size;
-        error = RECORDING_OK;
+    const char *why;
+    const enum csv_text_error error = csv_text_read(&reader->csv, reader->path, &why);
+    if (error == CSV_TEXT_OK) {
+        return RECORDING_OK;
     }
-    if (file != NULL) {
-        (void)fclose(file);
-    }
-    if (error != RECORDING_OK) {
-        (void)snprintf(reader->message, RECORDING_ERROR_MAX, "%.200s: %.200s", reader->path, why);
-    }
-    return error;
-}
-
-/* The next field of the line; *more tells whether a comma followed. */
-static struct field next_field(struct reader *reader, bool *more)
-{
-    const char *begin = reader->at;
-    const char *end = begin + strcspn(begin, ",\n");
-    *more = *end == ',';
-    reader->at = *more ? end + 1 : end;
-    while (begin < end && (*begin == ' ' || *begin == '\t' || *begin == '"')) {
-        begin++;
-    }
-    while (end > begin &&
-           (end[-1] == ' ' || end[-1] == '\t' || end[-1] == '\r' || end[-1] == '"')) {
-        end--;
-    }
-    return (struct field){begin, end};
-}
-
-/* Goes to the next line that has anything in it; false at the end of the text. */
-static bool next_line(struct reader *reader)
-{
-    for (;;) {
-        if (*reader->at == '\n') {
-            reader->at++;
-            reader->line++;
-        } else if (*reader->at == '\r' && reader->at[1] == '\n') {
-            reader->at++;
-        } else {
-            return *reader->at != '\0';
-        }
-    }
-}
-
-static bool field_is(struct field field, const char *name)
-{
-    const size_t length = (size_t)(field.end - field.begin);
-    return strlen(name) == length && memcmp(field.begin, name, length) == 0;
+    (void)snprintf(reader->message, RECORDING_ERROR_MAX, "%.200s: %.200s", reader->path, why);
+    return error == CSV_TEXT_NO_MEMORY ? RECORDING_NO_MEMORY : RECORDING_CANNOT_READ;
 }
 
 static enum recording_error read_header(struct reader *reader)
@@ -180,17 +129,14 @@ static enum recording_error read_header(struct reader *reader)
     for (int column = 0; column < COLUMN_COUNT; column++) {
         reader->index[column] = ABSENT;
     }
-    if (strncmp(reader->at, "\xEF\xBB\xBF", 3) == 0) {
-        reader->at += 3;
-    }
-    if (!next_line(reader)) {
+    if (!csv_text_next_line(&reader->csv)) {
         return fail_at(reader, RECORDING_BAD_HEADER, ABSENT, "the file is empty");
     }
     for (; more; reader->columns++) {
-        const struct field field = next_field(reader, &more);
+        const struct csv_field field = csv_text_next_field(&reader->csv, &more);
         for (int column = 0; column < COLUMN_COUNT; column++) {
             const char *name = column_name(reader->format, column);
-            if (name[0] == '\0' || !field_is(field, name)) {
+            if (name[0] == '\0' || !csv_field_is(field, name)) {
                 continue;
             }
             if (reader->index[column] != ABSENT) {
@@ -215,8 +161,8 @@ static bool is_contact(int column)
     return column == CONTACT_L || column == CONTACT_R;
 }
 
-static enum recording_error read_value(const struct reader *reader, struct field field, int column,
-                                       long place, double *value)
+static enum recording_error read_value(const struct reader *reader, struct csv_field field,
+                                       int column, long place, double *value)
 {
     char text[SHOWN_CHARACTERS], what[SHOWN_CHARACTERS + 80];
     char *end;
@@ -247,7 +193,7 @@ static enum recording_error read_row(struct reader *reader, double values[COLUMN
     bool more = true;
     long place = 0;
     for (; more; place++) {
-        const struct field field = next_field(reader, &more);
+        const struct csv_field field = csv_text_next_field(&reader->csv, &more);
         for (int column = 0; column < COLUMN_COUNT; column++) {
             if (reader->index[column] != place) {
                 continue;
@@ -342,7 +288,7 @@ static enum recording_error fill_sample(const struct reader *reader,
 static enum recording_error read_rows(struct reader *reader)
 {
     double origin_s = 0.0;
-    while (next_line(reader)) {
+    while (csv_text_next_line(&reader->csv)) {
         double values[COLUMN_COUNT] = {0.0};
         struct recording_sample sample = {0};
         enum recording_error error = make_room(reader);
@@ -361,8 +307,7 @@ static enum recording_error read_rows(struct reader *reader)
         reader->recording->samples[reader->recording->count++] = sample;
     }
     reader->recording->start_s = origin_s;
-    /* A zero byte ends the text early: not a text file. */
-    if (reader->at != reader->text + reader->bytes) {
+    if (!csv_text_is_whole(&reader->csv)) {
         return fail_at(reader, RECORDING_BAD_VALUE, ABSENT, "a zero byte: this is not a text file");
     }
     if (reader->recording->count < 2) {
@@ -375,7 +320,7 @@ enum recording_error recording_load(struct recording *recording, const char *pat
                                     const struct recording_format *format, char *message)
 {
     struct reader reader = {
-        .path = path, .format = format, .line = 1, .recording = recording, .message = message};
+        .path = path, .format = format, .recording = recording, .message = message};
     *recording = (struct recording){0};
     message[0] = '\0';
     enum recording_error error = check_format(format, message);
@@ -383,14 +328,13 @@ enum recording_error recording_load(struct recording *recording, const char *pat
         error = read_file(&reader);
     }
     if (error == RECORDING_OK) {
-        reader.at = reader.text;
         error = read_header(&reader);
     }
     if (error == RECORDING_OK) {
         error = read_rows(&reader);
     }
     recording->has_contact = reader.index[CONTACT_L] != ABSENT && reader.index[CONTACT_R] != ABSENT;
-    free(reader.text);
+    csv_text_free(&reader.csv);
     if (error != RECORDING_OK) {
         recording_free(recording);
     }
@@ -401,4 +345,19 @@ void recording_free(struct recording *recording)
 {
     free(recording->samples);
     *recording = (struct recording){0};
+}
+
+double recording_span_rad(const struct recording *recording)
+{
+    double widest_rad = 0.0;
+    for (int side = 0; side < SIDE_COUNT && recording->count > 0; side++) {
+        double low = recording->samples[0].leg_angle_rad[side], high = low;
+        for (size_t i = 1; i < recording->count; i++) {
+            const double angle = recording->samples[i].leg_angle_rad[side];
+            low = angle < low ? angle : low;
+            high = angle > high ? angle : high;
+        }
+        widest_rad = high - low > widest_rad ? high - low : widest_rad;
+    }
+    return widest_rad;
 }
