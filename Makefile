@@ -215,7 +215,7 @@ help: ## this list
 	@echo 'make TARGET [BUILD=dir] [CC=gcc|clang] [OPT=-O2] [JOBS=n] [V=1]'; \
 	echo '     [TICK_US=us BITRATE=bit/s]   another tick, another bit rate, in a BUILD of their own:'; \
 	echo '                                  make programs TICK_US=2000 BITRATE=500000 BUILD=build/slow'; \
-	grep -hE '^[a-zA-Z$$()%: _-]+:.*## ' $(MAKEFILE_LIST) | \
+	grep -hE '^[a-zA-Z0-9$$()%: _-]+:.*## ' $(MAKEFILE_LIST) | \
 	sed -E 's/^\$$\(VARIANTS:[^#]*## \(([^)]*)\)/\1 : ##/; s/^\$$\(VARIANTS\)[^#]*## \(([^)]*)\)/\1 : ##/' | \
 	awk -F ':.*## ' '{ printf "  %-18s %s\n", $$1, $$2 }'
 

@@ -357,6 +357,21 @@ static void stay_idle(struct sim_bus *bus, uint64_t time_ns)
     }
 }
 
+uint64_t sim_bus_next_ns(const struct sim_bus *bus)
+{
+    if (bus->phase != SIM_BUS_IDLE) {
+        return bus->phase_end_ns;
+    }
+    uint64_t next_ns = next_own_event(bus, UINT64_MAX);
+    for (uint32_t left = bus->pending; left != 0; left &= left - 1) {
+        const struct sim_bus_port *port = &bus->ports[__builtin_ctz(left)];
+        if (sim_bus_is_on(port) && port->may_start_ns < next_ns) {
+            next_ns = port->may_start_ns;
+        }
+    }
+    return next_ns > bus->now_ns ? next_ns : bus->now_ns;
+}
+
 void sim_bus_run_until(struct sim_bus *bus, uint64_t until_ns)
 {
     while (bus->now_ns <= until_ns) {

@@ -204,6 +204,15 @@ void sim_bus_measure_response(struct sim_bus *bus, struct sim_bus_response *resp
  * acknowledges, and its own frames wait in its queue until that is full. */
 void sim_bus_connect(struct sim_bus *bus, int port, bool connected);
 
+/* Takes the waiting frames with identifier `id` out of the queue of a port, as a controller
+ * does whose transmit request is cancelled. One that is on the wire goes on. Returns how
+ * many there were. */
+unsigned sim_bus_withdraw(struct sim_bus *bus, int port, uint32_t id);
+
+/* The next moment at which the bus does something by itself: the end of what is on the wire,
+ * or when one that waits may start, now at the earliest; UINT64_MAX when nobody can. */
+uint64_t sim_bus_next_ns(const struct sim_bus *bus);
+
 /* Replaces the node behind a port by a fresh one: queues and error counters
  * emptied, as after its power was switched off and on. */
 void sim_bus_reset_port(struct sim_bus *bus, int port);

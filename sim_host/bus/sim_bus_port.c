@@ -154,6 +154,21 @@ void sim_bus_connect(struct sim_bus *bus, int port, bool connected)
     bus->ports[port].connected = connected;
 }
 
+unsigned sim_bus_withdraw(struct sim_bus *bus, int index, uint32_t id)
+{
+    assert(index >= 0 && (unsigned)index < bus->port_count);
+    struct sim_bus_port *port = &bus->ports[index];
+    unsigned kept = 0;
+    for (unsigned i = 0; i < port->tx_count; i++) {
+        if (port->tx[i].message.id != id) {
+            port->tx[kept++] = port->tx[i];
+        }
+    }
+    const unsigned withdrawn = port->tx_count - kept;
+    port->tx_count = kept;
+    return withdrawn;
+}
+
 void sim_bus_reset_port(struct sim_bus *bus, int index)
 {
     assert(index >= 0 && (unsigned)index < bus->port_count);

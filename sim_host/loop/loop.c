@@ -205,14 +205,10 @@ void loop_free(struct loop *loop)
 
 /* ---- one period ------------------------------------------------------------ */
 
-void loop_tick(struct loop *loop)
+void loop_end_period(struct loop *loop, uint64_t now_ns)
 {
-    const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
-    sim_bus_run_until(&loop->bus, sync_ns);
-    (void)control_task_start_cycle(&loop->rig.task); /* refused: counted, seen by the supervisor */
-    sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
     for (int i = 0; i < WALKER_NODES; i++) {
-        (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, sync_ns + TICK_NS - 1);
+        (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, now_ns);
     }
     own_push_tick(&loop->own_push, &loop->nodes.plant);
     walker_nodes_advance(&loop->nodes);
@@ -223,4 +219,13 @@ void loop_tick(struct loop *loop)
     }
     walker_nodes_measure(&loop->nodes);
     loop->tick++;
+}
+
+void loop_tick(struct loop *loop)
+{
+    const uint64_t sync_ns = loop->tick * (uint64_t)TICK_NS;
+    sim_bus_run_until(&loop->bus, sync_ns);
+    (void)control_task_start_cycle(&loop->rig.task); /* refused: counted, seen by the supervisor */
+    sim_bus_run_until(&loop->bus, sync_ns + TICK_NS - 1);
+    loop_end_period(loop, sync_ns + TICK_NS - 1);
 }

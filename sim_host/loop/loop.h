@@ -86,6 +86,10 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
 /* One SYNC period. Cost: about 10 us. */
 void loop_tick(struct loop *loop);
 
+/* The end of a SYNC period, for who runs the bus and starts the cycles: the nodes take
+ * what has come, the plant goes on by one period. */
+void loop_end_period(struct loop *loop, uint64_t now_ns);
+
 /* Gives back what the plant holds (a recording). */
 void loop_free(struct loop *loop);
 

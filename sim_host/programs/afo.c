@@ -14,6 +14,7 @@ static const struct program_command table[] = {
     {"settings", afo_settings, "a subject's settings as the device keeps them in flash"},
     {"eds", afo_eds, "data sheets of all nodes (EDS) and the DBC of the bus"},
     {"pil", afo_pil, "walk with the flashed object code on an emulated processor"},
+    {"g474", afo_g474, "walk with the very image that is flashed, in an emulated STM32G474"},
     {"slcan", afo_slcan, "the same over slcan on the emulated board's UART"},
 };
 

@@ -9,7 +9,7 @@ import pytest
 
 from afo import AFO, ROOT, run
 
-COMMANDS = ("sim", "study", "faults", "soak", "replay", "walker", "host", "blackbox", "settings", "eds", "pil", "slcan")
+COMMANDS = ("sim", "study", "faults", "soak", "replay", "walker", "host", "blackbox", "settings", "eds", "pil", "g474", "slcan")
 STUDIES = ("fixed-point", "continue", "doublings", "bifurcation", "basin", "gain", "noise", "map", "atlas", "laws",
            "observe", "observer-gains", "table")
 ALL = [(name,) for name in COMMANDS if name != "study"] + [("study", name) for name in STUDIES]
@@ -21,7 +21,7 @@ def afo(*words, **options):
 
 
 def listed(text):
-    return re.findall(r"^  ([a-z][a-z-]*) {2,}\S", text, re.M)
+    return re.findall(r"^  ([a-z][a-z0-9-]*) {2,}\S", text, re.M)
 
 
 def test_the_lists_are_whole():

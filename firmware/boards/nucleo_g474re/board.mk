@@ -31,3 +31,8 @@ $(Q)gdb-multiarch $(call IMAGE,nucleo_g474re).elf -ex 'target extended-remote | 
         -c "gdb_port pipe; log_output /dev/null"' -ex 'monitor reset halt' \
         -ex '$(FREEZE_nucleo_g474re)'
 endef
+
+.PHONY: g474
+g474: firmware programs ## the very image that is flashed, in an emulated STM32G474: a walk, its replay, faults, broken drivers (10 min)
+	$(Q)scripts/setup test
+	$(Q)scripts/chip-in-the-loop --build $(BUILD)

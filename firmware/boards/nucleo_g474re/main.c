@@ -17,6 +17,8 @@ static struct orthosis orthosis;
 static struct fdcan can;
 static struct tim2_clock timer;
 static struct flash_store flash;
+/* Before, timer and FDCAN1 have no clock: nobody may ask them anything. */
+static bool ports_run;
 
 #define FILTER(first, last, fifo) {first, last, fifo},
 static const struct fdcan_filter can_filters[] = {CAN_FILTERS(FILTER)};
@@ -61,7 +63,9 @@ bool board_survives(uint32_t exception)
 
 void board_last_will(struct crash_record *record)
 {
-    fdcan_silence();
+    if (ports_run) {
+        fdcan_silence();
+    }
     record->build_id = version_build_id();
     if (record->cause == (uint32_t)CRASH_NMI && clock_tree_crystal_failed()) {
         record->cause = CRASH_CLOCK_FAILED;
@@ -70,7 +74,7 @@ void board_last_will(struct crash_record *record)
 
 uint32_t board_time_ms(void)
 {
-    return tim2_clock_now_ms(&timer);
+    return ports_run ? tim2_clock_now_ms(&timer) : 0u;
 }
 
 /* Notes a reset by the watchdog, which leaves no record itself; a record that nobody has
@@ -110,6 +114,7 @@ static void start_ports(void)
 
     board_io_init();
     tim2_clock_init(&timer, CORE_HZ);
+    ports_run = true;
     result = fdcan_init(&can, &config);
     if (result != FDCAN_OK) {
         give_up(CRASH_ASSERTION, (uint32_t) - (int32_t)result);

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
-#include "tests/hal/port_cortex_m/mmio_model.h"
-#include "tests/hal/port_fdcan/fdcan_model.h"
+#include "sim_host/emulator/g474/fdcan_model.h"
+#include "sim_host/emulator/g474/mmio_model.h"
 #include "tests/support/assert_close.h"
 
 enum { MESSAGE_BYTES = offsetof(struct can_msg, data) + CAN_FRAME_DATA_MAX };

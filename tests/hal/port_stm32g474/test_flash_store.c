@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "hal/storage/param_store.h"
-#include "tests/hal/port_cortex_m/mmio_model.h"
-#include "tests/hal/port_stm32g474/flash_model.h"
+#include "sim_host/emulator/g474/flash_model.h"
+#include "sim_host/emulator/g474/mmio_model.h"
 #include "tests/support/assert_close.h"
 
 static struct flash_model model;

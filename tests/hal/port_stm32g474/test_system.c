@@ -4,7 +4,7 @@
 #include "hal/port_stm32g474/board_io.h"
 #include "hal/port_stm32g474/clock_tree.h"
 #include "hal/port_stm32g474/idle.h"
-#include "tests/hal/port_cortex_m/mmio_model.h"
+#include "sim_host/emulator/g474/mmio_model.h"
 #include "tests/support/assert_close.h"
 
 /* ---- Clocks: a small RCC ---------------------------------------------------------- */

@@ -408,6 +408,41 @@ START_TEST(answers_to_the_sync_compete_right_behind_it)
 }
 END_TEST
 
+START_TEST(a_withdrawn_frame_is_not_sent_and_others_are)
+{
+    send(0, 0x301, 6);
+    send(0, 0x302, 6);
+    send(0, 0x181, 6);
+    sim_bus_run_until(&bus, 10000); /* 0x181 is on the wire */
+    ck_assert_uint_eq(sim_bus_withdraw(&bus, 0, 0x301), 1);
+    ck_assert_uint_eq(sim_bus_withdraw(&bus, 0, 0x181), 0);
+    sim_bus_run_until(&bus, 1000000);
+    ck_assert_uint_eq(seen_count, 2);
+    ck_assert_uint_eq(seen[0].message.id, 0x181);
+    ck_assert_uint_eq(seen[1].message.id, 0x302);
+}
+END_TEST
+
+START_TEST(the_next_moment_is_when_something_happens)
+{
+    ck_assert_uint_eq(sim_bus_next_ns(&bus), UINT64_MAX);
+    send(0, 0x301, 6);
+    ck_assert_uint_eq(sim_bus_next_ns(&bus), 0);
+    sim_bus_run_until(&bus, 0);
+    const uint64_t end_ns = sim_bus_next_ns(&bus);
+    ck_assert_uint_eq(seen_count, 0);
+    sim_bus_run_until(&bus, end_ns - 1);
+    ck_assert_uint_eq(seen_count, 0);
+    sim_bus_run_until(&bus, end_ns);
+    ck_assert_uint_eq(seen_count, 1);
+    ck_assert_uint_eq(seen[0].time_ns, end_ns);
+    sim_bus_run_until(&bus, 1000000);
+    send(1, 0x301, 6);
+    sim_bus_connect(&bus, 1, false); /* it waits, but nothing comes of it */
+    ck_assert_uint_eq(sim_bus_next_ns(&bus), UINT64_MAX);
+}
+END_TEST
+
 START_TEST(a_reset_port_is_as_new)
 {
     send(0, 0x181, 6);
@@ -442,6 +477,8 @@ int main(void)
     tcase_add_test(tcase, dropping_altering_delaying_and_duplicating_do_what_they_say);
     tcase_add_test(tcase, a_babbling_node_starves_what_is_less_urgent);
     tcase_add_test(tcase, answers_to_the_sync_compete_right_behind_it);
+    tcase_add_test(tcase, a_withdrawn_frame_is_not_sent_and_others_are);
+    tcase_add_test(tcase, the_next_moment_is_when_something_happens);
     tcase_add_test(tcase, a_reset_port_is_as_new);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

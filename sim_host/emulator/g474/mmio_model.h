@@ -1,7 +1,8 @@
-/* Where the drivers' register accesses go on the host: to models of peripherals,
- * each at its addresses. An access to any other address fails the test. */
-#ifndef TESTS_HAL_PORT_CORTEX_M_MMIO_MODEL_H
-#define TESTS_HAL_PORT_CORTEX_M_MMIO_MODEL_H
+/* Where register accesses go: to models of peripherals, each at its addresses. They come
+ * from the drivers' host build in a test, and from the image in the emulated chip. An
+ * access to any other address is a misuse. */
+#ifndef SIM_HOST_EMULATOR_G474_MMIO_MODEL_H
+#define SIM_HOST_EMULATOR_G474_MMIO_MODEL_H
 
 #include <stdint.h>
 
@@ -21,7 +22,16 @@ void mmio_model_map_memory(uint32_t base, uint32_t bytes, uint32_t *words);
 /* Calls `function` in mmio_sleep from now on; NULL after a reset: sleeping fails the test. */
 void mmio_model_on_sleep(void (*function)(void));
 
-/* Nesting of mmio_lock; a test ends with 0. */
+/* Nesting of mmio_model_lock; a test ends with 0. */
 int mmio_model_locked(void);
+
+/* One access of a word. */
+uint32_t mmio_model_load(uint32_t address);
+void mmio_model_store(uint32_t address, uint32_t value);
+
+/* What stands for the interrupt mask and for waiting on the host. */
+uint32_t mmio_model_lock(void);
+void mmio_model_unlock(uint32_t state);
+void mmio_model_sleep(void);
 
 #endif

@@ -5,8 +5,8 @@
  * filters, both receive FIFOs in blocking mode, transmit buffers in queue mode with
  * cancellation, the transmit event FIFO, the time stamp counter, error counters,
  * bus-off and its recovery, interrupt flags, enables and line. */
-#ifndef TESTS_HAL_PORT_FDCAN_FDCAN_MODEL_H
-#define TESTS_HAL_PORT_FDCAN_FDCAN_MODEL_H
+#ifndef SIM_HOST_EMULATOR_G474_FDCAN_MODEL_H
+#define SIM_HOST_EMULATOR_G474_FDCAN_MODEL_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -44,6 +44,9 @@ struct fdcan_model {
 
 /* State after a reset, message RAM full of rubbish; mapped at its addresses. */
 void fdcan_model_init(struct fdcan_model *model);
+
+/* A reset of the peripheral alone: its RAM keeps what it holds. */
+void fdcan_model_reset(struct fdcan_model *model);
 
 /* A frame of another node has ended on the bus; `start_bits` is the time of its
  * start. Returns false when it was filtered out or lost. */

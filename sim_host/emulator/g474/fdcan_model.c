@@ -1,9 +1,10 @@
-#include "tests/hal/port_fdcan/fdcan_model.h"
+#include "sim_host/emulator/g474/fdcan_model.h"
 
-#include <check.h>
+#include <stddef.h>
 #include <string.h>
 
-#include "tests/hal/port_cortex_m/mmio_model.h"
+#include "sim_host/emulator/g474/mmio_model.h"
+#include "sim_host/emulator/g474/model_check.h"
 
 /* Offsets, RM0440 section "FDCAN registers". */
 enum {
@@ -89,8 +90,10 @@ static void acknowledge(struct model_fifo *fifo, uint32_t index)
     /* The get index moves behind the acknowledged element, freeing all up to it. */
     uint32_t freed = (index + 3 - fifo->get) % 3 + 1;
 
-    ck_assert_uint_lt(index, 3);
-    ck_assert_uint_le(freed, fifo->fill);
+    if (index >= 3 || freed > fifo->fill) {
+        model_misuse("element %u was acknowledged with %u in the FIFO", index, fifo->fill);
+        return;
+    }
     fifo->get = (index + 1) % 3;
     fifo->fill -= freed;
     fifo->lost = false;
@@ -158,7 +161,7 @@ static void write_cccr(struct fdcan_model *model, uint32_t value)
 {
     bool was_init = (model->reg[CCCR / 4] & INIT) != 0;
 
-    ck_assert_msg((value & 0x300u) == 0, "FD operation asked for");
+    MODEL_CHECK((value & 0x300u) == 0, "FD operation asked for");
     model->init_asked = (value & INIT) != 0;
     if (model->init_asked != was_init && model->init_delay == 0) {
         model->reg[CCCR / 4] ^= INIT;
@@ -227,7 +230,7 @@ static void model_write(void *context, uint32_t offset, uint32_t value)
         acknowledge(&model->events, value);
         return;
     case TXBAR:
-        ck_assert_msg((model->pending & value) == 0, "a buffer in use was requested again");
+        MODEL_CHECK((model->pending & value) == 0, "a buffer in use was requested again");
         if ((model->reg[CCCR / 4] & CCE) == 0) {
             model->pending |= value & 7;
             model->occurred &= ~value;
@@ -255,23 +258,29 @@ static void ram_write(void *context, uint32_t offset, uint32_t value)
 
     if (word >= WORD_TX) {
         uint32_t buffer = (word - WORD_TX) / 18;
-        ck_assert_msg((model->pending & (1u << buffer)) == 0, "buffer %u changed while requested",
-                      buffer);
+        MODEL_CHECK((model->pending & (1u << buffer)) == 0, "buffer %u changed while requested",
+                    buffer);
     } else {
-        ck_assert_msg(word < WORD_RX || configurable(model), "the receive side was overwritten");
+        MODEL_CHECK(word < WORD_RX || configurable(model), "the receive side was overwritten");
     }
     model->ram[word] = value;
 }
 
-void fdcan_model_init(struct fdcan_model *model)
+void fdcan_model_reset(struct fdcan_model *model)
 {
-    memset(model, 0, sizeof *model);
-    memset(model->ram, 0xA7, sizeof model->ram);
+    memset(model, 0, offsetof(struct fdcan_model, ram));
+    memset(&model->rx, 0, sizeof *model - offsetof(struct fdcan_model, rx));
     model->reg[CCCR / 4] = INIT;
     model->reg[NBTP / 4] = 0x06000A03; /* reset value */
     model->init_asked = true;
     model->on_wire = -1;
     model->last_error = 7;
+}
+
+void fdcan_model_init(struct fdcan_model *model)
+{
+    memset(model->ram, 0xA7, sizeof model->ram);
+    fdcan_model_reset(model);
     mmio_model_map(0x40006400, 0x104, model_read, model_write, model);
     mmio_model_map(0x4000A400, 4 * MODEL_RAM_WORDS, ram_read, ram_write, model);
 }
@@ -360,7 +369,7 @@ bool fdcan_model_begin(struct fdcan_model *model)
     if ((model->reg[CCCR / 4] & INIT) != 0 || model->bus_off) {
         return false;
     }
-    ck_assert_msg((model->reg[TXBC / 4] & (1u << 24)) != 0, "the buffers are no queue");
+    MODEL_CHECK((model->reg[TXBC / 4] & (1u << 24)) != 0, "the buffers are no queue");
     for (int buffer = 0; model->on_wire < 0 && buffer < 3; buffer++) {
         uint32_t id = (model->ram[WORD_TX + buffer * 18] >> 18) & 0x7FF;
         if ((model->pending & (1u << buffer)) != 0 && id < best_id) {
@@ -410,7 +419,7 @@ void fdcan_model_end_good(struct fdcan_model *model)
     const uint32_t *element = &model->ram[WORD_TX + buffer * 18];
     struct model_frame *frame = &model->sent[model->sent_count++ % 256];
 
-    ck_assert_int_ge(buffer, 0);
+    MODEL_CHECK(buffer >= 0, "nothing is on the wire");
     model->on_wire = -1;
     model->pending &= ~bit;
     model->occurred |= bit;
@@ -423,7 +432,7 @@ void fdcan_model_end_good(struct fdcan_model *model)
     if (model->pending == 0) {
         raise_flag(model, TFE);
     }
-    ck_assert_msg((element[0] >> 29) == 0, "not a standard data frame");
+    MODEL_CHECK((element[0] >> 29) == 0, "not a standard data frame");
     frame->id = (element[0] >> 18) & 0x7FF;
     frame->length = (element[1] >> 16) & 0xF;
     for (int i = 0; i < 8; i++) {
@@ -472,7 +481,7 @@ void fdcan_model_end_disturbed(struct fdcan_model *model)
     uint32_t before = error_state_bits(model);
     int buffer = model->on_wire;
 
-    ck_assert_int_ge(buffer, 0);
+    MODEL_CHECK(buffer >= 0, "nothing is on the wire");
     model->on_wire = -1;
     if (model->cancelled & (1u << buffer)) { /* no second attempt */
         model->pending &= ~(1u << buffer);

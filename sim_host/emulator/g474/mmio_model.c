@@ -1,8 +1,8 @@
-#include "tests/hal/port_cortex_m/mmio_model.h"
+#include "sim_host/emulator/g474/mmio_model.h"
 
-#include <check.h>
+#include <stddef.h>
 
-#include "hal/port_cortex_m/mmio.h"
+#include "sim_host/emulator/g474/model_check.h"
 
 struct region {
     uint32_t base;
@@ -29,7 +29,10 @@ void mmio_model_reset(void)
 void mmio_model_map(uint32_t base, uint32_t bytes, mmio_model_read read, mmio_model_write write,
                     void *context)
 {
-    ck_assert_int_lt(region_count, REGION_MAX);
+    if (region_count == REGION_MAX) {
+        model_misuse("no room for a model at %#x", base);
+        return;
+    }
     regions[region_count++] = (struct region){base, bytes, read, write, context};
 }
 
@@ -55,35 +58,36 @@ int mmio_model_locked(void)
 
 static const struct region *find(uint32_t address)
 {
-    if (address % 4 != 0) { /* not an assertion: Check makes a note of each, thousands of times */
-        ck_abort_msg("access to %#x is not aligned", address);
-    }
+    MODEL_CHECK(address % 4 == 0, "access to %#x is not aligned", address);
     for (int i = 0; i < region_count; i++) {
         if (address - regions[i].base < regions[i].bytes) {
             return &regions[i];
         }
     }
-    ck_abort_msg("nothing is at address %#x", address);
+    model_misuse("nothing is at address %#x", address);
+    return NULL;
 }
 
-uint32_t mmio_read(uint32_t address)
+uint32_t mmio_model_load(uint32_t address)
 {
     const struct region *region = find(address);
-    return region->read(region->context, address - region->base);
+    return region != NULL ? region->read(region->context, address - region->base) : 0;
 }
 
-void mmio_write(uint32_t address, uint32_t value)
+void mmio_model_store(uint32_t address, uint32_t value)
 {
     const struct region *region = find(address);
-    region->write(region->context, address - region->base, value);
+    if (region != NULL) {
+        region->write(region->context, address - region->base, value);
+    }
 }
 
-uint32_t mmio_lock(void)
+uint32_t mmio_model_lock(void)
 {
     return (uint32_t)locked++;
 }
 
-void mmio_unlock(uint32_t state)
+void mmio_model_unlock(uint32_t state)
 {
     locked = (int)state;
 }
@@ -93,12 +97,11 @@ void mmio_model_on_sleep(void (*function)(void))
     on_sleep = function;
 }
 
-void mmio_sleep(void)
+void mmio_model_sleep(void)
 {
-    ck_assert_msg(on_sleep != NULL, "nothing would end this sleep");
+    if (on_sleep == NULL) {
+        model_misuse("nothing would end this sleep");
+        return;
+    }
     on_sleep();
-}
-
-void mmio_barrier(void)
-{
 }

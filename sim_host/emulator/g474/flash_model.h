@@ -4,8 +4,8 @@
  * Modelled: the lock and its keys, page erase, 64-bit programming in two halves,
  * error flags, busy time, error correction with its non-maskable interrupt, the
  * data cache, and power failing in the middle of an operation. */
-#ifndef TESTS_HAL_PORT_STM32G474_FLASH_MODEL_H
-#define TESTS_HAL_PORT_STM32G474_FLASH_MODEL_H
+#ifndef SIM_HOST_EMULATOR_G474_FLASH_MODEL_H
+#define SIM_HOST_EMULATOR_G474_FLASH_MODEL_H
 
 #include <stdbool.h>
 #include <stdint.h>

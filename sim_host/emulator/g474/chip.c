@@ -1,0 +1,326 @@
+#include "sim_host/emulator/g474/chip.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim_host/emulator/g474/mmio_model.h"
+#include "sim_host/emulator/g474/model_check.h"
+
+enum {
+    PAGE = 4096,
+    STORE_BYTES = CHIP_FLASH_BYTES - CHIP_STORE_OFFSET,
+    EXCEPTION_NMI = 2,
+    STALL_LOOP = 0xE7FE /* b . */
+};
+#define FLASH_BASE 0x08000000u
+#define STORE_BASE (FLASH_BASE + CHIP_STORE_OFFSET)
+#define RAM_BASE 0x20000000u
+
+/* ---- Findings ------------------------------------------------------------------------------ */
+
+static void take_misuse(void *context, const char *description)
+{
+    chip_find(context, "%s", description);
+}
+
+static void on_nmi(void *context)
+{
+    chip_pend(context, EXCEPTION_NMI);
+}
+
+/* ---- Instructions ------------------------------------------------------------------------------------ */
+
+static uint32_t count_instructions(const struct chip *chip, uint32_t offset, uint32_t bytes)
+{
+    uint32_t count = 0;
+
+    for (uint32_t at = offset; at < offset + bytes; count++) {
+        const uint16_t half = *(const uint16_t *)(const void *)(chip->flash + at);
+        at += (half >> 11) >= 0x1D ? 4 : 2;
+    }
+    return count;
+}
+
+static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint32_t bytes)
+{
+    const uint32_t offset = address - FLASH_BASE;
+
+    if (offset >= CHIP_FLASH_BYTES || bytes > CHIP_FLASH_BYTES - offset) {
+        return bytes / 2;
+    }
+    if (chip->block_bytes[offset / 2] != bytes) {
+        chip->block_bytes[offset / 2] = (uint16_t)bytes;
+        chip->block_instructions[offset / 2] = (uint8_t)count_instructions(chip, offset, bytes);
+    }
+    return chip->block_instructions[offset / 2];
+}
+
+/* Something is due before the next block; true when the core must stop. */
+static bool look_around(struct chip *chip)
+{
+    chip_refresh(chip);
+    if (chip->cycles >= chip_next_due_cycle(chip)) {
+        chip_fire(chip);
+    }
+    return chip->stop_asked || chip->reset_asked || chip->dead ||
+           (chip->attention && chip_next_exception(chip) != 0) ||
+           (chip->hang && chip->scs.depth == 0 && (core_get(&chip->core, CORE_PRIMASK) & 1) == 0);
+}
+
+static void on_block(void *context, uint32_t address, uint32_t bytes)
+{
+    struct chip *chip = context;
+
+    if (chip->cycles >= chip->due && look_around(chip)) {
+        core_stop(&chip->core);
+        return;
+    }
+    const uint32_t count = instructions_of_block(chip, address, bytes);
+    chip->cycles += count;
+    chip->instructions += count;
+}
+
+/* Until an exception is pending, whether masked or not. */
+static void sleep_on(struct chip *chip)
+{
+    while (!chip->attention && !chip->stop_asked && !chip->reset_asked) {
+        const uint64_t due = chip_next_due_cycle(chip);
+        chip->cycles = due > chip->cycles ? due : chip->cycles;
+        chip_fire(chip);
+    }
+}
+
+static uint32_t stalled(const struct chip *chip)
+{
+    for (uint32_t offset = 0x100; offset < CHIP_STORE_OFFSET; offset += 2) {
+        if (*(const uint16_t *)(const void *)(chip->flash + offset) == STALL_LOOP) {
+            return FLASH_BASE + offset;
+        }
+    }
+    return 0;
+}
+
+static uint32_t run_core(struct chip *chip, uint32_t pc)
+{
+    struct core *core = &chip->core;
+    const enum core_stop stop = core_run(core, pc);
+
+    pc = core_get(core, CORE_PC);
+    switch (stop) {
+    case CORE_ASKED:
+        return pc;
+    case CORE_WAITS:
+        chip->sleeping = true;
+        return pc;
+    case CORE_EXCEPTION_RETURN:
+        return chip_leave(chip, pc | 1u);
+    case CORE_FAILED:
+        chip_find(chip, "%s", core->message);
+        chip->dead = true;
+        return pc;
+    case CORE_UNDEFINED:
+    case CORE_BAD_READ:
+    case CORE_BAD_WRITE:
+    case CORE_BAD_FETCH:
+        break;
+    }
+    return chip_enter(chip, chip_fault(chip, stop, core->bad_address), pc);
+}
+
+/* ---- Reset ---------------------------------------------------------------------------------------------- */
+
+static void reset(struct chip *chip, bool power_on)
+{
+    struct core *core = &chip->core;
+    const uint64_t now_ns = chip_now_ns(chip);
+
+    chip->base_ns = now_ns;
+    chip->base_cycles = chip->cycles;
+    chip_clocks_reset(chip, power_on);
+    chip_scs_reset(chip);
+    chip_io_reset(chip);
+    fdcan_model_reset(&chip->can);
+    flash_model_power_up(&chip->flash_registers);
+    chip->flash_done_ns = CHIP_NEVER;
+    chip->reset_asked = chip->dead = chip->hang = chip->sleeping = false;
+    chip->resets++;
+    core_set(core, CORE_CONTROL, 0);
+    core_set(core, CORE_XPSR, 1u << 24);
+    core_set(core, CORE_CONTROL, 0); /* once more: in a handler it keeps the stack it is on */
+    core_set(core, CORE_PRIMASK, 0);
+    core_set(core, CORE_BASEPRI, 0);
+    core_set(core, CORE_FAULTMASK, 0);
+    core_set(core, CORE_LR, 0xFFFFFFFFu);
+    core_set(core, CORE_MSP, ((const uint32_t *)(const void *)chip->flash)[0]);
+    chip->pc = ((const uint32_t *)(const void *)chip->flash)[1] & ~1u;
+    chip_stop(chip);
+}
+
+/* What RAM holds when power comes on: anything. */
+static void scramble(struct chip *chip)
+{
+    uint32_t state = 0x2545F491u + chip->resets;
+
+    for (uint32_t i = 0; i < CHIP_RAM_BYTES / 4; i++) {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        ((uint32_t *)(void *)chip->ram)[i] = state;
+    }
+    memset(chip->can.ram, 0xA7, sizeof chip->can.ram);
+}
+
+void chip_power_cycle(struct chip *chip)
+{
+    scramble(chip);
+    chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
+    reset(chip, true);
+}
+
+void chip_run(struct chip *chip, uint64_t until_ns)
+{
+    chip->outside_due_ns = until_ns;
+    chip->stop_asked = false;
+    chip_refresh(chip);
+    while (!chip->stop_asked) {
+        if (chip->reset_asked) {
+            reset(chip, false);
+            return;
+        }
+        chip_check_guards(chip);
+        chip_refresh(chip);
+        if (chip->sleeping || chip->dead) {
+            sleep_on(chip);
+            chip->sleeping = chip->sleeping && !chip->attention;
+            if (chip->sleeping || chip->dead) {
+                continue;
+            }
+        }
+        const unsigned exception = chip->attention ? chip_next_exception(chip) : 0;
+        if (exception != 0) {
+            chip->pc = chip_enter(chip, exception, chip->pc);
+        } else if (chip->hang && chip->scs.depth == 0) {
+            chip->hang = false;
+            chip->pc = stalled(chip);
+        }
+        chip->pc = run_core(chip, chip->pc);
+    }
+}
+
+/* ---- Building ---------------------------------------------------------------------------------------------- */
+
+static int load_image(struct chip *chip, const char *path)
+{
+    FILE *file = fopen(path, "rb");
+
+    if (file == NULL) {
+        snprintf(chip->message, sizeof chip->message, "cannot read the image %s", path);
+        return -1;
+    }
+    const size_t length = fread(chip->flash, 1, CHIP_STORE_OFFSET, file);
+    fclose(file);
+    if (length < 1024 || chip->flash[3] != RAM_BASE >> 24 || chip->flash[7] != FLASH_BASE >> 24) {
+        snprintf(chip->message, sizeof chip->message,
+                 "%s is no image for an STM32G474: it does not begin with a stack in RAM and a "
+                 "start in flash",
+                 path);
+        return -1;
+    }
+    return 0;
+}
+
+static void load_store(struct chip *chip, const uint8_t *store, uint32_t bytes)
+{
+    struct flash_model *model = &chip->flash_registers;
+
+    for (uint32_t i = 0; i + 8 <= bytes && i < STORE_BYTES; i += 8) {
+        uint64_t word;
+        memcpy(&word, store + i, 8);
+        if (word != UINT64_MAX) {
+            model->word[i / 2048][i % 2048 / 8] = word;
+            model->state[i / 2048][i % 2048 / 8] = WORD_WRITTEN;
+        }
+    }
+}
+
+static int map_all(struct chip *chip)
+{
+    static const uint32_t windows[][2] = {{STORE_BASE, STORE_BYTES}, {0x40000000u, PAGE},
+                                          {0x40003000u, PAGE},       {0x40006000u, 2 * PAGE},
+                                          {0x4000A000u, PAGE},       {0x40021000u, 2 * PAGE},
+                                          {0x48000000u, 2 * PAGE},   {0xE0001000u, PAGE},
+                                          {0xE000E000u, PAGE},       {0xE0042000u, PAGE}};
+    struct core *core = &chip->core;
+
+    if (core_map_memory(core, FLASH_BASE, CHIP_STORE_OFFSET, chip->flash, false) != 0 ||
+        core_map_memory(core, RAM_BASE, CHIP_RAM_BYTES, chip->ram, true) != 0) {
+        return -1;
+    }
+    for (size_t i = 0; i < sizeof windows / sizeof windows[0]; i++) {
+        if (core_map_registers(core, windows[i][0], windows[i][1]) != 0) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+int chip_start(struct chip *chip, const char *core_path, const char *image_path,
+               const uint8_t *store, uint32_t store_bytes)
+{
+    const struct core_callbacks callbacks = {chip, on_block, chip_read, chip_write};
+
+    memset(chip, 0, sizeof *chip);
+    chip->flash = aligned_alloc(PAGE, CHIP_FLASH_BYTES);
+    chip->ram = aligned_alloc(PAGE, CHIP_RAM_BYTES);
+    chip->block_instructions = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block_instructions);
+    chip->block_bytes = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block_bytes);
+    if (chip->flash == NULL || chip->ram == NULL || chip->block_instructions == NULL ||
+        chip->block_bytes == NULL) {
+        snprintf(chip->message, sizeof chip->message, "out of memory");
+        return -1;
+    }
+    memset(chip->flash, 0xFF, CHIP_FLASH_BYTES);
+    if (load_image(chip, image_path) != 0) {
+        return -1;
+    }
+    if (core_open(&chip->core, core_path, &callbacks) != 0 || map_all(chip) != 0) {
+        snprintf(chip->message, sizeof chip->message, "%s", chip->core.message);
+        return -1;
+    }
+    model_on_misuse(take_misuse, chip);
+    mmio_model_reset();
+    fdcan_model_init(&chip->can);
+    flash_model_init(&chip->flash_registers);
+    chip->flash_registers.busy_time = UINT32_MAX; /* until flash_done_ns */
+    chip->flash_registers.nmi = on_nmi;
+    chip->flash_registers.nmi_context = chip;
+    load_store(chip, store, store_bytes);
+    chip_scs_map(chip);
+    chip_clocks_map(chip);
+    chip_io_map(chip);
+    chip->clocks.crystal_works = true;
+    chip->clocks.core_khz = chip->clocks.timer_khz = 1;
+    chip_power_cycle(chip);
+    return 0;
+}
+
+void chip_free(struct chip *chip)
+{
+    core_close(&chip->core);
+    model_on_misuse(NULL, NULL);
+    free(chip->flash);
+    free(chip->ram);
+    free(chip->block_instructions);
+    free(chip->block_bytes);
+    chip->flash = chip->ram = chip->block_instructions = NULL;
+    chip->block_bytes = NULL;
+}
+
+uint32_t chip_ram_word(const struct chip *chip, uint32_t address)
+{
+    const uint32_t offset = address - RAM_BASE;
+    return offset <= CHIP_RAM_BYTES - 4
+               ? *(const uint32_t *)(const void *)(chip->ram + (offset & ~3u))
+               : 0;
+}

@@ -1,0 +1,213 @@
+/* An STM32G474 that runs the image that is flashed: instructions by the engine, registers
+ * by the models of its peripherals, exceptions as Armv7-M has them.
+ *
+ * Time is virtual and counted in cycles of the core: an instruction takes one cycle, an
+ * exception's entry and return twelve each, a tail-chained entry six, and WFI lasts until
+ * something happens. Interrupts come in between blocks of instructions (up to a branch).
+ * The same image, memory and bus give the same run on every machine.
+ *
+ * What the program does that the chip's reference manual leaves undefined or forbids is a
+ * finding: written down, and the run goes on.
+ *
+ * Simplified: a write into a part of RAM that the MPU closes faults when the next exception
+ * comes or the core sleeps, not at the instruction (the engine protects pages, and the
+ * regions are smaller); reads there are not noticed. An exception's floating-point state is stored at entry where the core would
+ * store it at the handler's first use. The content is the same. No cycle is added for wait
+ * states and caches.
+ */
+#ifndef SIM_HOST_EMULATOR_G474_CHIP_H
+#define SIM_HOST_EMULATOR_G474_CHIP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim_host/emulator/g474/fdcan_model.h"
+#include "sim_host/emulator/g474/flash_model.h"
+#include "sim_host/emulator/g474/unicorn_core.h"
+
+enum {
+    CHIP_FLASH_BYTES = 512 * 1024,
+    CHIP_STORE_OFFSET = 0x7E000, /* the flash model's pages */
+    CHIP_RAM_BYTES = 128 * 1024,
+    CHIP_INTERRUPTS = 102,
+    CHIP_EXCEPTIONS = 16 + CHIP_INTERRUPTS,
+    CHIP_NEST_MAX = 32,
+    CHIP_MPU_REGIONS = 8,
+    CHIP_GUARD_MAX = 256, /* bytes of a closed region in RAM that are watched */
+    CHIP_PORTS = 7,       /* GPIOA to GPIOG */
+    CHIP_FINDINGS_MAX = 16,
+    CHIP_FINDING_BYTES = 160,
+    CHIP_IRQ_FDCAN1 = 21,
+    CHIP_IRQ_TIM2 = 28
+};
+#define CHIP_NEVER UINT64_MAX
+
+/* Why the chip was reset last; bits of RCC_CSR. */
+enum chip_reset {
+    CHIP_RESET_PIN = 1 << 26,
+    CHIP_RESET_POWER = 1 << 27,
+    CHIP_RESET_SOFTWARE = 1 << 28,
+    CHIP_RESET_WATCHDOG = 1 << 29
+};
+
+struct chip_scs {
+    bool pending[CHIP_EXCEPTIONS], active[CHIP_EXCEPTIONS], enabled[CHIP_EXCEPTIONS];
+    uint8_t priority[CHIP_EXCEPTIONS];
+    uint8_t nest[CHIP_NEST_MAX]; /* exceptions being handled, the innermost last */
+    unsigned depth;
+    uint32_t vtor, aircr, scr, ccr, shcsr, cfsr, hfsr, mmfar, bfar, cpacr, fpccr, demcr;
+    uint32_t mpu_ctrl, mpu_rnr, mpu_rbar[CHIP_MPU_REGIONS], mpu_rasr[CHIP_MPU_REGIONS];
+    uint8_t guarded[CHIP_MPU_REGIONS][CHIP_GUARD_MAX]; /* what a closed region in RAM holds */
+    uint32_t systick_ctrl, systick_load;
+    uint64_t systick_since; /* cycle of the last reload */
+    uint64_t entries, tail_chained;
+};
+
+struct chip_clocks {
+    uint32_t rcc[0x100 / 4], pwr[0x100 / 4];
+    uint64_t hse_ready_ns, pll_ready_ns;
+    bool crystal_works; /* the outside world's */
+    uint32_t core_khz, timer_khz;
+};
+
+struct chip_timer {
+    uint32_t cr1, dier, sr, psc, psc_active, arr, ccr1;
+    uint32_t count_base;
+    uint64_t base_ns; /* when count_base was right */
+    uint64_t match_ns, overflow_ns;
+};
+
+struct chip_watchdog {
+    uint32_t pr, rlr;
+    bool running, unlocked;
+    uint64_t due_ns, busy_until_ns;
+};
+
+struct chip_port {
+    uint32_t reg[0x2C / 4];
+    uint32_t driven, level; /* pins held from outside, and at what */
+};
+
+struct chip {
+    struct core core;
+    uint8_t *flash, *ram;
+    uint8_t *block_instructions; /* by half-word of flash: of the block that begins there */
+    uint16_t *block_bytes;
+    /* Time. */
+    uint64_t cycles, instructions;
+    uint64_t base_cycles, base_ns; /* the last change of the clock */
+    uint64_t due;                  /* cycle of the next thing to happen by itself */
+    uint64_t outside_due_ns;       /* until when chip_run was asked to run */
+    bool attention;                /* an exception may be taken */
+    bool stop_asked, reset_asked;
+    bool sleeping; /* in WFI */
+    bool dead;     /* no clock, or locked up: only the watchdog helps */
+    uint32_t pc;   /* where chip_run goes on */
+    uint32_t reset_cause;
+    uint32_t resets;
+    /* Peripherals. */
+    struct chip_scs scs;
+    struct chip_clocks clocks;
+    struct chip_timer timer;
+    struct chip_watchdog watchdog;
+    struct chip_port port[CHIP_PORTS];
+    struct fdcan_model can;
+    struct flash_model flash_registers;
+    uint64_t flash_done_ns;
+    uint64_t permit_edge_ns; /* when PC1 changed last */
+    uint64_t permit_edges;
+    bool hang; /* for tests: the program loops for ever from now on, interrupts go on */
+    /* Findings. */
+    char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];
+    uint64_t finding_count;
+    char message[CORE_MESSAGE_MAX];
+};
+
+/* ---- Use ------------------------------------------------------------------------------ */
+
+/* A chip with `image` at the beginning of its flash and `store`, which may be NULL, in the
+ * parameter memory; power comes on. `core_path` as in core_open. One chip at a time: the
+ * models' addresses are the program's. Returns 0, or -1 with the reason in chip->message. */
+int chip_start(struct chip *chip, const char *core_path, const char *image_path,
+               const uint8_t *store, uint32_t store_bytes);
+void chip_free(struct chip *chip);
+
+/* Runs to `until_ns` or until something asked to stop (chip_stop, a reset). */
+void chip_run(struct chip *chip, uint64_t until_ns);
+
+/* Lets chip_run return before the next block. */
+void chip_stop(struct chip *chip);
+
+uint64_t chip_now_ns(const struct chip *chip);
+
+/* Power goes and comes back: memory is lost, flash is not. */
+void chip_power_cycle(struct chip *chip);
+
+/* The crystal works from now on, or stops. */
+void chip_set_crystal(struct chip *chip, bool works);
+
+/* Holds a pin at a level from outside. */
+void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high);
+
+/* True while FDCAN1 is a node of a bus at 1 Mbit/s: pins, clock and bit timing. */
+bool chip_can_is_on_bus(const struct chip *chip);
+/* Something about FDCAN1 changed outside of the program: its interrupt may be due. */
+void chip_can_changed(struct chip *chip);
+
+/* A word of RAM, 0 outside of it. */
+uint32_t chip_ram_word(const struct chip *chip, uint32_t address);
+
+void chip_find(struct chip *chip, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* ---- Between the parts of the chip ------------------------------------------------------- */
+
+/* What is due by now happens. */
+void chip_fire(struct chip *chip);
+/* For the core: accesses to registers and to the parameter memory; context is the chip. */
+uint32_t chip_read(void *context, uint32_t address, uint32_t bytes);
+void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value);
+/* A register changed: interrupts and due times are looked at again before the next block. */
+void chip_update(struct chip *chip);
+/* Looks at them now. */
+void chip_refresh(struct chip *chip);
+/* Cycle of the next thing that happens by itself. */
+uint64_t chip_next_due_cycle(const struct chip *chip);
+/* Core cycle at which `time_ns` is reached. */
+uint64_t chip_cycle_of(const struct chip *chip, uint64_t time_ns);
+
+void chip_scs_reset(struct chip *chip);
+void chip_scs_map(struct chip *chip);
+uint64_t chip_systick_due(const struct chip *chip);
+void chip_systick_fire(struct chip *chip);
+
+void chip_pend(struct chip *chip, unsigned exception);
+/* Whether the most urgent pending exception beats what runs, masks left aside. */
+bool chip_wants_exception(const struct chip *chip);
+/* The same, masks considered. 0 = none. */
+unsigned chip_next_exception(struct chip *chip);
+/* Enters it; `pc` is where the program goes on afterwards. Returns the handler's address. */
+uint32_t chip_enter(struct chip *chip, unsigned exception, uint32_t pc);
+/* After a branch to EXC_RETURN. Returns where to go on. */
+uint32_t chip_leave(struct chip *chip, uint32_t exc_return);
+/* Remembers what the closed regions in RAM hold, and pends the fault when one was written. */
+void chip_guard(struct chip *chip);
+void chip_check_guards(struct chip *chip);
+/* An access or instruction failed at `pc`. Returns the exception to enter. */
+unsigned chip_fault(struct chip *chip, enum core_stop stop, uint32_t address);
+
+void chip_clocks_reset(struct chip *chip, bool power_on);
+void chip_clocks_map(struct chip *chip);
+uint64_t chip_clocks_due(const struct chip *chip);
+void chip_clocks_fire(struct chip *chip);
+/* The core clock by the registers; also checks the flash's wait states. */
+void chip_clocks_apply(struct chip *chip);
+/* Whether what lies at `address` has its clock. */
+bool chip_has_clock(const struct chip *chip, uint32_t address, const char **name);
+
+void chip_io_reset(struct chip *chip);
+void chip_io_map(struct chip *chip);
+void chip_timer_rebase(struct chip *chip);
+uint64_t chip_io_due(const struct chip *chip);
+void chip_io_fire(struct chip *chip);
+
+#endif

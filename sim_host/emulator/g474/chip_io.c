@@ -1,0 +1,356 @@
+/* TIM2, the independent watchdog, the pins and DBGMCU. RM0440, sections of these names. */
+#include <string.h>
+
+#include "sim_host/emulator/g474/chip.h"
+#include "sim_host/emulator/g474/mmio_model.h"
+#include "sim_host/emulator/g474/model_check.h"
+
+enum { LSI_HZ = 32000, NS_PER_S = 1000000000, LSI_SYNC_NS = 160000 };
+
+/* ---- TIM2 ---------------------------------------------------------------------------------- */
+
+enum {
+    CR1 = 0x00,
+    DIER = 0x0C,
+    SR = 0x10,
+    EGR = 0x14,
+    CNT = 0x24,
+    PSC = 0x28,
+    ARR = 0x2C,
+    CCR1 = 0x34
+};
+enum { CR1_CEN = 1, FLAG_UPDATE = 1, FLAG_COMPARE_1 = 2 };
+
+/* Nanoseconds of `counts` counts, and counts of a time, exact for whole kHz. */
+static uint64_t ns_of_counts(const struct chip *chip, uint64_t counts)
+{
+    const uint64_t khz = chip->clocks.timer_khz;
+    const uint64_t clocks = counts * (chip->timer.psc_active + 1u);
+    return (clocks * 1000000u + khz - 1) / khz;
+}
+
+static uint64_t counts_since_base(const struct chip *chip)
+{
+    const uint64_t ns = chip_now_ns(chip) - chip->timer.base_ns;
+    return ns * chip->clocks.timer_khz / 1000000u / (chip->timer.psc_active + 1u);
+}
+
+static uint32_t timer_count(const struct chip *chip)
+{
+    const struct chip_timer *timer = &chip->timer;
+    return (timer->cr1 & CR1_CEN) != 0 ? timer->count_base + (uint32_t)counts_since_base(chip)
+                                       : timer->count_base;
+}
+
+static void schedule_timer(struct chip *chip)
+{
+    struct chip_timer *timer = &chip->timer;
+
+    timer->match_ns = timer->overflow_ns = CHIP_NEVER;
+    if ((timer->cr1 & CR1_CEN) == 0) {
+        return;
+    }
+    const uint32_t now = timer_count(chip);
+    const uint64_t done = counts_since_base(chip);
+    const uint64_t to_match = timer->ccr1 != now ? timer->ccr1 - now : UINT64_C(1) << 32;
+    const uint64_t to_overflow = (UINT64_C(1) << 32) - now;
+
+    timer->match_ns = timer->base_ns + ns_of_counts(chip, done + to_match);
+    timer->overflow_ns = timer->base_ns + ns_of_counts(chip, done + to_overflow);
+}
+
+/* A part of a count that has passed stays passed. */
+void chip_timer_rebase(struct chip *chip)
+{
+    struct chip_timer *timer = &chip->timer;
+
+    if ((timer->cr1 & CR1_CEN) == 0) {
+        timer->base_ns = chip_now_ns(chip);
+        return;
+    }
+    const uint64_t done = counts_since_base(chip);
+    timer->count_base += (uint32_t)done;
+    timer->base_ns += ns_of_counts(chip, done);
+}
+
+static uint32_t timer_read(void *context, uint32_t offset)
+{
+    const struct chip *chip = context;
+    const struct chip_timer *timer = &chip->timer;
+
+    switch (offset) {
+    case CR1:
+        return timer->cr1;
+    case DIER:
+        return timer->dier;
+    case SR:
+        return timer->sr;
+    case CNT:
+        return timer_count(chip);
+    case PSC:
+        return timer->psc;
+    case ARR:
+        return timer->arr;
+    case CCR1:
+        return timer->ccr1;
+    default:
+        model_misuse("TIM2 register %#x read", offset);
+        return 0;
+    }
+}
+
+static void timer_write(void *context, uint32_t offset, uint32_t value)
+{
+    struct chip *chip = context;
+    struct chip_timer *timer = &chip->timer;
+
+    chip_timer_rebase(chip);
+    switch (offset) {
+    case CR1:
+        timer->cr1 = value;
+        break;
+    case DIER:
+        timer->dier = value;
+        break;
+    case SR: /* writing 0 clears */
+        timer->sr &= value;
+        break;
+    case EGR:
+        if ((value & 1) != 0) {
+            timer->psc_active = timer->psc;
+            timer->count_base = 0;
+            timer->base_ns = chip_now_ns(chip);
+            timer->sr |= FLAG_UPDATE;
+        }
+        break;
+    case CNT:
+        timer->count_base = value;
+        timer->base_ns = chip_now_ns(chip);
+        break;
+    case PSC:
+        timer->psc = value & 0xFFFF;
+        break;
+    case ARR:
+        MODEL_CHECK(value == UINT32_MAX, "TIM2 counts to %#x: only 32 bits are modelled", value);
+        timer->arr = value;
+        break;
+    case CCR1:
+        timer->ccr1 = value;
+        break;
+    default:
+        model_misuse("TIM2 register %#x written", offset);
+        break;
+    }
+    schedule_timer(chip);
+}
+
+static void fire_timer(struct chip *chip)
+{
+    struct chip_timer *timer = &chip->timer;
+    const uint64_t now_ns = chip_now_ns(chip);
+
+    if (now_ns < timer->match_ns && now_ns < timer->overflow_ns) {
+        return;
+    }
+    timer->sr |= now_ns >= timer->match_ns ? FLAG_COMPARE_1 : 0;
+    if (now_ns >= timer->overflow_ns) {
+        timer->sr |= FLAG_UPDATE;
+        timer->psc_active = timer->psc;
+    }
+    schedule_timer(chip);
+}
+
+/* ---- Watchdog --------------------------------------------------------------------------------- */
+
+enum { IWDG_KR = 0x00, IWDG_PR = 0x04, IWDG_RLR = 0x08, IWDG_SR = 0x0C, IWDG_WINR = 0x10 };
+
+static void reload_watchdog(struct chip *chip)
+{
+    struct chip_watchdog *dog = &chip->watchdog;
+    const uint64_t divider = UINT64_C(4) << (dog->pr < 6 ? dog->pr : 6);
+
+    if (dog->running) {
+        dog->due_ns = chip_now_ns(chip) + (dog->rlr + 1u) * divider * (uint64_t)NS_PER_S / LSI_HZ;
+    }
+}
+
+static uint32_t watchdog_read(void *context, uint32_t offset)
+{
+    const struct chip *chip = context;
+
+    switch (offset) {
+    case IWDG_PR:
+        return chip->watchdog.pr;
+    case IWDG_RLR:
+        return chip->watchdog.rlr;
+    case IWDG_SR:
+        return chip_now_ns(chip) < chip->watchdog.busy_until_ns ? 3 : 0;
+    default:
+        return offset == IWDG_WINR ? 0xFFF : 0;
+    }
+}
+
+static void watchdog_write(void *context, uint32_t offset, uint32_t value)
+{
+    struct chip *chip = context;
+    struct chip_watchdog *dog = &chip->watchdog;
+
+    if (offset == IWDG_KR) {
+        dog->unlocked = value == 0x5555;
+        if (value == 0xCCCC && !dog->running) {
+            dog->running = true;
+            chip->clocks.rcc[0x94 / 4] |= 3; /* RM0440: starts the LSI oscillator, too */
+            reload_watchdog(chip);
+        } else if (value == 0xAAAA) {
+            reload_watchdog(chip);
+        }
+        return;
+    }
+    MODEL_CHECK(dog->unlocked, "a watchdog register was written while locked");
+    if (dog->unlocked && offset == IWDG_PR) {
+        dog->pr = value & 7;
+    } else if (dog->unlocked && offset == IWDG_RLR) {
+        dog->rlr = value & 0xFFF;
+    }
+    dog->busy_until_ns = chip_now_ns(chip) + LSI_SYNC_NS;
+}
+
+static void fire_watchdog(struct chip *chip)
+{
+    if (chip_now_ns(chip) >= chip->watchdog.due_ns) {
+        chip->watchdog.due_ns = CHIP_NEVER;
+        chip->reset_asked = true;
+        chip->reset_cause = (uint32_t)CHIP_RESET_WATCHDOG | (uint32_t)CHIP_RESET_PIN;
+    }
+}
+
+/* ---- Pins ----------------------------------------------------------------------------------------- */
+
+enum { MODER = 0x00, PUPDR = 0x0C, IDR = 0x10, ODR = 0x14, BSRR = 0x18, BRR = 0x28 };
+enum { PORT_C = 2, PERMIT_PIN = 1 };
+
+static uint32_t pin_field(const struct chip_port *port, uint32_t offset, unsigned pin)
+{
+    return port->reg[offset / 4] >> (2 * pin) & 3;
+}
+
+static uint32_t input_of(const struct chip_port *port)
+{
+    uint32_t input = 0;
+
+    for (unsigned pin = 0; pin < 16; pin++) {
+        const uint32_t mode = pin_field(port, MODER, pin);
+        const bool out = mode == 1 && (port->reg[ODR / 4] >> pin & 1) != 0;
+        const bool held = (port->driven >> pin & 1) != 0;
+        const bool in = held ? (port->level >> pin & 1) != 0 : pin_field(port, PUPDR, pin) == 1;
+        input |= mode == 3 ? 0 : (mode == 1 ? out : in) ? 1u << pin : 0;
+    }
+    return input;
+}
+
+static uint32_t pins_read(void *context, uint32_t offset)
+{
+    const struct chip *chip = context;
+    const struct chip_port *port = &chip->port[offset / 0x400];
+
+    offset %= 0x400;
+    if (offset >= sizeof port->reg) {
+        return 0;
+    }
+    return offset == IDR ? input_of(port) : port->reg[offset / 4];
+}
+
+static void watch_permit(struct chip *chip, bool before)
+{
+    const struct chip_port *c = &chip->port[PORT_C];
+    const bool after = (c->reg[ODR / 4] >> PERMIT_PIN & 1) != 0;
+
+    if (before != after && pin_field(c, MODER, PERMIT_PIN) == 1) {
+        chip->permit_edge_ns = chip_now_ns(chip);
+        chip->permit_edges++;
+    }
+}
+
+static void pins_write(void *context, uint32_t offset, uint32_t value)
+{
+    struct chip *chip = context;
+    struct chip_port *port = &chip->port[offset / 0x400];
+    const bool permit = (chip->port[PORT_C].reg[ODR / 4] >> PERMIT_PIN & 1) != 0;
+    uint32_t *odr = &port->reg[ODR / 4];
+
+    offset %= 0x400;
+    switch (offset) {
+    case IDR:
+        break;
+    case BSRR:
+        *odr = ((*odr & ~(value >> 16)) | (value & 0xFFFF)) & 0xFFFF;
+        break;
+    case BRR:
+        *odr &= ~(value & 0xFFFF);
+        break;
+    default:
+        if (offset < sizeof port->reg) {
+            port->reg[offset / 4] = value;
+        }
+        break;
+    }
+    watch_permit(chip, permit);
+}
+
+void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high)
+{
+    chip->port[port].driven |= 1u << pin;
+    chip->port[port].level = (chip->port[port].level & ~(1u << pin)) | (high ? 1u << pin : 0);
+}
+
+/* ---- All of them ------------------------------------------------------------------------------------ */
+
+static uint32_t debug_read(void *context, uint32_t offset)
+{
+    (void)context;
+    return offset == 0 ? 0x20016469u : 0; /* DBGMCU_IDCODE of category 3 devices */
+}
+
+static void debug_write(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context;
+    (void)offset;
+    (void)value;
+}
+
+uint64_t chip_io_due(const struct chip *chip)
+{
+    uint64_t due = chip->timer.match_ns < chip->timer.overflow_ns ? chip->timer.match_ns
+                                                                  : chip->timer.overflow_ns;
+    return chip->watchdog.due_ns < due ? chip->watchdog.due_ns : due;
+}
+
+void chip_io_fire(struct chip *chip)
+{
+    fire_timer(chip);
+    fire_watchdog(chip);
+}
+
+void chip_io_reset(struct chip *chip)
+{
+    memset(&chip->timer, 0, sizeof chip->timer);
+    chip->timer.arr = UINT32_MAX;
+    chip->timer.match_ns = chip->timer.overflow_ns = CHIP_NEVER;
+    memset(&chip->watchdog, 0, sizeof chip->watchdog);
+    chip->watchdog.rlr = 0xFFF;
+    chip->watchdog.due_ns = CHIP_NEVER;
+    for (unsigned i = 0; i < CHIP_PORTS; i++) {
+        memset(chip->port[i].reg, 0, sizeof chip->port[i].reg);
+        chip->port[i].reg[0] = i == 0 ? 0xABFFFFFFu : i == 1 ? 0xFFFFFEBFu : 0xFFFFFFFFu;
+    }
+    chip->port[0].reg[PUPDR / 4] = 0x64000000u;
+    chip->port[1].reg[PUPDR / 4] = 0x00000100u;
+}
+
+void chip_io_map(struct chip *chip)
+{
+    mmio_model_map(0x40000000u, 0x400, timer_read, timer_write, chip);
+    mmio_model_map(0x40003000u, 0x400, watchdog_read, watchdog_write, chip);
+    mmio_model_map(0x48000000u, 0x400 * CHIP_PORTS, pins_read, pins_write, chip);
+    mmio_model_map(0xE0042000u, 0x400, debug_read, debug_write, chip);
+}

@@ -1,0 +1,94 @@
+/* Loads and stores of the core on the models' registers, and how long the flash takes. */
+#include "sim_host/emulator/g474/chip.h"
+#include "sim_host/emulator/g474/mmio_model.h"
+#include "sim_host/emulator/g474/model_check.h"
+
+/* DS12288, flash memory characteristics: typical. */
+enum { ERASE_NS = 22000000, PROGRAM_NS = 82000 };
+
+static bool in_store(uint32_t address)
+{
+    return address - (0x08000000u + CHIP_STORE_OFFSET) <
+           (uint32_t)(CHIP_FLASH_BYTES - CHIP_STORE_OFFSET);
+}
+
+static bool is_reachable(struct chip *chip, uint32_t address)
+{
+    const char *name = "";
+
+    if (chip_has_clock(chip, address, &name)) {
+        return true;
+    }
+    chip_find(chip, "%s was accessed without its clock", name);
+    return false;
+}
+
+/* The second bank cannot be read while it is being erased or written: the core waits. */
+static void wait_for_flash(struct chip *chip)
+{
+    if (chip->flash_done_ns != CHIP_NEVER) {
+        chip->cycles = chip_cycle_of(chip, chip->flash_done_ns);
+        chip_fire(chip);
+    }
+}
+
+static uint32_t read_word(struct chip *chip, uint32_t address)
+{
+    if (in_store(address)) {
+        wait_for_flash(chip);
+    } else if (!is_reachable(chip, address)) {
+        return 0;
+    }
+    chip->can.time_bits = (uint32_t)(chip_now_ns(chip) / 1000u);
+    return mmio_model_load(address);
+}
+
+uint32_t chip_read(void *context, uint32_t address, uint32_t bytes)
+{
+    struct chip *chip = context;
+    const uint32_t shift = 8 * (address & 3);
+    uint64_t value = read_word(chip, address & ~3u);
+
+    if ((address & 3) + bytes > 4) {
+        MODEL_CHECK(in_store(address), "register %#x was read unaligned", address);
+        value |= (uint64_t)read_word(chip, (address & ~3u) + 4) << 32;
+    }
+    value >>= shift;
+    return bytes == 4 ? (uint32_t)value : (uint32_t)value & ((1u << (8 * bytes)) - 1);
+}
+
+/* What the models count in polls takes time here. */
+static void time_flash(struct chip *chip, uint32_t address)
+{
+    if (chip->flash_registers.busy == UINT32_MAX && chip->flash_done_ns == CHIP_NEVER) {
+        chip->flash_done_ns = chip_now_ns(chip) + (in_store(address) ? PROGRAM_NS : ERASE_NS);
+    }
+    if (chip->flash_registers.power_off) {
+        chip_stop(chip);
+    }
+}
+
+void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value)
+{
+    struct chip *chip = context;
+    const uint32_t shift = 8 * (address & 3), word = address & ~3u;
+
+    if (!in_store(address) && !is_reachable(chip, address)) {
+        return;
+    }
+    if (bytes < 4) {
+        const uint32_t mask = ((1u << (8 * bytes)) - 1) << shift;
+        MODEL_CHECK(word >= 0xE000E000u, "register %#x was written by %u bytes", address, bytes);
+        value = (mmio_model_load(word) & ~mask) | (value << shift & mask);
+    }
+    mmio_model_store(word, value);
+    if (in_store(word) || word - 0x40022000u < 0x400u) {
+        time_flash(chip, word);
+        chip_clocks_apply(chip);
+    }
+    if (word - 0x40006400u < 0x400u || word - 0x48000000u < 0x400u) {
+        chip_can_changed(chip); /* what hangs on the bus must look */
+        return;
+    }
+    chip_update(chip);
+}

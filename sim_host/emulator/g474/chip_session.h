@@ -1,0 +1,77 @@
+/* A walk with the emulated chip as its control task, and the faults that it can meet. */
+#ifndef SIM_HOST_EMULATOR_G474_CHIP_SESSION_H
+#define SIM_HOST_EMULATOR_G474_CHIP_SESSION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "controller/supervisor/supervisor.h"
+#include "hal/storage/crash_record.h"
+#include "sim_host/emulator/g474/chip_bridge.h"
+#include "sim_host/loop/walk_record.h"
+
+enum chip_fault {
+    CHIP_FAULT_NONE,
+    CHIP_FAULT_EMERGENCY_STOP,
+    CHIP_FAULT_LOST_SENSOR,
+    CHIP_FAULT_LOST_DRIVE,
+    CHIP_FAULT_DESTROYED_FRAMES,
+    CHIP_FAULT_HANG,
+    CHIP_FAULT_CRYSTAL_STOPS,
+    CHIP_FAULT_NO_CRYSTAL,
+    CHIP_FAULT_TORN_SETTINGS,
+    CHIP_FAULT_ECC,
+    CHIP_FAULT_SAVE_CUT,
+    CHIP_FAULT_COUNT
+};
+
+struct chip_fault_kind {
+    const char *name;
+    /* What the image must say in the end; others that are as right are bits of `or_latched`. */
+    enum supervisor_fault latched;
+    uint32_t or_latched;
+    enum crash_cause crash; /* the record it must leave */
+};
+
+/* By enum chip_fault. */
+extern const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT];
+
+struct chip_session {
+    /* Before chip_session_start: what to do. */
+    uint32_t steps, fault_step;
+    double seconds; /* walks at least this long */
+    enum chip_fault fault;
+    uint32_t cut; /* the flash operation of a save at which power fails */
+    void (*on_step)(void *context, uint32_t steps); /* NULL = nobody */
+    void *context;
+    /* Its parts. */
+    struct loop *loop;
+    struct chip chip;
+    struct chip_bridge bridge;
+    struct walk_record record;
+    struct can_bus tool; /* a port of its own, to ask the image over SDO */
+    /* Results. */
+    struct crash_record crash; /* as fetched over SDO at the end of a fault */
+    bool started, reached, fell, crash_known, cut_hit;
+    char trouble[256];
+};
+
+/* Builds loop and chip; the settings of the loop's control task are in its parameter memory. The other
+ * arguments as in chip_start and loop_init. Returns 0, or -1 with the reason in message
+ * (LOOP_MESSAGE_MAX bytes). chip_session_free afterwards in either case. */
+int chip_session_start(struct chip_session *session, const struct loop_config *config,
+                       const char *core, const char *image, FILE *log, char *message);
+void chip_session_free(struct chip_session *session);
+
+/* To the last step, or to where the fault comes. */
+void chip_session_walk(struct chip_session *session);
+/* Brings the fault and judges what the image made of it. */
+void chip_session_bring_fault(struct chip_session *session);
+
+/* True when both springs are unloaded. */
+bool chip_session_is_safe(const struct chip_session *session);
+/* Walked, or reached the safe state; no frame differed, no peripheral was misused. */
+bool chip_session_is_good(const struct chip_session *session);
+
+#endif

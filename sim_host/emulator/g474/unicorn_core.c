@@ -1,0 +1,320 @@
+#include "sim_host/emulator/g474/unicorn_core.h"
+
+#include <dlfcn.h>
+#include <glob.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Unicorn 2.1, as its documentation of the C interface has it -------------------- */
+enum {
+    ARCH_ARM = 1,
+    MODE_THUMB = 1 << 4,
+    MODE_M_CLASS = 1 << 5,
+    MODEL_CORTEX_M4 = 9,
+    /* uc_ctl: what, number of arguments at bit 26, write at bit 30. */
+    CONTROL_CPU_MODEL = 7 | 1 << 26 | 1 << 30,
+    PERMIT_READ = 1,
+    PERMIT_WRITE = 2,
+    PERMIT_EXECUTE = 4,
+    HOOK_INTERRUPT = 1 << 0,
+    HOOK_BLOCK = 1 << 3,
+    HOOK_BAD_MEMORY = 0x3F << 4, /* read, write, fetch: unmapped and forbidden */
+    HOOK_BAD_INSTRUCTION = 1 << 14,
+    ERROR_NONE = 0,
+    ERROR_NO_INSTRUCTION = 10,
+    MEMORY_READ_UNMAPPED = 19,
+    MEMORY_WRITE_UNMAPPED = 20,
+    MEMORY_WRITE_FORBIDDEN = 22,
+    MEMORY_READ_FORBIDDEN = 23,
+    /* Numbers of exceptions that the hook is told, QEMU's own. */
+    EXCEPTION_RETURN = 8,
+    REGISTER_D0 = 14
+};
+
+struct core_functions {
+    int (*open)(int arch, int mode, void **engine);
+    int (*close)(void *engine);
+    int (*control)(void *engine, int what, ...);
+    int (*map_memory)(void *engine, uint64_t address, uint64_t size, uint32_t permits,
+                      void *memory);
+    int (*map_registers)(void *engine, uint64_t address, uint64_t size,
+                         uint64_t (*read)(void *, uint64_t, unsigned, void *), void *read_context,
+                         void (*write)(void *, uint64_t, unsigned, uint64_t, void *),
+                         void *write_context);
+    int (*read_register)(void *engine, int which, void *value);
+    int (*write_register)(void *engine, int which, const void *value);
+    int (*add_hook)(void *engine, size_t *handle, int kind, void *function, void *context,
+                    uint64_t begin, uint64_t end, ...);
+    int (*start)(void *engine, uint64_t from, uint64_t until, uint64_t timeout, size_t count);
+    int (*stop)(void *engine);
+    const char *(*error_text)(int error);
+};
+
+static const int register_numbers[CORE_REGISTERS] = {
+    [CORE_R0] = 66,       [CORE_R1] = 67,       [CORE_R2] = 68,         [CORE_R3] = 69,
+    [CORE_R12] = 78,      [CORE_LR] = 10,       [CORE_PC] = 11,         [CORE_XPSR] = 120,
+    [CORE_SP] = 12,       [CORE_MSP] = 115,     [CORE_PSP] = 116,       [CORE_CONTROL] = 117,
+    [CORE_PRIMASK] = 123, [CORE_BASEPRI] = 124, [CORE_FAULTMASK] = 126, [CORE_FPSCR] = 6,
+};
+
+/* ---- Opening ----------------------------------------------------------------------- */
+
+static const char default_place[] =
+    "build/venv/lib/python3*/site-packages/unicorn/lib/libunicorn.so.2";
+
+static void *open_library(struct core *core, const char *path)
+{
+    void *library = NULL;
+    glob_t found;
+
+    if (path == NULL) {
+        path = getenv("AFO_UNICORN");
+    }
+    if (path != NULL) {
+        library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    } else if (glob(default_place, 0, NULL, &found) == 0) {
+        library = dlopen(found.gl_pathv[0], RTLD_NOW | RTLD_LOCAL);
+        globfree(&found);
+    } else {
+        snprintf(core->message, sizeof core->message,
+                 "the Unicorn engine is not at %s: scripts/setup test installs it", default_place);
+        return NULL;
+    }
+    if (library == NULL) {
+        snprintf(core->message, sizeof core->message, "%s", dlerror());
+    }
+    return library;
+}
+
+static struct core_functions functions;
+
+/* Where each function goes; POSIX lets dlsym's result be stored through a void pointer. */
+static int find_functions(struct core *core)
+{
+    const struct {
+        const char *name;
+        void *place;
+    } wanted[] = {
+        {"uc_open", &functions.open},
+        {"uc_close", &functions.close},
+        {"uc_ctl", &functions.control},
+        {"uc_mem_map_ptr", &functions.map_memory},
+        {"uc_mmio_map", &functions.map_registers},
+        {"uc_reg_read", &functions.read_register},
+        {"uc_reg_write", &functions.write_register},
+        {"uc_hook_add", &functions.add_hook},
+        {"uc_emu_start", &functions.start},
+        {"uc_emu_stop", &functions.stop},
+        {"uc_strerror", &functions.error_text},
+    };
+
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        void *symbol = dlsym(core->library, wanted[i].name);
+        if (symbol == NULL) {
+            snprintf(core->message, sizeof core->message, "the Unicorn library has no %s",
+                     wanted[i].name);
+            return -1;
+        }
+        memcpy(wanted[i].place, &symbol, sizeof symbol);
+    }
+    core->functions = &functions;
+    return 0;
+}
+
+/* ---- Callbacks ----------------------------------------------------------------------- */
+
+static void on_block(void *engine, uint64_t address, uint32_t bytes, void *context)
+{
+    struct core *core = context;
+    (void)engine;
+    core->callbacks.block(core->callbacks.context, (uint32_t)address, bytes);
+}
+
+static void on_interrupt(void *engine, uint32_t number, void *context)
+{
+    struct core *core = context;
+    (void)engine;
+    core->exception = number;
+    (void)functions.stop(core->engine);
+}
+
+static bool on_bad_memory(void *engine, int kind, uint64_t address, int bytes, int64_t value,
+                          void *context)
+{
+    struct core *core = context;
+    (void)engine;
+    (void)bytes;
+    (void)value;
+    core->bad_address = (uint32_t)address;
+    core->exception = (uint32_t)kind;
+    return false;
+}
+
+static bool on_bad_instruction(void *engine, void *context)
+{
+    (void)engine;
+    (void)context;
+    return false;
+}
+
+static uint64_t on_read(void *engine, uint64_t offset, unsigned bytes, void *context)
+{
+    const struct core_window *window = context;
+    const struct core_callbacks *callbacks = &window->core->callbacks;
+    (void)engine;
+    return callbacks->read(callbacks->context, window->base + (uint32_t)offset, bytes);
+}
+
+static void on_write(void *engine, uint64_t offset, unsigned bytes, uint64_t value, void *context)
+{
+    const struct core_window *window = context;
+    const struct core_callbacks *callbacks = &window->core->callbacks;
+    (void)engine;
+    callbacks->write(callbacks->context, window->base + (uint32_t)offset, bytes, (uint32_t)value);
+}
+
+static int check(struct core *core, int error)
+{
+    if (error != ERROR_NONE) {
+        snprintf(core->message, sizeof core->message, "Unicorn: %s", functions.error_text(error));
+        return -1;
+    }
+    return 0;
+}
+
+/* A hook's function as the void pointer that the library takes. */
+static int hook(struct core *core, int kind, const void *place_of_function)
+{
+    size_t handle;
+    void *function;
+
+    memcpy(&function, place_of_function, sizeof function);
+    return check(core, functions.add_hook(core->engine, &handle, kind, function, core, 1, 0));
+}
+
+int core_open(struct core *core, const char *path, const struct core_callbacks *callbacks)
+{
+    void (*const block)(void *, uint64_t, uint32_t, void *) = on_block;
+    void (*const interrupt)(void *, uint32_t, void *) = on_interrupt;
+    bool (*const bad_memory)(void *, int, uint64_t, int, int64_t, void *) = on_bad_memory;
+    bool (*const bad_instruction)(void *, void *) = on_bad_instruction;
+
+    memset(core, 0, sizeof *core);
+    core->callbacks = *callbacks;
+    core->library = open_library(core, path);
+    if (core->library == NULL || find_functions(core) != 0 ||
+        check(core, functions.open(ARCH_ARM, MODE_THUMB | MODE_M_CLASS, &core->engine)) != 0 ||
+        check(core, functions.control(core->engine, CONTROL_CPU_MODEL, MODEL_CORTEX_M4)) != 0) {
+        return -1;
+    }
+    return hook(core, HOOK_BLOCK, &block) == 0 && hook(core, HOOK_INTERRUPT, &interrupt) == 0 &&
+                   hook(core, HOOK_BAD_MEMORY, &bad_memory) == 0 &&
+                   hook(core, HOOK_BAD_INSTRUCTION, &bad_instruction) == 0
+               ? 0
+               : -1;
+}
+
+void core_close(struct core *core)
+{
+    if (core->engine != NULL) {
+        (void)functions.close(core->engine);
+        core->engine = NULL;
+    }
+    if (core->library != NULL) {
+        (void)dlclose(core->library);
+        core->library = NULL;
+    }
+}
+
+int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable)
+{
+    const uint32_t permits =
+        (uint32_t)PERMIT_READ | (uint32_t)(writable ? PERMIT_WRITE : PERMIT_EXECUTE);
+    return check(core, functions.map_memory(core->engine, base, bytes, permits, memory));
+}
+
+int core_map_registers(struct core *core, uint32_t base, uint32_t bytes)
+{
+    struct core_window *window = &core->window[core->windows];
+
+    if (core->windows == CORE_MAP_MAX) {
+        snprintf(core->message, sizeof core->message, "too many windows of registers");
+        return -1;
+    }
+    core->windows++;
+    *window = (struct core_window){core, base};
+    return check(core, functions.map_registers(core->engine, base, bytes, on_read, window, on_write,
+                                               window));
+}
+
+/* ---- Registers and running ------------------------------------------------------------- */
+
+uint32_t core_get(struct core *core, enum core_register which)
+{
+    uint32_t value = 0;
+    (void)functions.read_register(core->engine, register_numbers[which], &value);
+    return value;
+}
+
+void core_set(struct core *core, enum core_register which, uint32_t value)
+{
+    (void)functions.write_register(core->engine, register_numbers[which], &value);
+}
+
+void core_get_float(struct core *core, uint32_t s[16])
+{
+    for (int i = 0; i < 8; i++) {
+        uint64_t d = 0;
+        (void)functions.read_register(core->engine, REGISTER_D0 + i, &d);
+        s[2 * i] = (uint32_t)d;
+        s[2 * i + 1] = (uint32_t)(d >> 32);
+    }
+}
+
+void core_set_float(struct core *core, const uint32_t s[16])
+{
+    for (int i = 0; i < 8; i++) {
+        const uint64_t d = (uint64_t)s[2 * i + 1] << 32 | s[2 * i];
+        (void)functions.write_register(core->engine, REGISTER_D0 + i, &d);
+    }
+}
+
+static enum core_stop stop_of(struct core *core, int error)
+{
+    switch (core->exception) {
+    case 0:
+        break;
+    case MEMORY_READ_UNMAPPED:
+    case MEMORY_READ_FORBIDDEN:
+        return CORE_BAD_READ;
+    case MEMORY_WRITE_UNMAPPED:
+    case MEMORY_WRITE_FORBIDDEN:
+        return CORE_BAD_WRITE;
+    case EXCEPTION_RETURN:
+        return CORE_EXCEPTION_RETURN;
+    default:
+        return error >= 6 && error <= 18 && error != ERROR_NO_INSTRUCTION ? CORE_BAD_FETCH
+                                                                          : CORE_UNDEFINED;
+    }
+    if (error == ERROR_NO_INSTRUCTION) {
+        return CORE_UNDEFINED;
+    }
+    if (check(core, error) != 0) {
+        return CORE_FAILED;
+    }
+    return core->asked ? CORE_ASKED : CORE_WAITS;
+}
+
+enum core_stop core_run(struct core *core, uint32_t pc)
+{
+    core->exception = 0;
+    core->asked = false;
+    return stop_of(core, functions.start(core->engine, pc | 1u, UINT32_MAX - 1u, 0, 0));
+}
+
+void core_stop(struct core *core)
+{
+    core->asked = true;
+    (void)functions.stop(core->engine);
+}

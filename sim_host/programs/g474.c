@@ -1,0 +1,115 @@
+/* afo g474: the walk with the very image that is flashed, in an emulated STM32G474. */
+#include <time.h>
+
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/g474_options.h"
+#include "sim_host/cli/g474_report.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/cli/progress.h"
+#include "sim_host/programs/commands.h"
+
+struct g474 {
+    struct g474_options options;
+    struct chip_session session;
+    struct output_file log, costs;
+    struct progress progress;
+};
+
+static void tell_progress(void *context, uint32_t steps)
+{
+    progress_tell((struct progress *)context, steps);
+}
+
+static int open_output(struct output_file *file, const char *path)
+{
+    char message[OUTPUT_PATH_MAX + 256];
+    return path == NULL || output_file_open(file, path, message, sizeof message) == 0
+               ? 0
+               : program_complain("%s", message);
+}
+
+static int commit_output(struct output_file *file)
+{
+    char message[OUTPUT_PATH_MAX + 256];
+    return file->stream == NULL || output_file_commit(file, message, sizeof message) == 0
+               ? 0
+               : program_complain("%s", message);
+}
+
+static int prepare(struct g474 *g474)
+{
+    const struct g474_options *options = &g474->options;
+    struct chip_session *session = &g474->session;
+    struct loop_config config;
+    char message[LOOP_MESSAGE_MAX] = "";
+
+    if (sensing_options_configure(&options->sensing, &options->walk, &options->sensor, &config,
+                                  message) != 0) {
+        return program_complain("%s", message);
+    }
+    if (open_output(&g474->log, options->log_path) != 0 ||
+        open_output(&g474->costs, options->costs_path) != 0) {
+        return -1;
+    }
+    session->steps = options->emulator.steps;
+    session->seconds = options->seconds;
+    session->fault = options->fault;
+    session->fault_step = options->fault_step;
+    session->cut = options->cut;
+    session->on_step = tell_progress;
+    session->context = &g474->progress;
+    if (chip_session_start(session, &config, options->core, options->emulator.image,
+                           g474->log.stream, message) != 0) {
+        return program_complain("%s", message);
+    }
+    session->bridge.corrupt_frame = options->emulator.corrupt_frame;
+    session->bridge.costs = g474->costs.stream;
+    return 0;
+}
+
+static double now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int run(struct g474 *g474)
+{
+    struct chip_session *session = &g474->session;
+    const double start_s = now_s();
+
+    if (prepare(g474) != 0) {
+        return EXIT_USAGE;
+    }
+    progress_begin(&g474->progress, "steps", session->steps,
+                   g474->options.emulator.quiet || g474->options.emulator.json);
+    chip_session_walk(session);
+    progress_end(&g474->progress);
+    if (session->fault != CHIP_FAULT_NONE && session->trouble[0] == '\0') {
+        chip_session_bring_fault(session);
+    }
+    const double wall_s = now_s() - start_s;
+    if (commit_output(&g474->log) != 0 || commit_output(&g474->costs) != 0) {
+        return EXIT_BAD;
+    }
+    if (g474->options.emulator.json) {
+        g474_report_json(session, wall_s);
+    } else if (!g474->options.emulator.quiet) {
+        g474_report_text(session, wall_s);
+    }
+    return chip_session_is_good(session) ? EXIT_GOOD : EXIT_BAD;
+}
+
+int afo_g474(int argc, char **argv)
+{
+    static struct g474 g474;
+
+    g474_options_parse(&g474.options, argc, argv);
+    const int status = run(&g474);
+    output_file_discard(&g474.log);
+    output_file_discard(&g474.costs);
+    chip_session_free(&g474.session);
+    return status;
+}

@@ -1,0 +1,110 @@
+"""The very image that is flashed, in an emulated STM32G474: it walks, its frames are the host's and
+replay bit for bit, and what goes wrong on a chip ends in the safe state with the right record."""
+import json
+import pathlib
+import re
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+AFO = ROOT / "build" / "afo"
+ENGINE = list((ROOT / "build" / "venv").glob("lib/python3*/site-packages/unicorn/lib/libunicorn.so.2"))
+CYCLES_OF_A_TICK = 170000
+# Four wait states and no cache: what an instruction of the image costs at most on average.
+CYCLES_PER_INSTRUCTION = 4
+
+pytestmark = pytest.mark.skipif(not ENGINE, reason="the Unicorn engine is not in build/venv (scripts/setup test)")
+
+# enum crash_cause in hal/storage/crash_record.h, enum supervisor_state in controller/supervisor/supervisor.h
+CRASH_NONE, CRASH_NMI, CRASH_CLOCK_FAILED, CRASH_WATCHDOG = 0, 1, 8, 9
+STATE_FAULT = 6
+
+
+def g474(*options, status=0):
+    result = subprocess.run([str(AFO), "g474", "--json", *options], cwd=ROOT, capture_output=True, text=True, timeout=900)
+    assert result.returncode == status, result.stdout + result.stderr
+    return json.loads(result.stdout) if result.stdout else None
+
+
+def test_a_walk_of_a_minute_equals_the_host_and_replays(tmp_path):
+    log, costs = tmp_path / "walk.log", tmp_path / "costs.csv"
+    walk = g474("--steps", "20", "--seconds", "60", "--speed", "0.8", "--log", str(log), "--costs", str(costs))
+    assert walk["simulated_s"] >= 60 and walk["steps"] >= 20 and not walk["fell"]
+    assert walk["differences"] == 0 and walk["compared_frames"] > 100000
+    assert walk["findings"] == 0 and walk["starts"] == 1
+    print(f"worst tick {walk['worst_tick_instructions']} instructions, {walk['wall_s']} s")
+    assert walk["worst_tick_instructions"] * CYCLES_PER_INSTRUCTION <= CYCLES_OF_A_TICK
+    assert walk["sync_late_ns"] < 20000
+    assert walk["permit_edges"] > walk["ticks"] // 2
+    worst = max(int(line.split(",")[1]) for line in costs.read_text().splitlines())
+    assert worst == walk["worst_tick_instructions"]
+    replay = subprocess.run([str(AFO), "replay", "--speed", "0.8", str(log)], cwd=ROOT, capture_output=True, text=True)
+    assert replay.returncode == 0, replay.stdout + replay.stderr
+    assert int(re.search(r"(\d+) ticks; all \d+ frames", replay.stdout).group(1)) >= walk["ticks"] - 1
+
+
+@pytest.mark.parametrize("frame", ["5", "3000"])
+def test_one_changed_bit_is_noticed(frame):
+    assert g474("--steps", "3", "--speed", "0.45", "--corrupt", frame, status=1)["differences"] >= 1
+
+
+@pytest.mark.parametrize("fault, latched, crash, starts", [
+    ("emergency-stop", ["emergency stop"], CRASH_NONE, 1),
+    ("lost-sensor", ["leg sensor silent"], CRASH_NONE, 1),
+    ("lost-drive", ["drive silent"], CRASH_NONE, 1),
+    ("destroyed-frames", ["leg sensor silent", "drive silent", "drive fault", "node lost"], CRASH_NONE, 1),
+    ("hang", ["restarted by itself"], CRASH_WATCHDOG, 2),
+    ("crystal-stops", ["restarted by itself"], CRASH_CLOCK_FAILED, None),
+    ("no-crystal", ["restarted by itself"], CRASH_CLOCK_FAILED, None),
+    ("torn-settings", ["bad parameters"], CRASH_NONE, 1),
+    ("ecc-error", ["restarted by itself", "bad parameters"], CRASH_NMI, 2),
+])
+def test_faults_end_in_the_safe_state(fault, latched, crash, starts):
+    """afo g474 itself checks that both springs are unloaded at the end."""
+    end = g474("--fault", fault, "--speed", "0.45", "--fault-step", "2")
+    assert end["fault"] in latched
+    assert end["state"] == STATE_FAULT
+    assert end["crash_cause"] == crash
+    assert end["starts"] == starts if starts else end["starts"] > 1
+    assert end["differences"] == 0 and end["findings"] == 0
+
+
+@pytest.mark.parametrize("cut", [0, 1, 17, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3, 60, 120, 200))])
+def test_power_may_fail_in_a_save(cut):
+    """Either the old or the new settings are there afterwards: the image starts, and has no fault."""
+    end = g474("--fault", "save-cut", "--cut", str(cut))
+    assert end["cut_hit"] and end["starts"] == 2 and end["fault"] == "none"
+
+
+def test_a_save_that_nothing_disturbs():
+    end = g474("--fault", "save-cut", "--cut", "100000")
+    assert not end["cut_hit"] and end["flash_operations"] > 10 and end["fault"] == "none"
+
+
+@pytest.mark.long
+def test_power_may_fail_at_every_operation_of_a_save():
+    operations = g474("--fault", "save-cut", "--cut", "100000")["flash_operations"]
+    for cut in range(operations):
+        assert g474("--fault", "save-cut", "--cut", str(cut))["cut_hit"], cut
+
+
+@pytest.mark.long
+def test_a_long_walk_with_the_predictive_law():
+    walk = g474("--steps", "200", "--speed", "0.8", "--law", "predictive")
+    assert walk["steps"] >= 200 and walk["differences"] == 0
+    assert walk["worst_tick_instructions"] <= 48000
+
+
+@pytest.mark.long
+def test_every_broken_driver_is_noticed():
+    result = subprocess.run([str(ROOT / "scripts" / "chip-in-the-loop"), "--only", "mutants"], cwd=ROOT,
+                            capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout
+    assert "12 broken drivers, 12 noticed" in result.stdout
+
+
+def test_what_is_missing_is_told():
+    for option, name in (("--image", "nowhere.bin"), ("--core", "./nowhere.so")):
+        result = subprocess.run([str(AFO), "g474", option, name], cwd=ROOT, capture_output=True, text=True)
+        assert result.returncode == 2 and "nowhere" in result.stderr
