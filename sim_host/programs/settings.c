@@ -18,8 +18,8 @@ struct options {
 enum { KEY_AUTOSTART = 0x200 };
 
 static const struct argp_option option_list[] = {
-    {"autostart", KEY_AUTOSTART, 0, 0, "assist without being asked over the bus (on a bench only)",
-     2},
+    {"autostart", KEY_AUTOSTART, 0, 0,
+     "assist after power-on without being asked over the bus (on a bench only)", 2},
     {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -80,6 +80,10 @@ static int write_settings(const struct options *options)
         host_task_init(&rig, &subject, &params, (struct can_bus){&no_bus, NULL}, speed_rad_s,
                        false) != CONTROL_PARAMS_OK) {
         program_complain("the firmware speaks to CiA 402 drives only");
+        return EXIT_USAGE;
+    }
+    if (options->autostart && !control_params_test_mode(&params)) {
+        program_complain("--autostart is for a bench: a person (engage_steps above 0) is asked");
         return EXIT_USAGE;
     }
     if (settings_image_of_task(&rig, speed_rad_s, options->autostart, image) != 0) {

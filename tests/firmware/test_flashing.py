@@ -38,6 +38,20 @@ def test_the_image_holds_two_banks_and_the_store_s_magic(tmp_path):
                           cwd=ROOT, capture_output=True).returncode == 2
 
 
+def test_a_person_is_always_asked(tmp_path):
+    subject = tmp_path / "person.ini"
+    subject.write_text((ROOT / "sim_host/subjects/adult70.ini").read_text())
+    out = tmp_path / "settings.bin"
+    command = [str(ROOT / "build/afo"), "settings", "--subject", str(subject), str(out)]
+    assert subprocess.run([*command, "--autostart"], cwd=ROOT, capture_output=True).returncode == 0
+    subject.write_text(subject.read_text() + "\n[controller]\nengage_steps = 4\n")
+    out.unlink()
+    result = subprocess.run([*command, "--autostart"], cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 2 and "engage_steps" in result.stderr, result.stderr
+    assert not out.exists()
+    assert subprocess.run(command, cwd=ROOT, capture_output=True).returncode == 0
+
+
 def test_both_programmers_write_settings_and_image():
     text = make("flash", "SUBJECT=sim_host/subjects/paper.ini", path="/usr/bin:/bin").stdout
     assert "afo settings --subject 'sim_host/subjects/paper.ini'" in text
