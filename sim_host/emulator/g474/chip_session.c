@@ -310,7 +310,7 @@ static void bring_fault(struct chip_session *session)
     }
 }
 
-static void judge(struct chip_session *session)
+static void expect_outcome(struct chip_session *session)
 {
     const struct chip_fault_kind *kind = &chip_faults[session->fault];
     const struct chip_bridge *bridge = &session->bridge;
@@ -343,6 +343,6 @@ void chip_session_bring_fault(struct chip_session *session)
         fetch_crash(session);
     }
     if (session->trouble[0] == '\0') {
-        judge(session);
+        expect_outcome(session);
     }
 }
