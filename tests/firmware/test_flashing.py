@@ -40,12 +40,14 @@ def test_the_image_holds_two_banks_and_the_store_s_magic(tmp_path):
 
 
 def test_a_person_is_always_asked(tmp_path):
-    subject = tmp_path / "person.ini"
-    subject.write_text((ROOT / "sim_host/subjects/adult70.ini").read_text())
+    person = tmp_path / "person.ini"
+    text = (ROOT / "sim_host/persons/adult70.ini").read_text()
+    person.write_text(text)
     out = tmp_path / "settings.bin"
-    command = [str(ROOT / "build/afo"), "settings", "--subject", str(subject), str(out)]
+    command = [str(ROOT / "build/afo"), "settings", "--person", str(person), "--device",
+               "sim_host/devices/virtual-adult.ini", str(out)]
     assert subprocess.run([*command, "--autostart"], cwd=ROOT, capture_output=True).returncode == 0
-    subject.write_text(subject.read_text() + "\n[controller]\nengage_steps = 4\n")
+    person.write_text(text + "\n[prescription]\nengage_steps = 4\n")
     out.unlink()
     result = subprocess.run([*command, "--autostart"], cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 2 and "engage_steps" in result.stderr, result.stderr
