@@ -62,6 +62,9 @@ endef
 $(foreach b,$(BOARDS),$(eval $(call BOARD_RULES,$(b))))
 -include $(sort $(foreach b,$(BOARDS),$(patsubst %.o,%.d,$(call BOARD_OBJ,$(b)))))
 
+ifeq ($(filter $(BOARD),$(BOARDS)),)
+$(error no board "$(BOARD)"; there are: $(BOARDS))
+endif
 ELFS := $(foreach b,$(BOARDS),$(call IMAGE,$(b)).elf)
 .PHONY: firmware flash debug budgets
 firmware: $(ELFS) $(ELFS:.elf=.bin) $(ELFS:.elf=.hex) ## images for all boards: the NUCLEO-G474RE and the emulator
