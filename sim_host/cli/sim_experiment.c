@@ -11,7 +11,7 @@ static void who(struct json_writer *json, const struct sim_options *options,
     json_open_object(json, "who");
     json_text(json, "name", config->subject.name);
     json_text(json, "subject_file", options->walk.subject_path);
-    json_text(json, "recording", options->recording_path);
+    json_text(json, "recording", options->recording.path);
     json_number(json, "torso_mass_kg", (double)params->torso_mass_kg, DIGITS);
     json_number(json, "leg_mass_kg", (double)params->leg_mass_kg, DIGITS);
     json_number(json, "leg_length_m", (double)params->leg_length_m, DIGITS);

@@ -52,6 +52,7 @@ static int init_side(struct walker_nodes *nodes, enum side side,
         .side = side,
         .node_id = (uint8_t)(NODE_SENSOR_LEFT + (int)side),
         .ankle_is_lever = nodes->plant.config.sensors[side].ankle_is_lever,
+        .has_foot_switch = nodes->plant.config.foot_switch[side].present,
     };
     const int first = side == SIDE_LEFT ? WALKER_DRIVE_LEFT : WALKER_DRIVE_RIGHT;
     return init_drive(nodes, side, bus[first], now_ns) == 0 &&
@@ -172,6 +173,7 @@ void walker_nodes_measure(struct walker_nodes *nodes)
         leg_sensor_node_measure(&nodes->sensor[side], sample->leg_angle_rad,
                                 lever ? (double)sample->ankle_counts * lever_count_rad
                                       : sample->ankle_extension_m);
+        leg_sensor_node_measure_foot(&nodes->sensor[side], nodes->plant.foot[side]);
     }
 }
 

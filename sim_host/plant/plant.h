@@ -24,6 +24,8 @@
 #include <stdint.h>
 
 #include "model/side.h"
+#include "sim_host/plant/contact_wire.h"
+#include "sim_host/plant/foot_switch.h"
 #include "sim_host/plant/recorded_person.h"
 #include "sim_host/plant/sea.h"
 #include "sim_host/plant/sensors.h"
@@ -48,6 +50,7 @@ struct plant_config {
     size_t heights_count;    /* caller's, must outlive the plant; after the last: 0 */
     char recording_path[PLANT_PATH_MAX]; /* PLANT_RECORDED_PERSON: the recording */
     struct recording_format recording_format;
+    struct foot_switch_params foot_switch[SIDE_COUNT]; /* of a recorded person; default: none */
     uint64_t recording_start_tick; /* the recording runs from this tick on (its first sample
                                             is held before); default 1000 */
 };
@@ -62,7 +65,8 @@ enum plant_error {
     PLANT_BAD_SENSOR = -6,
     PLANT_BAD_GROUND = -7,
     PLANT_BAD_RECORDING = -8,
-    PLANT_BAD_TICK = -9 /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
+    PLANT_BAD_TICK = -9, /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
+    PLANT_BAD_FOOT_SWITCH = -10
 };
 
 /* Cumulative energies (J) since init. */
@@ -90,6 +94,9 @@ struct plant {
     struct recording recording;
     struct recorded_person_state person;
     size_t recording_cursor;
+    struct foot_switch foot_switch[SIDE_COUNT];
+    enum foot_contact foot[SIDE_COUNT];         /* what the switches say at this SYNC */
+    struct contact_wire other_foot[SIDE_COUNT]; /* at each latch's node */
 };
 
 /* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665) with real SEAs and 17-bit sensors on
