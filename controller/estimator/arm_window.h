@@ -7,7 +7,7 @@
  * by about the same time in every step of a leg, whatever that time is. It opens ARM_LEAD_S before the
  * mean of it. The window ends with any of:
  *   - the own foot's switch opens, or is not heard;
- *   - the own leg no longer turns back;
+ *   - the own leg turns back no faster than a third of the walking speed: its foot rolls off;
  *   - the own toe-off, found from the legs' angles;
  *   - the other foot landed longer than ARM_BEHIND_S ago;
  *   - no contact came, ARM_LATE_S behind its mean.
@@ -31,7 +31,7 @@
 /* How far the window opens ahead of the contact's mean time. With a contact that is falsely closed a
  * push comes that much early, and what the steps scatter. */
 #define ARM_LEAD_S REAL(0.02)
-#define ARM_BEHIND_S REAL(0.055)
+#define ARM_BEHIND_S REAL(0.03)
 #define ARM_LATE_S REAL(0.08)
 
 /* Of the foot that is to land. */

@@ -5,8 +5,11 @@
 /* A person's leg must have been this far ahead for its fall through the vertical to
  * be a step's apex. */
 #define AHEAD_RAD REAL(0.06)
-/* A planted foot's leg turns back at least so fast, in walking speeds. */
-#define TURNS_BACK_RATIO REAL(0.1)
+/* A planted foot's leg turns back at about the walking speed. While the foot still carries, the leg turns
+ * back at this part of it at least; it comes to rest as the foot leaves the ground. Looked at over the
+ * last QUICK_TICKS, which lags by half of that: an early sign of toe-off, and of a sudden stop. */
+#define TURNS_BACK_RATIO REAL(0.35)
+enum { QUICK_TICKS = TICKS_OF_MS(8) };
 /* Both legs at rest for so long: the person has stopped. In walking one of them always moves. */
 #define STOPPED_S REAL(0.15)
 /* Faster over the standing foot than this, in sqrt(g/l), is no walking: a Froude number of 0.72. People
@@ -66,8 +69,17 @@ static void show_walking(struct body_state *body, const struct body_tick *now,
         has_switches(params) ? body->proof.steps > 0 : params->strike_error_s > REAL(0.0);
 }
 
+static bool turns_back(const struct body_tick *now, int side, real walking_speed_rad_s)
+{
+    const uint32_t tick = now->input->tick;
+    const real turn_rad = angle_history_at(now->history, side, tick) -
+                          angle_history_at(now->history, side, tick - QUICK_TICKS);
+    return turn_rad <
+           -TURNS_BACK_RATIO * walking_speed_rad_s * (real)QUICK_TICKS * CONTROL_PERIOD_S;
+}
+
 static void watch_windows(struct body_state *body, const struct body_tick *now,
-                          const real rate_rad_s[SIDE_COUNT], real walking_speed_rad_s)
+                          real walking_speed_rad_s)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         const struct person_events *leg = &body->leg[side];
@@ -77,7 +89,7 @@ static void watch_windows(struct body_state *body, const struct body_tick *now,
             .swings = leg->contact == LEG_SWING,
             .contact_tick = body->proof.foot[side].raw_edge_tick,
             .own_foot = now->input->leg[own].foot,
-            .own_leg_turns_back = rate_rad_s[own] < -TURNS_BACK_RATIO * walking_speed_rad_s,
+            .own_leg_turns_back = turns_back(now, own, walking_speed_rad_s),
         };
         arm_window_update(&body->window[side], now->params, &view, now->input->tick);
     }
@@ -91,7 +103,6 @@ static void update(struct body_state *body, const struct body_tick *now)
         return;
     }
     const real per_leg_length = REAL(1.0) / now->params->leg_length_m;
-    real rate_rad_s[SIDE_COUNT];
     struct leg_view view = {.walking_speed_rad_s = walking_speed_at(now->speed, now->params, tick)};
     for (int i = 0; i < SIDE_COUNT; i++) {
         const struct leg_measurement *leg = &now->input->leg[i];
@@ -100,10 +111,9 @@ static void update(struct body_state *body, const struct body_tick *now)
                          angle_history_at(now->history, 1 - i, centre);
         view.extension = leg->ankle_extension_m * per_leg_length;
         view.fresh = leg->age_ticks == 0;
-        rate_rad_s[i] = view.rate_rad_s;
         find_events(body, now, i, &view);
     }
-    watch_windows(body, now, rate_rad_s, view.walking_speed_rad_s);
+    watch_windows(body, now, view.walking_speed_rad_s);
     show_walking(body, now, now->speed->mean_rad_s);
 }
 

@@ -13,7 +13,7 @@
 #include "model/foot_contact.h"
 
 #define CONTACT_OPEN_LEAST_S 0.050
-#define CONTACT_EDGE_S 0.060
+#define CONTACT_EDGE_S 0.030
 
 struct contact_wire {
     bool down;

@@ -7,8 +7,9 @@
 static const double BIAS_MOST_S = 0.040;
 static const double JITTER_S = 0.003;
 static const double BOUNCE_S = 0.004;
-/* The fault "false": so long after the foot has left the ground, for so long. */
-static const double FALSE_AFTER_S = 0.150;
+/* The fault "false": at a time drawn from these after the foot has left the ground, for so long. */
+static const double FALSE_FIRST_S = 0.100;
+static const double FALSE_LAST_S = 0.500;
 static const double FALSE_FOR_S = 0.030;
 
 const char *const foot_switch_preset_names[FOOT_SWITCH_PRESET_COUNT] = {"none", "seeded", "exact",
@@ -78,7 +79,8 @@ static void deliver_edges(struct foot_switch *foot, double now_s)
     while (foot->edges > 0 && foot->edge[0].time_s <= now_s) {
         foot->down = foot->edge[0].down;
         foot->bounce_until_s = now_s + foot->params.bounce_s;
-        foot->up_since_s = now_s;
+        foot->false_s =
+            now_s + FALSE_FIRST_S + (FALSE_LAST_S - FALSE_FIRST_S) * rng_uniform(&foot->rng);
         foot->edges--;
         for (unsigned i = 0; i < foot->edges; i++) {
             foot->edge[i] = foot->edge[i + 1];
@@ -93,7 +95,6 @@ static enum foot_contact contact_of(bool down)
 
 static enum foot_contact faulty(struct foot_switch *foot, double now_s)
 {
-    const double up_s = now_s - foot->up_since_s;
     switch (foot->params.fault) {
     case FOOT_SWITCH_STUCK_UP:
         return FOOT_UP;
@@ -105,7 +106,7 @@ static enum foot_contact faulty(struct foot_switch *foot, double now_s)
         return contact_of(rng_uniform(&foot->rng) < 0.5);
     case FOOT_SWITCH_FALSE:
         return contact_of(foot->down ||
-                          (up_s >= FALSE_AFTER_S && up_s < FALSE_AFTER_S + FALSE_FOR_S));
+                          (now_s >= foot->false_s && now_s < foot->false_s + FALSE_FOR_S));
     default:
         return contact_of(foot->down);
     }

@@ -22,7 +22,7 @@ enum foot_switch_fault {
     FOOT_SWITCH_STUCK_DOWN = 2,
     FOOT_SWITCH_MISSING = 3, /* the node says that it does not know */
     FOOT_SWITCH_CHATTER = 4, /* another value at every tick, by chance */
-    FOOT_SWITCH_FALSE = 5,   /* closes in swing, and opens again 30 ms later */
+    FOOT_SWITCH_FALSE = 5,   /* closes at any time in swing, and opens again 30 ms later */
     FOOT_SWITCH_FAULT_COUNT = 6
 };
 
@@ -60,7 +60,7 @@ struct foot_switch {
     bool foot_down; /* the foot itself at the last tick */
     bool down;      /* the signal without bounce */
     double bounce_until_s;
-    double up_since_s; /* of the signal: the fault "false" counts from here */
+    double false_s; /* when the fault "false" closes it */
 };
 
 /* Fills every field for one leg (stream: a number of its own for each). jitter 3 ms, bounce 4 ms, but
