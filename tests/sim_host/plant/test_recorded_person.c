@@ -305,6 +305,9 @@ START_TEST(the_actuators_work_against_the_recorded_ankle)
     plant_config_for(&adult, 7000.0, SEA_REAL, SENSORS_IDEAL, &config);
     config.kind = PLANT_RECORDED_PERSON;
     config.recording_start_tick = 500;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        foot_switch_preset(FOOT_SWITCH_EXACT, 1, (uint64_t)side, &config.foot_switch[side]);
+    }
     write_person(6.2);
     strcpy(config.recording_path, path);
     ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_OK);
