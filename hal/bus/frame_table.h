@@ -37,7 +37,7 @@ enum {
     HEARTBEAT_TIMEOUT_MS = 250,
     HEARTBEAT_TIMEOUT_TICKS = TICKS_OF_MS(HEARTBEAT_TIMEOUT_MS),
     FOOT_INHIBIT_TICKS = 5, /* FOOT is sent on change, at most once in so many ticks, */
-    FOOT_REPEAT_MS = 50,     /* and at least once in this time */
+    FOOT_REPEAT_MS = 50,    /* and at least once in this time */
     FOOT_AGE_MAX_TICKS = TICKS_OF_MS(120)
 };
 
@@ -70,8 +70,8 @@ static_assert(SLOW_PDO_TICKS >= 1 && SLOW_PDO_TICKS <= 240, "a PDO comes at most
     X(DRIVE_COMMAND_RIGHT, 0x302, 6, FRAME_TICKS(2), FRAME_TICKS(5), 16, E) \
     X(DRIVE_SLOW_LEFT, 0x381, 8, 100000, 50000, 1, N)                       \
     X(DRIVE_SLOW_RIGHT, 0x382, 8, 100000, 50000, 2, N)                      \
-    X(FOOT_LEFT, 0x383, 1, FRAME_TICKS(5), FRAME_TICKS(5), 3, O)           \
-    X(FOOT_RIGHT, 0x384, 1, FRAME_TICKS(5), FRAME_TICKS(5), 4, O)          \
+    X(FOOT_LEFT, 0x383, 1, FRAME_TICKS(5), FRAME_TICKS(5), 3, O)            \
+    X(FOOT_RIGHT, 0x384, 1, FRAME_TICKS(5), FRAME_TICKS(5), 4, O)           \
     X(SDO_ANSWER_DRIVE_LEFT, 0x581, 8, 50000, 100000, 1, A)                 \
     X(SDO_ANSWER_DRIVE_RIGHT, 0x582, 8, 50000, 100000, 2, A)                \
     X(SDO_ANSWER_SENSOR_LEFT, 0x583, 8, 50000, 100000, 3, A)                \

@@ -13,6 +13,9 @@
  * told otherwise), and again after they have stopped. */
 #define PERSON_ENGAGE_STEPS REAL(4.0)
 
+/* The largest precompression, over the prescribed one: 1.1 times its energy. */
+#define PERSON_R0_MOST_RATIO REAL(1.0488)
+
 /* Of the seed: the switches' biases. */
 enum { FOOT_SWITCH_STREAM = 0xB1A5 };
 
@@ -64,7 +67,9 @@ enum {
     KEY_ANGLES,
     KEY_SWITCHES,
     KEY_SWITCH_FAULT,
-    KEY_SWITCH_FAULT_S
+    KEY_SWITCH_FAULT_S,
+    KEY_LATCH_FAULT,
+    KEY_LATCH_FAULT_S
 };
 
 static const struct argp_option option_list[] = {
@@ -81,9 +86,14 @@ static const struct argp_option option_list[] = {
     {"switch-fault", KEY_SWITCH_FAULT, "NAME", 0,
      "of both switches: well, stuck-up, stuck-down, missing, chatter or false", 0},
     {"switch-fault-s", KEY_SWITCH_FAULT_S, "S", 0, "it begins so late (default 10)", 0},
+    {"latch-fault", KEY_LATCH_FAULT, "NAME", 0,
+     "of both latches: well, opens, stays-open or stays-closed", 0},
+    {"latch-fault-s", KEY_LATCH_FAULT_S, "S", 0, "it begins so late (default 10)", 0},
     {0}};
 
-static const double SWITCH_FAULT_S = 10.0;
+static const double FAULT_S = 10.0;
+static const char *const latch_fault_names[PLANT_LATCH_FAULT_COUNT] = {
+    "well", "opens", "stays-open", "stays-closed"};
 
 static void check_together(struct argp_state *state, const struct recording_options *options)
 {
@@ -91,7 +101,8 @@ static void check_together(struct argp_state *state, const struct recording_opti
         argp_error(state, "--column, --rate and --angles describe the recording of --recording");
     }
     if (options->path == NULL && options->switches_given) {
-        argp_error(state, "--switches and --switch-fault are of the person of --recording");
+        argp_error(state, "--switches and the faults of switches and latches are of the person of "
+                          "--recording");
     }
 }
 
@@ -101,8 +112,8 @@ static error_t take(int key, char *text, struct argp_state *state)
     struct recording_options *options = (struct recording_options *)state->input;
     options->format_given =
         options->format_given || key == KEY_COLUMN || key == KEY_RATE || key == KEY_ANGLES;
-    options->switches_given = options->switches_given || key == KEY_SWITCHES ||
-                              key == KEY_SWITCH_FAULT || key == KEY_SWITCH_FAULT_S;
+    options->switches_given =
+        options->switches_given || (key >= KEY_SWITCHES && key <= KEY_LATCH_FAULT_S);
     switch (key) {
     case KEY_RECORDING:
         options->path = text;
@@ -134,6 +145,14 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_SWITCH_FAULT_S:
         options->switch_fault_s = option_number(state, "--switch-fault-s", text, 0.0, 1e6);
         return 0;
+    case KEY_LATCH_FAULT:
+        options->latch_fault = (enum plant_latch_fault)option_choice(
+            state, "--latch-fault", text, latch_fault_names, PLANT_LATCH_FAULT_COUNT,
+            sizeof latch_fault_names[0]);
+        return 0;
+    case KEY_LATCH_FAULT_S:
+        options->latch_fault_s = option_number(state, "--latch-fault-s", text, 0.0, 1e6);
+        return 0;
     case ARGP_KEY_END:
         check_together(state, options);
         return 0;
@@ -146,8 +165,8 @@ const struct argp recording_options_parser = {option_list, take, 0, 0, 0, 0, 0};
 
 void recording_options_init(struct recording_options *options)
 {
-    *options = (struct recording_options){.switches = FOOT_SWITCH_SEEDED,
-                                          .switch_fault_s = SWITCH_FAULT_S};
+    *options = (struct recording_options){
+        .switches = FOOT_SWITCH_SEEDED, .switch_fault_s = FAULT_S, .latch_fault_s = FAULT_S};
     recording_format_default(&options->format);
 }
 
@@ -165,6 +184,9 @@ static void apply_switches(const struct recording_options *options, struct loop_
             options->switch_fault_s + (double)plant->recording_start_tick * plant->tick_s;
         plant->sea[side].release_on = present ? SEA_RELEASE_CONTACT : SEA_RELEASE_COMMAND;
     }
+    plant->latch_fault = options->latch_fault;
+    plant->latch_fault_s =
+        options->latch_fault_s + (double)plant->recording_start_tick * plant->tick_s;
     config->params.foot_switches = present ? REAL(1.0) : REAL(0.0);
 }
 
@@ -186,6 +208,9 @@ int recording_options_apply(const struct recording_options *options, struct loop
     }
     if (!options->open_loop) {
         params->law = (real)LAW_PERSON;
+        /* A person's ceiling follows from what is prescribed. */
+        params->r0_max_m = PERSON_R0_MOST_RATIO * params->start_r0_m;
+        params->open_loop_r0_m = params->start_r0_m;
     }
     apply_switches(options, config);
     return 0;

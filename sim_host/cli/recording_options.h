@@ -17,6 +17,8 @@ struct recording_options {
     enum foot_switch_preset_kind switches;
     enum foot_switch_fault switch_fault; /* of both feet */
     double switch_fault_s;               /* from so long after its beginning on */
+    enum plant_latch_fault latch_fault;  /* of both latches */
+    double latch_fault_s;
     bool switches_given;
 };
 

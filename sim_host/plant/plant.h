@@ -32,6 +32,15 @@
 #include "sim_host/plant/start_hold.h"
 #include "sim_host/plant/walk.h"
 
+/* Faults of a recorded person's latch, effective at once. */
+enum plant_latch_fault {
+    PLANT_LATCH_WELL = 0,
+    PLANT_LATCH_OPENS = 1,      /* by itself, under load */
+    PLANT_LATCH_STAYS_OPEN = 2, /* it does not close again */
+    PLANT_LATCH_STAYS_CLOSED = 3,
+    PLANT_LATCH_FAULT_COUNT = 4
+};
+
 enum plant_kind { PLANT_WALKER = 0, PLANT_RECORDED_PERSON = 1 };
 
 enum { PLANT_PATH_MAX = 512, PLANT_ERROR_MAX = 512 };
@@ -51,6 +60,8 @@ struct plant_config {
     char recording_path[PLANT_PATH_MAX]; /* PLANT_RECORDED_PERSON: the recording */
     struct recording_format recording_format;
     struct foot_switch_params foot_switch[SIDE_COUNT]; /* of a recorded person; default: none */
+    enum plant_latch_fault latch_fault;                /* of both latches of a recorded person, */
+    double latch_fault_s;                              /* from this time on */
     uint64_t recording_start_tick; /* the recording runs from this tick on (its first sample
                                             is held before); default 1000 */
 };

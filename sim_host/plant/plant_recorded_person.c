@@ -62,11 +62,26 @@ static void run_switches(struct plant *plant)
     }
 }
 
+static enum plant_latch_fault latch_fault(const struct plant *plant, double now_s)
+{
+    return now_s >= plant->config.latch_fault_s ? plant->config.latch_fault : PLANT_LATCH_WELL;
+}
+
+/* A latch that opens by itself does so under load: at this share of its stroke. */
+static const double OPENS_AT_STROKE_RATIO = 0.02;
+
 /* A person's ankle can extend at any time: its extension opens no latch. */
 static void run_latch(struct plant *plant, enum side side, double ankle_m, double now_s)
 {
     struct sea *sea = &plant->sea[side];
-    if (sea_may_release(sea) && contact_wire_has_edge(&plant->other_foot[side], now_s)) {
+    const enum plant_latch_fault fault = latch_fault(plant, now_s);
+    if (fault == PLANT_LATCH_OPENS && sea->latch == SEA_LATCH_CLOSED &&
+        sea->position_m > OPENS_AT_STROKE_RATIO * sea->params.stroke_max_m) {
+        sea->release_pending = true;
+        sea->release_time_s = now_s;
+    } else if (fault == PLANT_LATCH_STAYS_CLOSED) {
+        sea->release_pending = false;
+    } else if (sea_may_release(sea) && contact_wire_has_edge(&plant->other_foot[side], now_s)) {
         sea_other_foot_contact(sea, now_s);
     }
     if (sea->release_pending && sea->release_time_s <= now_s) {
@@ -78,7 +93,7 @@ static void run_latch(struct plant *plant, enum side side, double ankle_m, doubl
         walk_post(&plant->walk, WALK_EVENT_LIFT_OFF, side, now_s, ankle_m);
     }
     /* A slack spring's output stands at its motor, wherever the ankle is. */
-    if (sea_reclose(sea, 0.0)) {
+    if (fault != PLANT_LATCH_STAYS_OPEN && sea_reclose(sea, 0.0)) {
         walk_post(&plant->walk, WALK_EVENT_RECLOSED, side, now_s, sea->position_m);
     }
 }

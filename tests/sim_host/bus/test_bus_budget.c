@@ -142,8 +142,8 @@ static void walk_the_bus(void)
     const int others = sim_bus_attach(&bus, "nodes", answer, NULL);
     for (unsigned i = 0; i < ROWS; i++) {
         port[i] = sim_bus_port(&bus, rows[i].node == NODE_CONTROLLER ? controller : others);
-        rows[i].apart = rows[i].id == FRAME_NMT || strncmp(rows[i].name, "EMCY", 4) == 0 ||
-                        rows[i].kind == 'O';
+        rows[i].apart =
+            rows[i].id == FRAME_NMT || strncmp(rows[i].name, "EMCY", 4) == 0 || rows[i].kind == 'O';
     }
     nodes = sim_bus_port(&bus, others);
     sim_bus_set_tap(&bus, note, NULL);
