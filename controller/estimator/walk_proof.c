@@ -26,13 +26,12 @@ static void count_up(uint16_t *ticks)
 static void watch_raw(struct foot_history *foot, enum foot_contact now, uint32_t tick)
 {
     const bool down = now != FOOT_UP;
-    if (!down && foot->raw_down) {
+    if (!down && !foot->raw_up) {
         foot->raw_up_tick = tick;
-    } else if (down && !foot->raw_down && now == FOOT_DOWN &&
-               tick - foot->raw_up_tick >= OPEN_LEAST_TICKS) {
+    } else if (foot->raw_up && now == FOOT_DOWN && tick - foot->raw_up_tick >= OPEN_LEAST_TICKS) {
         foot->raw_edge_tick = tick;
     }
-    foot->raw_down = down;
+    foot->raw_up = !down;
 }
 
 /* True in the tick in which the foot itself has changed. */

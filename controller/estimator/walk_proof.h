@@ -28,7 +28,7 @@ struct foot_history {
     uint32_t since_tick;       /* of `contact`; 0 = not seen to begin */
     uint32_t raw_up_tick;      /* the switch itself opened here, */
     uint32_t raw_edge_tick;    /* and closed here, having been open for long enough; 0 = never */
-    bool raw_down;
+    bool raw_up;
 };
 
 struct walk_proof { /* all zeros to begin with */
