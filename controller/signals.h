@@ -26,6 +26,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "model/foot_contact.h"
 #include "model/real.h"
 #include "model/sea_state.h"
 #include "model/side.h"
@@ -55,6 +56,7 @@ struct leg_measurement {
     real leg_angle_rad;     /* -pi..pi */
     real ankle_extension_m; /* 0 = heel down; positive = ankle extended */
     uint16_t age_ticks;     /* 0 = sampled at the newest SYNC; AGE_NEVER = no value yet */
+    enum foot_contact foot; /* of the foot switch, if there is one */
 };
 
 struct sea_measurement {
@@ -118,7 +120,9 @@ struct gait_state {
     enum side stance;
     uint32_t phase_since_tick;
     bool stance_past_apex; /* single support, and theta_s already negative */
-    bool strike_near;      /* the other foot may land at any moment, or has landed */
+    bool strike_near; /* the stance leg's latch may be armed: the other foot lands, or has landed */
+    bool walk_shown;  /* the last step was one of forward walking (a compass walker's always is) */
+    bool walk_denied; /* in this tick: what happens is no forward walking */
     struct gait_event event[GAIT_EVENT_KINDS];
     struct apex_estimate apex; /* of the newest GAIT_APEX event; zeros before the first */
     /* Gait phase of each leg: part of its stride gone by since its heel strike, 0..1 (it stays

@@ -123,8 +123,8 @@ static void collect_input(const struct control_task *task, struct controller_inp
         const struct leg_sensor_reading *reading = &task->sensors.reading[leg];
         struct sea_drive_reading drive;
         sea_drives_read(&task->config.drives, (enum side)leg, &drive);
-        input->leg[leg] = (struct leg_measurement){reading->leg_angle_rad,
-                                                   reading->ankle_extension_m, reading->age_ticks};
+        input->leg[leg] = (struct leg_measurement){
+            reading->leg_angle_rad, reading->ankle_extension_m, reading->age_ticks, reading->foot};
         input->sea[leg] = (struct sea_measurement){drive.precompression_m, drive.state,
                                                    drive.age_ticks,        drive.latch,
                                                    drive.force_N,          drive.force_age_ticks};

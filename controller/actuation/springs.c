@@ -1,9 +1,12 @@
 #include "controller/actuation/springs.h"
 
+#include "controller/estimator/body_table.h"
+
 void springs_begin(struct springs *springs, const struct control_params *params,
                    const struct controller_input *input)
 {
     springs->stop = sea_reference_stop_limits(params);
+    springs->only_latched = !body_of(params->body)->ankle_is_held;
     for (int side = 0; side < SIDE_COUNT; side++) {
         sea_reference_init(&springs->sea[side], input->sea[side].precompression_m);
     }
@@ -16,17 +19,22 @@ void springs_stop(struct springs *springs, const struct controller_input *input)
     }
 }
 
+/* A person's spring is loaded behind a closed latch only: open, it would push the foot while it is loaded. */
 static void begin_loading(struct springs *springs, const struct step_decision *decision,
                           enum side side)
 {
-    if (decision->assists) {
+    if (decision->assists && !springs->latch_open[side]) {
         sea_reference_begin_loading(&springs->sea[side], decision->load_m);
     }
 }
 
 void springs_follow(struct springs *springs, const struct step_decision *decision,
-                    const struct gait_state *gait, bool first_stance)
+                    const struct controller_input *input, const struct gait_state *gait,
+                    bool first_stance)
 {
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        springs->latch_open[side] = springs->only_latched && input->sea[side].latch == LATCH_OPEN;
+    }
     const struct gait_event *strike = &gait->event[GAIT_HEEL_STRIKE];
     const struct gait_event *lift_off = &gait->event[GAIT_LIFT_OFF];
     if (decision->improved) { /* not final yet: on the way there already, but not armed */

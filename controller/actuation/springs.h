@@ -20,6 +20,8 @@
 struct springs {
     struct sea_reference sea[SIDE_COUNT];
     struct sea_stop stop; /* limits of a stop, by the parameters as it engaged */
+    bool only_latched;    /* a person's: no spring is loaded whose latch reports that it is open */
+    bool latch_open[SIDE_COUNT]; /* in this tick, where that counts */
 };
 
 /* A walk begins: both references start at the motors' positions. */
@@ -29,11 +31,13 @@ void springs_begin(struct springs *springs, const struct control_params *params,
 /* The assistance ends: both springs are unloaded with the limits of a stop. */
 void springs_stop(struct springs *springs, const struct controller_input *input);
 
-/* Once a tick while assisting: the decision and the gait's events of this tick. first_stance: no
+/* Once a tick while assisting: the decision and the gait's events of this tick. A person's spring
+ * does not begin to be loaded while its latch reports that it is open. first_stance: no
  * apex has been seen in this walk, so the first stance began without a heel strike. Constant
  * cost. */
 void springs_follow(struct springs *springs, const struct step_decision *decision,
-                    const struct gait_state *gait, bool first_stance);
+                    const struct controller_input *input, const struct gait_state *gait,
+                    bool first_stance);
 
 /* Once a tick in the states that may enable: advances both references and writes both requests.
  * A drive that is not heard while unloading is switched off. Constant cost. */

@@ -56,6 +56,11 @@ enum {
 #define RELEASE_LEAST_RATIO REAL(0.05)
 #define RELEASE_FROM_RATIO REAL(0.01)
 
+/* The latch by its own report. A command to arm takes three ticks to the latch and back; a release that
+ * was under way as it was disarmed, some more. An empty spring's latch closes by itself. */
+enum { ARMED_TICKS = TICKS_OF_MS(10), UNLATCHED_TICKS = TICKS_OF_MS(10) };
+#define EMPTY_RATIO REAL(0.0002)
+
 /* A drive that is not where it was sent: to be enabled takes six telegrams, and an
  * unload by itself 0.4 s at most. */
 enum { ENABLE_TICKS = TICKS_OF_MS(500), DISABLE_TICKS = TICKS_OF_MS(1000) };
@@ -155,6 +160,24 @@ static void watch_ankle(struct leg_checks *leg, const struct control_params *par
         contradicts = held || (alone && extension > sea->precompression_m + slack);
     }
     leg->ankle_contradiction_count = count_while(leg->ankle_contradiction_count, contradicts);
+}
+
+/* Opened without being armed; or, on a person, not closed again behind an empty spring. */
+static void watch_latch(struct leg_checks *leg, const struct control_params *params, bool is_held,
+                        const struct sea_measurement *sea, const struct sea_request *command)
+{
+    const bool opens = sea->latch == LATCH_OPEN && leg->latch == LATCH_CLOSED;
+    leg->unarmed_ticks = command->latch_armed ? 0 : count_up(leg->unarmed_ticks);
+    leg->opened_unarmed = sea->latch == LATCH_OPEN &&
+                          (leg->opened_unarmed || (opens && leg->unarmed_ticks > ARMED_TICKS));
+    const bool empty = sea->latch == LATCH_OPEN && command->precompression_m == REAL(0.0) &&
+                       real_abs(sea->precompression_m) <= EMPTY_RATIO * params->leg_length_m;
+    leg->unlatched_ticks = count_while(leg->unlatched_ticks, empty && !is_held);
+}
+
+static bool latch_contradicts(const struct leg_checks *leg)
+{
+    return leg->opened_unarmed || leg->unlatched_ticks > UNLATCHED_TICKS;
 }
 
 static void watch_following(struct leg_checks *leg, const struct control_params *params,
@@ -263,7 +286,7 @@ static enum supervisor_fault leg_fault(const struct checks *checks,
     if (is_stuck(checks, input, side)) {
         return SUPERVISOR_FAULT_SENSOR_STUCK;
     }
-    if (leg->force_contradiction_count >= FORCE_CONTRADICTIONS ||
+    if (latch_contradicts(leg) || leg->force_contradiction_count >= FORCE_CONTRADICTIONS ||
         leg->ankle_contradiction_count > ANKLE_CONTRADICTIONS) {
         return SUPERVISOR_FAULT_SPRING;
     }
@@ -282,6 +305,7 @@ void checks_update(struct checks *checks, const struct control_params *params,
         struct leg_checks *leg = &checks->leg[side];
         const struct sea_measurement *sea = &view->input->sea[side];
         watch_force(leg, params, sea);
+        watch_latch(leg, params, ankle_is_held, sea, &view->command[side]);
         watch_ankle(leg, params, ankle_is_held, &view->input->leg[side], sea);
         watch_following(leg, params, sea, &view->command[side]);
     }

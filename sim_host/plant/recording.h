@@ -31,7 +31,7 @@ struct recording_format {
     double angle_unit_rad;    /* of all angles: 1, or pi / 180 (the default) */
     double ankle_lever_m;     /* default 0.12 */
     double ankle_neutral_rad; /* plantarflexion at r = 0; default 0 */
-    double largest_gap_s;     /* a longer one between samples is an error; default 0.1 */
+    double largest_gap_s;     /* a longer one between samples is an error; default 0.15 */
 };
 
 struct recording_sample {
