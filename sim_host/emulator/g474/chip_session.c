@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/log/black_box_log.h"
 #include "sim_host/log/sdo_upload.h"
 #include "sim_host/subjects/settings_image.h"
@@ -45,6 +46,7 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_TORN_SETTINGS] = {"torn-settings", SUPERVISOR_FAULT_PARAMETERS, 0, CRASH_NONE},
     [CHIP_FAULT_ECC] = {"ecc-error", SUPERVISOR_FAULT_PARAMETERS, BIT(RESTARTED), CRASH_NMI},
     [CHIP_FAULT_SAVE_CUT] = {"save-cut", SUPERVISOR_FAULT_NONE, 0, CRASH_NONE},
+    [CHIP_FAULT_LOST_WRITE] = {"lost-write", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_LOST_WRITE},
 };
 
 /* ---- preparing ------------------------------------------------------------------ */
@@ -81,6 +83,9 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
     }
     chip_drive_pin(&session->chip, PORT_C, 0, true); /* the emergency stop's contact is closed */
     chip_set_crystal(&session->chip, session->fault != CHIP_FAULT_NO_CRYSTAL);
+    if (session->fault == CHIP_FAULT_LOST_WRITE) {
+        mmio_model_lose(session->lose);
+    }
     if (session->fault == CHIP_FAULT_TORN_SETTINGS) {
         session->chip.flash_registers.state[0][12] = WORD_TORN;
     }
@@ -144,9 +149,9 @@ static bool has_walked(const struct chip_session *session, uint64_t last_progres
 
 void chip_session_walk(struct chip_session *session)
 {
-    const bool never = session->fault == CHIP_FAULT_NO_CRYSTAL ||
-                       session->fault == CHIP_FAULT_TORN_SETTINGS ||
-                       session->fault == CHIP_FAULT_SAVE_CUT;
+    const bool never =
+        session->fault == CHIP_FAULT_NO_CRYSTAL || session->fault == CHIP_FAULT_TORN_SETTINGS ||
+        session->fault == CHIP_FAULT_SAVE_CUT || session->fault == CHIP_FAULT_LOST_WRITE;
     uint64_t last_progress = 0;
     uint32_t seen = 0, waited = 0;
 
@@ -232,6 +237,18 @@ static void be_without_crystal(struct chip_session *session)
     let_pass(session, CRYSTAL_BACK_TICKS);
 }
 
+/* The image starts, sees that a register does not hold what it wrote, and tries again later. */
+static void lose_writes(struct chip_session *session)
+{
+    chip_bridge_stop_comparing(&session->bridge);
+    let_pass(session, CRYSTAL_GONE_TICKS);
+    if (session->bridge.heard) {
+        trouble(session, "the image sends with a register that is not as it should be");
+    }
+    mmio_model_lose(0);
+    let_pass(session, CRYSTAL_BACK_TICKS);
+}
+
 /* A word of the settings that the image reads in place fails from now on. */
 static void spoil_settings(struct chip_session *session)
 {
@@ -297,6 +314,9 @@ static void bring_fault(struct chip_session *session)
     case CHIP_FAULT_NO_CRYSTAL:
         be_without_crystal(session);
         break;
+    case CHIP_FAULT_LOST_WRITE:
+        lose_writes(session);
+        break;
     case CHIP_FAULT_ECC:
         spoil_settings(session);
         break;
@@ -326,6 +346,10 @@ static void judge(struct chip_session *session)
     } else if (session->crash.cause != (uint32_t)kind->crash) {
         snprintf(session->trouble, sizeof session->trouble, "it left crash record %u instead of %u",
                  (unsigned)session->crash.cause, (unsigned)kind->crash);
+    } else if (session->fault == CHIP_FAULT_LOST_WRITE && session->crash.detail != session->lose) {
+        snprintf(session->trouble, sizeof session->trouble,
+                 "the record names register %#x, not %#x", (unsigned)session->crash.detail,
+                 (unsigned)session->lose);
     } else if (!chip_session_is_safe(session)) {
         trouble(session, "a spring is still loaded");
     } else {

@@ -23,6 +23,7 @@ enum chip_fault {
     CHIP_FAULT_TORN_SETTINGS,
     CHIP_FAULT_ECC,
     CHIP_FAULT_SAVE_CUT,
+    CHIP_FAULT_LOST_WRITE,
     CHIP_FAULT_COUNT
 };
 
@@ -42,7 +43,8 @@ struct chip_session {
     uint32_t steps, fault_step;
     double seconds; /* walks at least this long */
     enum chip_fault fault;
-    uint32_t cut; /* the flash operation of a save at which power fails */
+    uint32_t cut;  /* the flash operation of a save at which power fails */
+    uint32_t lose; /* the register whose writes are lost */
     void (*on_step)(void *context, uint32_t steps); /* NULL = nobody */
     void *context;
     /* Its parts. */
