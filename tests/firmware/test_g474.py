@@ -79,23 +79,24 @@ def test_a_lost_write_at_the_start_is_noticed_and_told(register):
     assert end["crash_cause"] == CRASH_LOST_WRITE and end["fault"] == "restarted by itself" and end["state"] == STATE_FAULT
 
 
-@pytest.mark.parametrize("cut", [0, 1, 17, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3, 60, 120, 200))])
-def test_power_may_fail_in_a_save(cut):
-    """Either the old or the new settings are there afterwards: the image starts, and has no fault."""
-    end = g474("--fault", "save-cut", "--cut", str(cut))
-    assert end["cut_hit"] and end["starts"] == 2 and end["fault"] == "none"
+@pytest.mark.parametrize("fault, every, latched", [("save-cut", 37, ["none"]), ("load-cut", 1, ["none", "bad parameters"])])
+def test_power_may_fail_while_settings_are_written(fault, every, latched):
+    """A save: old or new settings. "load" at 0x1011, which forgets them: those before, or none and it says so."""
+    end = g474("--fault", fault, "--every", str(every))
+    assert end["cuts"] == (end["flash_operations"] + every - 1) // every >= 4 and end["bad_cuts"] == 0
+    assert end["fault"] in latched
 
 
-def test_a_save_that_nothing_disturbs():
-    end = g474("--fault", "save-cut", "--cut", "100000")
-    assert not end["cut_hit"] and end["flash_operations"] > 10 and end["fault"] == "none"
+@pytest.mark.parametrize("fault, cut", [("save-cut", 0), ("save-cut", 17), ("load-cut", 2)])
+def test_power_fails_once(fault, cut):
+    end = g474("--fault", fault, "--cut", str(cut))
+    assert end["cut_hit"] and end["starts"] == 2
 
 
 @pytest.mark.long
-def test_power_may_fail_at_every_operation_of_a_save():
-    operations = g474("--fault", "save-cut", "--cut", "100000")["flash_operations"]
-    for cut in range(operations):
-        assert g474("--fault", "save-cut", "--cut", str(cut))["cut_hit"], cut
+def test_power_may_fail_at_every_word_of_a_save():
+    end = g474("--fault", "save-cut", "--every", "1")
+    assert end["cuts"] == end["flash_operations"] > 300 and end["bad_cuts"] == 0
 
 
 @pytest.mark.long

@@ -26,6 +26,9 @@ enum {
 
 static bool power_fails(struct flash_model *model)
 {
+    if (model->on_operation != NULL) {
+        model->on_operation(model->operation_context);
+    }
     if (model->operations++ == model->power_fails_at) {
         model->power_off = true;
     }

@@ -34,6 +34,8 @@ struct flash_model {
     bool half_written; /* the first half of a word waits for the second */
     uint32_t half_address, half_value;
     uint32_t operations, power_fails_at;
+    void (*on_operation)(void *context); /* before each; NULL = nobody looks */
+    void *operation_context;
     bool power_off;
     bool torn_raises_nmi; /* reading a torn word: detected, or silently wrong */
     void (*nmi)(void *context);
