@@ -131,11 +131,15 @@ static void adopt_zero(struct controller_node *node, const struct zero_offsets *
            found->ankle_m[SIDE_RIGHT]);
 }
 
-static bool had_event(const struct controller *controller)
+/* In these ticks the controller has the most to do: a gait event, or a state that begins. */
+static bool is_busy(const struct controller *controller)
 {
+    const struct supervisor *supervisor = &controller->supervisor;
     const struct gait_event *event = controller->observer.state.event;
     return event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
-           event[GAIT_LIFT_OFF].happened;
+           event[GAIT_LIFT_OFF].happened ||
+           (supervisor->state == SUPERVISOR_ENGAGING &&
+            supervisor->since_tick == supervisor->updated_tick);
 }
 
 void controller_node_update(struct controller_node *node, const struct controller *controller,
@@ -149,9 +153,7 @@ void controller_node_update(struct controller_node *node, const struct controlle
     if (output->new_zero) {
         adopt_zero(node, &controller->zeroing.mean);
     }
-    /* In the ticks of gait events the controller has the most to do; telegrams can wait
-     * for the next. */
-    if (!had_event(controller)) {
+    if (!is_busy(controller)) { /* telegrams can wait for the next */
         co_device_process(&node->device, now_ns);
     }
 }

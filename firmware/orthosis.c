@@ -32,7 +32,9 @@ static void read_settings(struct orthosis *orthosis, struct settings *settings,
     }
     if (orthosis->store_result != PARAM_STORE_OK || orthosis->settings_result != SETTINGS_OK) {
         settings_default(settings);
-        orthosis->forced_fault = SUPERVISOR_FAULT_PARAMETERS;
+        /* Settings that nobody looked at are not to blame. */
+        orthosis->forced_fault =
+            must_not_read(config) ? SUPERVISOR_FAULT_RESTARTED : SUPERVISOR_FAULT_PARAMETERS;
     }
 }
 
@@ -87,12 +89,17 @@ static const struct controller_settings_store_ops settings_store_ops = {save_set
                                                                         forget_settings};
 
 /* Saving and forgetting keep the loop for longer than half the watchdog's time. Each part is
- * bounded and there is a bounded number of them, so a feed between two hides no hang. */
-static void feed_between(const void *context)
+ * bounded and there is a bounded number of them. At most one feed a tick of the real time, so
+ * that parts which end at once, or a clock that stands, feed nothing. */
+static void feed_between(void *context)
 {
-    const struct watchdog *watchdog = context;
+    struct orthosis *orthosis = context;
+    const uint64_t now_ns = clock_now_ns(orthosis->clock);
 
-    watchdog->ops->feed(watchdog->context);
+    if (now_ns - orthosis->fed_ns >= TICK_PERIOD_US * UINT64_C(1000)) {
+        orthosis->fed_ns = now_ns;
+        orthosis->watchdog->ops->feed(orthosis->watchdog->context);
+    }
 }
 
 /* ---- start ------------------------------------------------------------------ */
@@ -152,8 +159,10 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     init_black_box(config, &settings);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
-    orthosis->store.between = feed_between;
-    orthosis->store.between_context = config->watchdog;
+    orthosis->watchdog = config->watchdog;
+    orthosis->clock = config->clock;
+    orthosis->store.between = config->clock != NULL ? feed_between : NULL;
+    orthosis->store.between_context = orthosis;
     orthosis->drive_power = config->drive_power;
     orthosis->streak = config->streak;
     if (config->streak != NULL) {

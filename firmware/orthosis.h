@@ -15,6 +15,7 @@
 #include "firmware/bus_recovery.h"
 #include "firmware/control_task.h"
 #include "firmware/settings.h"
+#include "hal/clock.h"
 #include "hal/drive_power_enable.h"
 #include "hal/storage/param_store.h"
 #include "hal/watchdog.h"
@@ -23,6 +24,8 @@ struct orthosis_config {
     struct can_bus bus;
     struct emergency_stop stop;
     const struct watchdog *watchdog;
+    /* Its time is looked at while the loop is held up for long; NULL: nobody feeds then. */
+    const struct clock *clock;
     const struct drive_power_enable *drive_power; /* NULL: the board has none */
     const struct nv_store *nv;
     struct black_box *black_box; /* in memory that a reset does not clear */
@@ -41,16 +44,20 @@ struct orthosis {
     struct watchdog_gate gate;
     const struct drive_power_enable *drive_power;
     struct crash_streak *streak;
+    const struct watchdog *watchdog;
+    const struct clock *clock;
+    uint64_t fed_ns;                    /* the watchdog, while settings are saved or forgotten */
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */
     struct bus_recovery recovery;
     uint32_t walk_at_start; /* of the settings; obeyed at power-on only */
 };
 
 /* Reads the settings and prepares everything; sends nothing. With no usable
- * settings the device runs, talks and stays in SUPERVISOR_FAULT. So it does, without reading
- * them, after CRASH_STREAK_LIMIT crashes in a row (0x2032:3, an emergency). After a restart
- * it begins in SUPERVISOR_FAULT too, but a reset request lifts that. Settings that ask for a walk
- * are obeyed at power-on only, which is when the streak's memory was not kept. *config is
+ * settings the device runs, talks and stays in SUPERVISOR_FAULT with "bad parameters". So it
+ * does with "restarted by itself", without reading them, after CRASH_STREAK_LIMIT crashes in a
+ * row (0x2032:3, an emergency). After fewer it begins in SUPERVISOR_FAULT too, but a reset
+ * request lifts that. Settings that ask for a walk are obeyed at power-on only, which is when the
+ * streak's memory was not kept. *config is
  * copied, what it points to stays the caller's. Start-up only. */
 void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config);
 

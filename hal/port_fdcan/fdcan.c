@@ -249,18 +249,30 @@ static void make_room(struct fdcan *can, uint32_t urgent_id)
 static void refill(struct fdcan *can)
 {
     for (uint32_t place = can->queued; place > 0; place--) {
-        struct can_msg message = can->queue[place - 1U];
-        uint32_t buffer = free_buffer(can);
-        if (is_loaded(can, message.id)) {
+        const struct can_msg *message = &can->queue[place - 1U];
+        if (is_loaded(can, message->id)) {
             continue;
         }
+        const uint32_t buffer = free_buffer(can);
         if (buffer == FDCAN_TX_BUFFERS) {
-            make_room(can, message.id);
+            make_room(can, message->id);
             return;
         }
+        load_buffer(can, buffer, message);
         queue_remove(can, place - 1U);
-        load_buffer(can, buffer, &message);
     }
+}
+
+/* With nothing waiting and a buffer free, a frame need not go through the queue. */
+static bool load_directly(struct fdcan *can, const struct can_msg *message)
+{
+    const uint32_t buffer = can->queued == 0U ? free_buffer(can) : FDCAN_TX_BUFFERS;
+
+    if (buffer == FDCAN_TX_BUFFERS || is_loaded(can, message->id)) {
+        return false;
+    }
+    load_buffer(can, buffer, message);
+    return true;
 }
 
 /* Buffers whose request is gone were sent or cancelled. */
@@ -373,7 +385,7 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
     state = mmio_lock();
     if (!can->started || can->status.error_state == CAN_BUS_OFF) {
         result = CAN_DOWN;
-    } else {
+    } else if (!load_directly(can, message)) {
         HAL_ASSERT(can->queued <= FDCAN_TX_QUEUE); /* what came back was loaded again, or another */
         queue_put(can, message);
         refill(can);

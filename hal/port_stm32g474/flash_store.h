@@ -20,7 +20,7 @@
 enum {
     FLASH_STORE_FIRST_PAGE = 124, /* of bank 2: 0x0807E000 and 0x0807F000 */
     FLASH_STORE_PAGES = 2,        /* of one bank of the store */
-    /* A page takes 22 ms to erase, a word 82 us to write (data sheet DS12288,
+    /* A page takes 24.5 ms to erase, a word 84 us to write, at most (data sheet DS12288,
      * flash characteristics); 2 million polls of at least 4 cycles at 170 MHz are
      * 47 ms. */
     FLASH_STORE_POLLS = 2000000
@@ -36,7 +36,7 @@ struct flash_store {
 void flash_store_init(struct flash_store *store);
 
 /* The store as the parameter store sees it. Every read costs about 50
- * instructions; erase blocks 44 ms, write 0.1 ms. */
+ * instructions; erase blocks 49 ms, write 0.1 ms. */
 struct nv_store flash_store_interface(struct flash_store *store);
 
 /* From the NMI handler: true when the interrupt was a read of the store that the

@@ -17,7 +17,7 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         "\"worst_tick\": %u, \"sync_late_ns\": %llu, \"sync_late_tick\": %u, \"instructions\": %llu, "
         "\"simulated_s\": %.6f, \"exceptions\": %llu, \"tail_chained\": %llu, \"starts\": %u, "
         "\"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, \"crash_count\": %u, "
-        "\"flash_operations\": %u, \"cut_hit\": %s, \"permit_edges\": %llu, "
+        "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
         "\"wall_s\": %.2f}\n",
         chip_session_is_good(session) ? "true" : "false", session->record.count,
         session->fell ? "true" : "false", session->trouble, bridge->ticks,
@@ -29,7 +29,8 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         (unsigned long long)chip->scs.tail_chained, chip->resets, bridge->state,
         supervisor_fault_name((enum supervisor_fault)bridge->fault), (unsigned)session->crash.cause,
         (unsigned)session->crash.count, chip->flash_registers.operations,
-        session->cut_hit ? "true" : "false", (unsigned long long)chip->permit_edges, wall_s);
+        session->cuts.hit ? "true" : "false", session->cuts.tried, session->cuts.bad,
+        (unsigned long long)chip->permit_edges, wall_s);
 }
 
 void g474_report_text(const struct chip_session *session, double wall_s)
@@ -56,6 +57,10 @@ void g474_report_text(const struct chip_session *session, double wall_s)
                supervisor_fault_name((enum supervisor_fault)bridge->fault),
                (unsigned)session->crash.cause,
                chip_session_is_safe(session) ? "unloaded" : "LOADED");
+    }
+    if (session->cuts.tried > 0) {
+        printf("power cut in %u of %u flash operations: %u ended badly\n", session->cuts.tried,
+               session->cuts.operations, session->cuts.bad);
     }
     if (session->trouble[0] != '\0') {
         printf("trouble: %s\n", session->trouble);

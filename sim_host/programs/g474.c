@@ -56,7 +56,9 @@ static int prepare(struct g474 *g474)
     session->seconds = options->seconds;
     session->fault = options->fault;
     session->fault_step = options->fault_step;
-    session->cut = options->cut;
+    session->cuts.at = options->cut;
+    session->cuts.every = options->every;
+    session->lose = options->lose;
     session->on_step = tell_progress;
     session->context = &g474->progress;
     if (chip_session_start(session, &config, options->core, options->emulator.image,

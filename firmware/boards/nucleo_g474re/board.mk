@@ -14,7 +14,6 @@ $(Q)if command -v $(OPENOCD) >/dev/null; then \
                 -c 'program $(call IMAGE,nucleo_g474re).elf verify reset exit' || \
         { echo 'flash: not written; is the board plugged in at its ST-Link?' >&2; exit 1; }; \
 elif command -v st-flash >/dev/null; then \
-        echo 'flash: st-flash loads its helper over the black box, whose record is lost' >&2; \
         $(if $(PERSON)$(DEVICE),st-flash write $(SETTINGS_BIN) $(SETTINGS_AT_nucleo_g474re) &&) \
         st-flash --reset write $(call IMAGE,nucleo_g474re).bin 0x08000000; \
 else echo 'flash: neither openocd nor st-flash is here (scripts/setup flash)' >&2; exit 1; fi

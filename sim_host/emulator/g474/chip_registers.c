@@ -3,9 +3,6 @@
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 
-/* DS12288, flash memory characteristics: typical. */
-enum { ERASE_NS = 22000000, PROGRAM_NS = 82000 };
-
 static bool in_store(uint32_t address)
 {
     return address - (0x08000000u + CHIP_STORE_OFFSET) <
@@ -61,7 +58,8 @@ uint32_t chip_read(void *context, uint32_t address, uint32_t bytes)
 static void time_flash(struct chip *chip, uint32_t address)
 {
     if (chip->flash_registers.busy == UINT32_MAX && chip->flash_done_ns == CHIP_NEVER) {
-        chip->flash_done_ns = chip_now_ns(chip) + (in_store(address) ? PROGRAM_NS : ERASE_NS);
+        chip->flash_done_ns =
+            chip_now_ns(chip) + (in_store(address) ? MODEL_PROGRAM_NS : MODEL_ERASE_NS);
     }
     if (chip->flash_registers.power_off) {
         chip_stop(chip);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/log/black_box_log.h"
 #include "sim_host/log/sdo_upload.h"
 #include "sim_host/subjects/settings_image.h"
@@ -23,9 +24,8 @@ enum {
     PORT_C = 2,
     PORT_DRIVE_LEFT = LOOP_PORT_FIRST_NODE,
     PORT_SENSOR_LEFT = LOOP_PORT_FIRST_NODE + 1,
-    STORE_CONTROL = 0x1010
+    AFTER_CUT_TICKS = 700
 };
-#define SAVE_SIGNATURE 0x65766173u /* "save", CiA 301 clause 7.5.2.13 */
 
 #define BIT(fault) (1u << SUPERVISOR_FAULT_##fault)
 
@@ -45,7 +45,15 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_TORN_SETTINGS] = {"torn-settings", SUPERVISOR_FAULT_PARAMETERS, 0, CRASH_NONE},
     [CHIP_FAULT_ECC] = {"ecc-error", SUPERVISOR_FAULT_PARAMETERS, BIT(RESTARTED), CRASH_NMI},
     [CHIP_FAULT_SAVE_CUT] = {"save-cut", SUPERVISOR_FAULT_NONE, 0, CRASH_NONE},
+    /* Forgotten, or not yet. */
+    [CHIP_FAULT_LOAD_CUT] = {"load-cut", SUPERVISOR_FAULT_PARAMETERS, BIT(NONE), CRASH_NONE},
+    [CHIP_FAULT_LOST_WRITE] = {"lost-write", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_LOST_WRITE},
 };
+
+static bool is_cut(enum chip_fault fault)
+{
+    return fault == CHIP_FAULT_SAVE_CUT || fault == CHIP_FAULT_LOAD_CUT;
+}
 
 /* ---- preparing ------------------------------------------------------------------ */
 
@@ -71,7 +79,7 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
     session->tool =
         sim_bus_port(&session->loop->bus, sim_bus_attach(&session->loop->bus, "tool", NULL, NULL));
     if (settings_image_of_task(&session->loop->rig, config->desired_speed_rad_s,
-                               session->fault != CHIP_FAULT_SAVE_CUT, nv) != 0) {
+                               !is_cut(session->fault), nv) != 0) {
         snprintf(message, LOOP_MESSAGE_MAX, "the firmware would refuse these settings");
         return -1;
     }
@@ -81,10 +89,13 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
     }
     chip_drive_pin(&session->chip, PORT_C, 0, true); /* the emergency stop's contact is closed */
     chip_set_crystal(&session->chip, session->fault != CHIP_FAULT_NO_CRYSTAL);
+    if (session->fault == CHIP_FAULT_LOST_WRITE) {
+        mmio_model_lose(session->lose);
+    }
     if (session->fault == CHIP_FAULT_TORN_SETTINGS) {
         session->chip.flash_registers.state[0][12] = WORD_TORN;
     }
-    if (session->fault == CHIP_FAULT_TORN_SETTINGS || session->fault == CHIP_FAULT_SAVE_CUT) {
+    if (session->fault == CHIP_FAULT_TORN_SETTINGS || is_cut(session->fault)) {
         chip_bridge_stop_comparing(&session->bridge);
     }
     return 0;
@@ -105,7 +116,7 @@ bool chip_session_is_good(const struct chip_session *session)
     return session->reached && session->bridge.differences == 0 && session->chip.finding_count == 0;
 }
 
-static void trouble(struct chip_session *session, const char *text)
+void chip_session_complain(struct chip_session *session, const char *text)
 {
     if (session->trouble[0] == '\0') {
         snprintf(session->trouble, sizeof session->trouble, "%s", text);
@@ -125,7 +136,7 @@ static void tick(struct chip_session *session)
     }
 }
 
-static void let_pass(struct chip_session *session, unsigned ticks)
+void chip_session_pass(struct chip_session *session, unsigned ticks)
 {
     for (unsigned i = 0; i < ticks; i++) {
         tick(session);
@@ -145,8 +156,8 @@ static bool has_walked(const struct chip_session *session, uint64_t last_progres
 void chip_session_walk(struct chip_session *session)
 {
     const bool never = session->fault == CHIP_FAULT_NO_CRYSTAL ||
-                       session->fault == CHIP_FAULT_TORN_SETTINGS ||
-                       session->fault == CHIP_FAULT_SAVE_CUT;
+                       session->fault == CHIP_FAULT_TORN_SETTINGS || is_cut(session->fault) ||
+                       session->fault == CHIP_FAULT_LOST_WRITE;
     uint64_t last_progress = 0;
     uint32_t seen = 0, waited = 0;
 
@@ -171,12 +182,12 @@ void chip_session_walk(struct chip_session *session)
             return;
         }
         if (waited++ > (seen == 0 ? FIRST_STEP_TICKS : STEP_TICKS) && seen < session->steps) {
-            trouble(session, session->bridge.ticks > 0 ? "no step within its time"
-                                                       : "the image sends no SYNC");
+            chip_session_complain(session, session->bridge.ticks > 0 ? "no step within its time"
+                                                                     : "the image sends no SYNC");
             return;
         }
         if (session->bridge.ticks == 0 && waited > STANDBY_TICKS) {
-            trouble(session, "the image sends no SYNC");
+            chip_session_complain(session, "the image sends no SYNC");
             return;
         }
     }
@@ -198,7 +209,7 @@ bool chip_session_is_safe(const struct chip_session *session)
 
 /* ---- faults ------------------------------------------------------------------------- */
 
-static bool let_it_run(void *context, unsigned waits)
+bool chip_session_wait(void *context, unsigned waits)
 {
     struct chip_session *session = context;
 
@@ -209,7 +220,7 @@ static bool let_it_run(void *context, unsigned waits)
 static void fetch_crash(struct chip_session *session)
 {
     session->crash_known = true;
-    if (black_box_fetch_crash(&session->tool, let_it_run, session, &session->crash,
+    if (black_box_fetch_crash(&session->tool, chip_session_wait, session, &session->crash,
                               session->trouble, sizeof session->trouble) != 0) {
         session->crash_known = false;
     }
@@ -220,17 +231,30 @@ static void be_without_crystal(struct chip_session *session)
 {
     chip_bridge_stop_comparing(&session->bridge);
     chip_set_crystal(&session->chip, false);
-    let_pass(session, 10);
+    chip_session_pass(session, 10);
     session->bridge.heard = false;
-    let_pass(session, CRYSTAL_GONE_TICKS);
+    chip_session_pass(session, CRYSTAL_GONE_TICKS);
     if (session->bridge.heard) {
-        trouble(session, "the image sends without its crystal");
+        chip_session_complain(session, "the image sends without its crystal");
     }
     if (!chip_session_is_safe(session)) {
-        trouble(session, "a spring is loaded while the image is silent");
+        chip_session_complain(session, "a spring is loaded while the image is silent");
     }
     chip_set_crystal(&session->chip, true);
-    let_pass(session, CRYSTAL_BACK_TICKS);
+    chip_session_pass(session, CRYSTAL_BACK_TICKS);
+}
+
+/* The image starts, sees that a register does not hold what it wrote, and tries again later. */
+static void lose_writes(struct chip_session *session)
+{
+    chip_bridge_stop_comparing(&session->bridge);
+    chip_session_pass(session, CRYSTAL_GONE_TICKS);
+    if (session->bridge.heard) {
+        chip_session_complain(session,
+                              "the image sends with a register that is not as it should be");
+    }
+    mmio_model_lose(0);
+    chip_session_pass(session, CRYSTAL_BACK_TICKS);
 }
 
 /* A word of the settings that the image reads in place fails from now on. */
@@ -247,27 +271,6 @@ static void spoil_settings(struct chip_session *session)
     }
     memset(flash->in_cache, 0, sizeof flash->in_cache);
     chip_bridge_stop_comparing(&session->bridge);
-}
-
-static void save_and_cut(struct chip_session *session)
-{
-    struct flash_model *flash = &session->chip.flash_registers;
-    struct sdo_upload tool = {
-        .bus = &session->tool, .node = NODE_CONTROLLER, .wait = let_it_run, .context = session};
-    const uint32_t resets = session->chip.resets;
-
-    let_pass(session, STANDBY_TICKS);
-    session->crash_known = true; /* the tool's queue is read from here on */
-    flash->power_fails_at = flash->operations + session->cut;
-    const enum sdo_upload_result saved = sdo_write(&tool, STORE_CONTROL, 1, SAVE_SIGNATURE, 4);
-    session->cut_hit = session->chip.resets != resets;
-    if (!session->cut_hit && (saved != SDO_UPLOAD_DONE || flash->operations == 0)) {
-        trouble(session, "the settings were not saved");
-    }
-    flash->power_fails_at = UINT32_MAX;
-    if (!session->cut_hit) {
-        chip_power_cycle(&session->chip);
-    }
 }
 
 static void bring_fault(struct chip_session *session)
@@ -298,11 +301,15 @@ static void bring_fault(struct chip_session *session)
     case CHIP_FAULT_NO_CRYSTAL:
         be_without_crystal(session);
         break;
+    case CHIP_FAULT_LOST_WRITE:
+        lose_writes(session);
+        break;
     case CHIP_FAULT_ECC:
         spoil_settings(session);
         break;
     case CHIP_FAULT_SAVE_CUT:
-        save_and_cut(session);
+    case CHIP_FAULT_LOAD_CUT:
+        chip_cuts_run(session);
         break;
     case CHIP_FAULT_NONE:
     case CHIP_FAULT_TORN_SETTINGS:
@@ -322,13 +329,20 @@ static void expect_outcome(struct chip_session *session)
         snprintf(session->trouble, sizeof session->trouble, "it latches %s instead of %s",
                  supervisor_fault_name((enum supervisor_fault)bridge->fault),
                  supervisor_fault_name(kind->latched));
-    } else if ((bridge->state == SUPERVISOR_FAULT) != (kind->latched != SUPERVISOR_FAULT_NONE)) {
+    } else if ((bridge->state == SUPERVISOR_FAULT) != (bridge->fault != SUPERVISOR_FAULT_NONE)) {
         snprintf(session->trouble, sizeof session->trouble, "it ends in state %u", bridge->state);
     } else if (session->crash.cause != (uint32_t)kind->crash) {
         snprintf(session->trouble, sizeof session->trouble, "it left crash record %u instead of %u",
                  (unsigned)session->crash.cause, (unsigned)kind->crash);
+    } else if (session->fault == CHIP_FAULT_LOST_WRITE && session->crash.detail != session->lose) {
+        snprintf(session->trouble, sizeof session->trouble,
+                 "the record names register %#x, not %#x", (unsigned)session->crash.detail,
+                 (unsigned)session->lose);
+    } else if (is_cut(session->fault) && bridge->fault == SUPERVISOR_FAULT_NONE &&
+               !chip_cuts_kept_settings(session)) {
+        chip_session_complain(session, "it goes on with other settings");
     } else if (!chip_session_is_safe(session)) {
-        trouble(session, "a spring is still loaded");
+        chip_session_complain(session, "a spring is still loaded");
     } else {
         session->reached = true;
     }
@@ -338,7 +352,7 @@ void chip_session_bring_fault(struct chip_session *session)
 {
     session->reached = false;
     bring_fault(session);
-    let_pass(session, AFTER_FAULT_TICKS);
+    chip_session_pass(session, is_cut(session->fault) ? AFTER_CUT_TICKS : AFTER_FAULT_TICKS);
     if (session->trouble[0] == '\0') {
         chip_bridge_stop_comparing(&session->bridge); /* the host's task has nothing to read from */
         fetch_crash(session);
@@ -346,4 +360,6 @@ void chip_session_bring_fault(struct chip_session *session)
     if (session->trouble[0] == '\0') {
         expect_outcome(session);
     }
+    chip_cuts_end(session);
+    session->reached = session->reached && session->cuts.bad == 0;
 }

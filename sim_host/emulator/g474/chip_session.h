@@ -9,6 +9,7 @@
 #include "controller/supervisor/supervisor.h"
 #include "hal/storage/crash_record.h"
 #include "sim_host/emulator/g474/chip_bridge.h"
+#include "sim_host/emulator/g474/chip_cuts.h"
 #include "sim_host/loop/walk_record.h"
 
 enum chip_fault {
@@ -23,6 +24,8 @@ enum chip_fault {
     CHIP_FAULT_TORN_SETTINGS,
     CHIP_FAULT_ECC,
     CHIP_FAULT_SAVE_CUT,
+    CHIP_FAULT_LOAD_CUT,
+    CHIP_FAULT_LOST_WRITE,
     CHIP_FAULT_COUNT
 };
 
@@ -42,7 +45,8 @@ struct chip_session {
     uint32_t steps, fault_step;
     double seconds; /* walks at least this long */
     enum chip_fault fault;
-    uint32_t cut; /* the flash operation of a save at which power fails */
+    struct chip_cuts cuts;                          /* its `every` and `at` */
+    uint32_t lose;                                  /* the register whose writes are lost */
     void (*on_step)(void *context, uint32_t steps); /* NULL = nobody */
     void *context;
     /* Its parts. */
@@ -53,7 +57,7 @@ struct chip_session {
     struct can_bus tool; /* a port of its own, to ask the image over SDO */
     /* Results. */
     struct crash_record crash; /* as fetched over SDO at the end of a fault */
-    bool started, reached, fell, crash_known, cut_hit;
+    bool started, reached, fell, crash_known;
     char trouble[256];
 };
 
@@ -68,6 +72,13 @@ void chip_session_free(struct chip_session *session);
 void chip_session_walk(struct chip_session *session);
 /* Brings the fault and judges what the image made of it. */
 void chip_session_bring_fault(struct chip_session *session);
+
+/* Lets so many periods pass. */
+void chip_session_pass(struct chip_session *session, unsigned ticks);
+/* Lets a period pass while the tool waits; false after half a second. context is the session. */
+bool chip_session_wait(void *context, unsigned waits);
+/* Notes what is wrong; the first counts. */
+void chip_session_complain(struct chip_session *session, const char *text);
 
 /* True when both springs are unloaded. */
 bool chip_session_is_safe(const struct chip_session *session);

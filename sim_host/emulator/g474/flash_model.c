@@ -20,15 +20,15 @@ enum {
     ACR_DCEN = 1 << 10,
     ACR_DCRST = 1 << 12
 };
-/* DS12288, flash memory characteristics: the longest page erase and 64-bit programming. */
-#define PAGE_ERASE_MS 24.47
-#define WORD_PROGRAM_MS 0.08335
 #define CR_LOCK 0x80000000u
 #define ECCR_ECCD 0x80000000u
 #define SR_ERRORS 0xC3FAu
 
 static bool power_fails(struct flash_model *model)
 {
+    if (model->on_operation != NULL) {
+        model->on_operation(model->operation_context);
+    }
     if (model->operations++ == model->power_fails_at) {
         model->power_off = true;
     }
@@ -37,9 +37,9 @@ static bool power_fails(struct flash_model *model)
 
 /* Errata sheet ES0430 of the STM32G471 to G484, "Data cache might be corrupted during flash
  * memory read-while-write operation": its workaround is to have the cache off meanwhile. */
-static void begin(struct flash_model *model, double longest_ms)
+static void begin(struct flash_model *model, uint32_t time_ns)
 {
-    model->elapsed_ms += longest_ms;
+    model->elapsed_ms += 1e-6 * time_ns;
     MODEL_CHECK((model->acr & ACR_DCEN) == 0, "an operation began with the data cache on");
     model->busy = model->busy_time;
 }
@@ -63,7 +63,7 @@ static void erase(struct flash_model *model)
         model->word[page][i] = UINT64_MAX;
         model->state[page][i] = WORD_ERASED;
     }
-    begin(model, PAGE_ERASE_MS);
+    begin(model, MODEL_ERASE_NS);
 }
 
 static void write_cr(struct flash_model *model, uint32_t value)
@@ -202,7 +202,7 @@ static void program(struct flash_model *model, uint32_t page, uint32_t index, ui
         model->word[page][index] = value;
         model->state[page][index] = WORD_WRITTEN;
     }
-    begin(model, WORD_PROGRAM_MS);
+    begin(model, MODEL_PROGRAM_NS);
 }
 
 static void memory_write(void *context, uint32_t offset, uint32_t value)

@@ -134,6 +134,16 @@ START_TEST(a_flash_that_stays_busy_is_given_up)
 }
 END_TEST
 
+/* The bound in polls is one in time: half as long again as the longest erase at the fastest
+ * clock, 4 cycles a poll. */
+START_TEST(the_longest_erase_is_waited_for)
+{
+    ck_assert_double_ge(4.0 * FLASH_STORE_POLLS / 170e6, 1.5e-9 * MODEL_ERASE_NS);
+    model.busy_time = FLASH_STORE_POLLS - 1;
+    ck_assert_int_eq(write_word(0, 0, 1), NV_OK);
+}
+END_TEST
+
 /* What goes on may still read flash meanwhile: the data cache stays off until it is over. */
 START_TEST(an_operation_that_does_not_end_leaves_the_data_cache_off)
 {
@@ -254,7 +264,7 @@ END_TEST
  * and behind: nothing may keep the loop for longer than 60 ms. */
 static double fed_ms, longest_ms;
 
-static void between(const void *context)
+static void between(void *context)
 {
     (void)context;
     longest_ms = fmax(longest_ms, model.elapsed_ms - fed_ms);
@@ -304,6 +314,7 @@ int main(void)
     tcase_add_test(tcase, an_old_error_does_not_block_an_erase);
     tcase_add_test(tcase, with_one_bank_nothing_is_touched);
     tcase_add_test(tcase, a_flash_that_stays_busy_is_given_up);
+    tcase_add_test(tcase, the_longest_erase_is_waited_for);
     tcase_add_test(tcase, an_operation_that_does_not_end_leaves_the_data_cache_off);
     tcase_add_test(tcase, a_locked_interface_fails);
     tcase_add_test(tcase, a_torn_word_reads_as_corrupt_and_the_nmi_is_survived);
