@@ -46,6 +46,10 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->setup_count = 6;
     objects->crash_count = 3;
     objects->black_box_count = 3;
+    objects->commissioning_count = 15;
+    objects->measured_count = 10;
+    objects->sample_count = 6;
+    objects->motion_seconds = objects->motion_frequency_Hz = 1.0f;
     objects->params = *params;
     objects->build_id = version_build_id();
     put_text(objects->version, sizeof objects->version, version_text());
@@ -150,8 +154,8 @@ void controller_node_update(struct controller_node *node, const struct controlle
         adopt_zero(node, &controller->zeroing.mean);
     }
     /* In the ticks of gait events the controller has the most to do; telegrams can wait
-     * for the next. */
-    if (!had_event(controller)) {
+     * for the next. While the drives are cut off there is no heartbeat, either. */
+    if (!had_event(controller) && !output->cut_off) {
         co_device_process(&node->device, now_ns);
     }
 }
