@@ -6,6 +6,8 @@
 #define SECOND_SHARE REAL(0.2)
 #define PROVES_SECOND REAL(0.1)
 #define FULL_SHARE REAL(1.0)
+/* A motor's force has its friction and inertia in it: so much more is nothing to stop for. */
+#define FRICTION_SHARE REAL(0.03)
 /* A motor this far beyond what it was sent to, as a part of it, has run away. */
 #define BEYOND_RATIO REAL(1.5)
 /* The bandwidth is where the motor does this part of its reference: 3 dB less (IEC 60050-702). */
@@ -310,18 +312,18 @@ static void give_back(struct motion *motion, const struct control_params *params
     }
 }
 
-/* More than this stage allows, in force or in way. */
+/* More than this stage allows, in force or in way. What a drive does that is cut off is its own. */
 static bool is_beyond(const struct motion *motion, const struct control_params *params,
                       const struct sea_measurement *sea)
 {
     const real share = motion_share_allowed(motion);
-    const real limit_N = (share < FULL_SHARE ? share : BEYOND_RATIO) *
+    const real limit_N = (share < FULL_SHARE ? share + FRICTION_SHARE : BEYOND_RATIO) *
                          params->spring_stiffness_n_m * params->r0_max_m;
     const bool heavy = sea->force_age_ticks == 0 && real_abs(sea->force_N) > limit_N;
     const bool far =
         sea->precompression_m > BEYOND_RATIO * motion->size_m + params->sea_tolerance_m ||
         sea->precompression_m < -BEYOND_RATIO * motion->size_m - params->sea_tolerance_m;
-    return heavy || far;
+    return !motion->cut && (heavy || far);
 }
 
 static void step(struct motion *motion, const struct control_params *params,

@@ -8,7 +8,7 @@
 #include "sim_host/ctl/ctl.h"
 #include "sim_host/ctl/ctl_internal.h"
 
-enum { LOOK_MS = 20, TICK_WAIT_MS = 2, TICKS_APART = 3 };
+enum { RESET_AGAIN_MS = 200, LOOK_MS = 20, TICK_WAIT_MS = 2, TICKS_APART = 3 };
 enum { STOP_BIT = 0x80, SIGNATURE_BYTES = 4 };
 
 static const struct named_object *object_at(const struct ctl *ctl, const char *name)
@@ -101,7 +101,7 @@ static void tell(const struct ctl *ctl, const struct condition *condition)
 
 /* Waits until the state is one of `wanted` (bits of 1 << state), or one of `lost`. Returns 1, or 0 for
  * a lost one or when the patience is over, -1 after a complaint. */
-static int wait_for(const struct ctl *ctl, unsigned wanted, unsigned lost,
+static int wait_for(const struct ctl *ctl, unsigned wanted, unsigned lost, unsigned patience_ms,
                     struct condition *condition)
 {
     for (unsigned waited = 0;; waited += LOOK_MS) {
@@ -111,7 +111,7 @@ static int wait_for(const struct ctl *ctl, unsigned wanted, unsigned lost,
         if ((wanted & (1u << condition->state)) != 0) {
             return 1;
         }
-        if ((lost & (1u << condition->state)) != 0 || waited >= ctl->patience_ms) {
+        if ((lost & (1u << condition->state)) != 0 || waited >= patience_ms) {
             return 0;
         }
         if (!ctl->link.pause(ctl->link.context, LOOK_MS)) {
@@ -188,7 +188,8 @@ enum exit_status ctl_walk(struct ctl *ctl, int count, char **words)
         write_named(ctl, WALK_REQUESTED, 1) != 0) {
         return EXIT_BAD;
     }
-    const int came = wait_for(ctl, IN(ENGAGING) | IN(WALKING), IN(FAULT), &condition);
+    const int came =
+        wait_for(ctl, IN(ENGAGING) | IN(WALKING), IN(FAULT), ctl->patience_ms, &condition);
     if (came < 0) {
         return EXIT_BAD;
     }
@@ -217,7 +218,7 @@ enum exit_status ctl_stop(struct ctl *ctl, int count, char **words)
     if (let_ticks_pass(ctl) != 0) {
         return EXIT_BAD;
     }
-    const int came = wait_for(ctl, stopped, 0, &condition);
+    const int came = wait_for(ctl, stopped, 0, ctl->patience_ms, &condition);
     if (came < 0) {
         return EXIT_BAD;
     }
@@ -246,10 +247,14 @@ enum exit_status ctl_reset(struct ctl *ctl, int count, char **words)
         tell(ctl, &condition);
         return EXIT_GOOD; /* there is nothing to clear */
     }
-    if (write_named(ctl, "commands.reset_fault", 1) != 0 || let_ticks_pass(ctl) != 0) {
-        return EXIT_BAD;
+    int came = 0;
+    for (unsigned waited = 0; came == 0 && waited <= ctl->patience_ms; waited += RESET_AGAIN_MS) {
+        if (write_named(ctl, "commands.reset_fault", 1) != 0 || let_ticks_pass(ctl) != 0) {
+            return EXIT_BAD;
+        }
+        /* A drive in fault takes its reset first; then the controller's is obeyed. */
+        came = wait_for(ctl, IN(STANDBY), 0, RESET_AGAIN_MS, &condition);
     }
-    const int came = wait_for(ctl, IN(STANDBY), 0, &condition);
     if (came < 0) {
         return EXIT_BAD;
     }
