@@ -1,4 +1,4 @@
-/* Objects 0x2050 to 0x2052: what a commissioning tool asks of the controller, and what it is shown. */
+/* Objects 0x2060 to 0x2062: what a commissioning tool asks of the controller, and what it is shown. */
 #ifndef FIRMWARE_COMMISSIONING_OBJECTS_H
 #define FIRMWARE_COMMISSIONING_OBJECTS_H
 

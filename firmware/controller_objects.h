@@ -74,14 +74,14 @@ struct controller_objects {
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
     uint32_t black_box_reason;
     struct co_domain black_box_image; /* while it is frozen */
-    /* 0x2050: commissioning, what a tool asks for (controller/signals.h) and what became of it
+    /* 0x2060: commissioning, what a tool asks for (controller/signals.h) and what became of it
      * (controller/commissioning/motion.h) */
     uint8_t commissioning_count, motion_order, motion_renewal, motion_kind, motion_side;
     float motion_share, motion_seconds, motion_frequency_Hz;
     uint8_t motion_phase, motion_outcome, motion_outcome_order;
     float motion_share_allowed, motion_bandwidth_Hz, motion_last_frequency_Hz;
     uint16_t motion_release_ms, motion_unload_ms; /* 65535: it did not */
-    /* 0x2051: what is measured now, before the zero offsets of 0x2010; 0x2052: the forces, each with
+    /* 0x2061: what is measured now, before the zero offsets of 0x2010; 0x2062: the forces, each with
      * the motor's position at its SYNC */
     uint8_t measured_count, sample_count;
     float measured_motor_m[SIDE_COUNT], measured_ankle_m[SIDE_COUNT];

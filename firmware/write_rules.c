@@ -15,8 +15,8 @@ enum {
     INDEX_DRIVES = 0x2021,
     INDEX_CRASH = 0x2032,
     INDEX_BLACK_BOX = 0x2040,
-    INDEX_COMMISSIONING = 0x2050,
-    INDEX_FORCE_SAMPLES = 0x2052
+    INDEX_COMMISSIONING = 0x2060,
+    INDEX_FORCE_SAMPLES = 0x2062
 };
 
 /* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
