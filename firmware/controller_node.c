@@ -46,6 +46,10 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->setup_count = 6;
     objects->crash_count = 3;
     objects->black_box_count = 3;
+    objects->commissioning_count = 15;
+    objects->measured_count = 10;
+    objects->sample_count = 6;
+    objects->motion_seconds = objects->motion_frequency_Hz = 1.0f;
     objects->params = *params;
     objects->build_id = version_build_id();
     put_text(objects->version, sizeof objects->version, version_text());
@@ -153,7 +157,8 @@ void controller_node_update(struct controller_node *node, const struct controlle
     if (output->new_zero) {
         adopt_zero(node, &controller->zeroing.mean);
     }
-    if (!is_busy(controller)) { /* telegrams can wait for the next */
+    /* Telegrams can wait for the next tick. While the drives are cut off there is no heartbeat, either. */
+    if (!is_busy(controller) && !output->cut_off) {
         co_device_process(&node->device, now_ns);
     }
 }

@@ -14,7 +14,9 @@ enum {
     INDEX_COUNTERS = 0x2020,
     INDEX_DRIVES = 0x2021,
     INDEX_CRASH = 0x2032,
-    INDEX_BLACK_BOX = 0x2040
+    INDEX_BLACK_BOX = 0x2040,
+    INDEX_COMMISSIONING = 0x2060,
+    INDEX_FORCE_SAMPLES = 0x2062
 };
 
 /* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
@@ -150,7 +152,9 @@ void write_rules_reading(void *context, const struct co_entry *entry)
 {
     struct write_rules *rules = (struct write_rules *)context;
     struct controller_objects *objects = rules->objects;
-    const bool is_shown = entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES;
+    const bool is_shown =
+        entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES ||
+        (entry->index >= INDEX_COMMISSIONING && entry->index <= INDEX_FORCE_SAMPLES);
     if (is_shown && rules->show_counters != NULL) {
         rules->show_counters(rules->show_context);
     }

@@ -10,6 +10,7 @@ static const struct program_command table[] = {
     {"replay", afo_replay, "a log through the control task, its frames compared bit by bit"},
     {"walker", afo_walker, "the simulated walker and its four nodes on a CAN interface"},
     {"host", afo_host, "the control task on a CAN interface"},
+    {"ctl", afo_ctl, "read and write the objects of a node by name; walk, stop, reset, zero, save"},
     {"blackbox", afo_blackbox, "fetch the controller's black box over CAN, as a log"},
     {"settings", afo_settings,
      "a person's and a device's settings as the board keeps them in flash"},
