@@ -64,7 +64,7 @@ tests: $(TESTS)
 # ---- What was built with what ------------------------------------------------
 # The version is git's word on the commit; the build id depends on the sources
 # alone, so that every compiler and machine gives the same one.
-VERSION_BASE := 0.2.0
+VERSION_BASE := 0.3.0
 GIT_COMMIT := $(shell git rev-parse --short=10 HEAD 2>/dev/null)
 GIT_DIRTY := $(if $(GIT_COMMIT),$(shell git status --porcelain -uno 2>/dev/null | head -1))
 VERSION := $(VERSION_BASE)$(if $(GIT_COMMIT),+g$(GIT_COMMIT))$(if $(GIT_DIRTY),.dirty)

@@ -63,7 +63,9 @@ static double goal_m(const struct sea *sea, double *speed_m_s)
 {
     const double done = sea->since_command_s / INTERPOLATION_S;
     const double way_m = sea->target_to_m - sea->target_from_m;
-    if (done >= 1.0) {
+    /* The way's last period still moves: a stream of targets must not stop the reference once a
+     * tick. Only a target that fails to come does. */
+    if (sea->since_command_s > INTERPOLATION_S + 0.5 * sea->params.drive_period_s) {
         *speed_m_s = 0.0;
         return sea->target_to_m;
     }
