@@ -207,12 +207,8 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
         energy->own_work_J = walk->own_work_J;
     }
     for (int i = 0; i < SIDE_COUNT; i++) {
-        struct sea_output output;
-        plant_sea_output(plant, (enum side)i, &output);
-        const double stiffness = plant->sea[i].params.spring_N_per_m;
-        if (stiffness > 0.0) {
-            energy->springs_J += 0.5 * output.spring_force_N * output.spring_force_N / stiffness;
-        }
+        const enum side side = (enum side)i;
+        energy->springs_J += sea_spring_energy_now_J(&plant->sea[i], ankle_of(plant, side));
         energy->device_work_J[i] =
             is_person(plant) ? plant->person_work_J[i] : walk->device_work_J[i];
         energy->motor_work_J[i] = plant->sea[i].motor_work_J;

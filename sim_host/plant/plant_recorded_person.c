@@ -62,8 +62,8 @@ static void run_latch(struct plant *plant, enum side side, double before_m, doub
     if (sea_may_release(sea) && before_m <= trigger_m && ankle_m > trigger_m) {
         sea_ankle_extends(sea, now_s);
     }
-    if (sea->release_pending && sea->release_time_s <= now_s) {
-        sea_release_now(sea);
+    const bool due = sea->release_pending && sea->release_time_s <= now_s;
+    if ((due || sea_lets_go(sea)) && sea_release_now(sea)) {
         walk_post(&plant->walk, WALK_EVENT_RELEASE, side, now_s, sea->position_m);
     }
     if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m) {

@@ -111,6 +111,13 @@ static int check_power(const struct sea_config *config, double middle_N,
     return 0;
 }
 
+double sea_config_stiffness_N_per_m(const struct sea_config *config)
+{
+    struct sea_spring spring;
+    sea_spring_init(&spring, config);
+    return sea_spring_force_N(&spring, config->stroke_max_m) / config->stroke_max_m;
+}
+
 int sea_config_can_be_built(const struct sea_config *config, const struct sea_duty *duty,
                             char *message, size_t size)
 {

@@ -88,6 +88,9 @@ double sea_config_rad_per_m(const struct sea_config *config);
 /* Rotor, gear and screw as a mass at the spring, kg. */
 double sea_config_mass_kg(const struct sea_config *config);
 
+/* Secant of the spring alone over the stroke, N/m: its one number for those who know linear springs. */
+double sea_config_stiffness_N_per_m(const struct sea_config *config);
+
 /* Force at the spring at a motor current of current_A, moving against the load, N. */
 double sea_config_force_N(const struct sea_config *config, double current_A);
 
