@@ -7,7 +7,16 @@
 
 #include "sim_host/subjects/law_name.h"
 
-enum { KEY_SPEED = 0x400, KEY_OPEN_LOOP, KEY_R0, KEY_START_R0, KEY_KP, KEY_LAW, KEY_SUBJECT };
+enum {
+    KEY_SPEED = 0x400,
+    KEY_OPEN_LOOP,
+    KEY_R0,
+    KEY_START_R0,
+    KEY_KP,
+    KEY_LAW,
+    KEY_SUBJECT,
+    KEY_ACTUATOR
+};
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "Who walks, and how:", 1},
@@ -26,6 +35,10 @@ static const struct argp_option option_list[] = {
     {"start-r0", KEY_START_R0, "M", 0, "start from the steady gait of this precompression, metres",
      0},
     {"subject", KEY_SUBJECT, "FILE", 0, "subject file (INI; default: the paper's walker)", 0},
+    {"actuator", KEY_ACTUATOR, "FILE", 0,
+     "actuators as they are built: sections [plant], [left.plant] and [right.plant] of a device file "
+     "(default: idealised ones)",
+     0},
     {0}};
 
 static void check_together(struct argp_state *state, const struct walk_options *options)
@@ -86,6 +99,9 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_SUBJECT:
         options->subject_path = text;
         break;
+    case KEY_ACTUATOR:
+        options->actuator_path = text;
+        break;
     case ARGP_KEY_END:
         check_together(state, options);
         break;
@@ -135,12 +151,30 @@ static void name_file(const char *path, char *message)
     }
 }
 
+static int take_actuators(const char *path, struct subject *subject, char *message)
+{
+    struct actuators actuators;
+    if (actuators_read(&actuators, path, message) != 0) {
+        return -1;
+    }
+    if (subject_take_actuators(subject, &actuators, message) != 0) {
+        name_file(path, message);
+        return -1;
+    }
+    return 0;
+}
+
 int walk_options_resolve(const struct walk_options *options, struct subject *subject,
                          struct control_params *params, double *desired_speed_rad_s, char *message)
 {
     subject_default(subject);
     if (options->subject_path != NULL &&
         subject_read(subject, options->subject_path, message) != 0) {
+        return -1;
+    }
+    subject->is_person = options->person;
+    if (options->actuator_path != NULL &&
+        take_actuators(options->actuator_path, subject, message) != 0) {
         return -1;
     }
     if (options->kp >= 0.0) {
@@ -157,7 +191,8 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
         override(subject, "open_loop_r0_m", options->r0_m);
     }
     if (subject_control_params(subject, params, message) != 0) {
-        name_file(options->subject_path, message);
+        name_file(options->actuator_path != NULL ? options->actuator_path : options->subject_path,
+                  message);
         return -1;
     }
     if (options->kp >= 0.0 && law_of(params->law)->has_own_gains) {

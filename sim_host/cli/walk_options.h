@@ -18,7 +18,9 @@ struct walk_options {
     double kp;         /* < 0 = not given */
     bool law_given;
     enum law_mode law;
-    const char *subject_path; /* NULL = the paper's walker */
+    const char *subject_path;  /* NULL = the paper's walker */
+    const char *actuator_path; /* NULL = idealised actuators */
+    bool person;               /* a recorded person walks, and no compass: set by the command */
 };
 
 /* Child parser: its input is a struct walk_options, set up by walk_options_init. */

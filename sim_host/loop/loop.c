@@ -26,6 +26,14 @@ static void configure_actuators(struct plant_config *plant, const struct subject
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct sea_params *sea = &plant->sea[side];
+        struct sensor_params *sensors = &plant->sensors[side];
+        sensors->ankle_is_lever = subject->ankle == ANKLE_LEVER;
+        sensors->ankle_lever_m = subject->ankle_lever_m;
+        sensors->ankle_neutral_rad = subject->ankle_neutral_rad;
+        if (subject->as_built) {
+            sea_params_as_built(&subject->actuators.leg[side], sea);
+            continue;
+        }
         sea->counts_per_m = subject->counts_per_m;
         sea->rated_force_N = subject_rated_force_N(subject);
         if (subject->stroke_max_m > 0.0) {
@@ -38,10 +46,6 @@ static void configure_actuators(struct plant_config *plant, const struct subject
         if (subject->force_max_N > 0.0) {
             sea->force_limit_N = subject->force_max_N;
         }
-        struct sensor_params *sensors = &plant->sensors[side];
-        sensors->ankle_is_lever = subject->ankle == ANKLE_LEVER;
-        sensors->ankle_lever_m = subject->ankle_lever_m;
-        sensors->ankle_neutral_rad = subject->ankle_neutral_rad;
     }
 }
 
@@ -57,7 +61,9 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
     struct gait_point start;
     const enum gait_curve_error error =
         gait_curve(&walker, (double)config->params.start_r0_m, 0.0, 1, &start, NULL);
-    if (error != GAIT_CURVE_OK) {
+    if (error != GAIT_CURVE_OK && subject->is_person) {
+        memset(&start, 0, sizeof start); /* no compass walks: its start is nobody's */
+    } else if (error != GAIT_CURVE_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "no steady gait to start from at r0 = %g m: %s",
                  (double)config->params.start_r0_m, gait_curve_error_name(error));
         return -1;

@@ -267,6 +267,17 @@ double sea_config_current_A(const struct sea_config *config, double force_N)
     return (motor_N / rad_per_m + config->motor_coulomb_Nm) / config->torque_constant_Nm_A;
 }
 
+double sea_config_acceleration_m_s2(const struct sea_config *config, double load_N)
+{
+    const double rad_per_m = sea_config_rad_per_m(config);
+    const double motor_N =
+        (config->torque_constant_Nm_A * config->current_peak_A - config->motor_coulomb_Nm) *
+        rad_per_m;
+    const double free_N =
+        motor_N - load_N / config->efficiency_forward - config->transmission_coulomb_N;
+    return free_N > 0.0 ? free_N / sea_config_mass_kg(config) : 0.0;
+}
+
 double sea_config_no_load_m_s(const struct sea_config *config, double voltage_V)
 {
     return voltage_V / config->torque_constant_Nm_A / sea_config_rad_per_m(config);

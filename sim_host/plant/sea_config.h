@@ -97,6 +97,10 @@ double sea_config_force_N(const struct sea_config *config, double current_A);
 /* Current that holds force_N while the motor moves against it, A. */
 double sea_config_current_A(const struct sea_config *config, double force_N);
 
+/* Acceleration at the peak current while the motor moves against load_N, m/s^2 of spring; 0 if it
+ * cannot. */
+double sea_config_acceleration_m_s2(const struct sea_config *config, double load_N);
+
 /* Speed without load at voltage_V, by the torque-speed curve, m/s of spring; the motor's permitted
  * speed and the drive's limit are not in it. */
 double sea_config_no_load_m_s(const struct sea_config *config, double voltage_V);

@@ -331,6 +331,38 @@ int subject_read(struct subject *subject, const char *path, char *message)
                : -1;
 }
 
+static double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+int subject_take_actuators(struct subject *subject, const struct actuators *actuators,
+                           char *message)
+{
+    const struct sea_config *left = &actuators->leg[SIDE_LEFT];
+    const struct sea_config *right = &actuators->leg[SIDE_RIGHT];
+    const double k_left = sea_config_stiffness_N_per_m(left);
+    const double k_right = sea_config_stiffness_N_per_m(right);
+    if (fabs(k_left - k_right) > 0.02 * k_left) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "the springs differ: left %g N/m, right %g N/m; the law loads both alike", k_left,
+                 k_right);
+        return -1;
+    }
+    subject->as_built = true;
+    subject->actuators = *actuators;
+    subject->spring_N_per_m = k_left;
+    subject->stroke_max_m = least(left->stroke_max_m, right->stroke_max_m);
+    subject->speed_max_m_s = least(left->speed_limit_m_s, right->speed_limit_m_s);
+    subject->force_max_N = least(sea_config_force_N(left, left->current_peak_A),
+                                 sea_config_force_N(right, right->current_peak_A));
+    subject->rated_force_N = sea_config_force_N(left, left->current_continuous_A);
+    subject->counts_per_m =
+        left->encoder_counts_per_turn * sea_config_rad_per_m(left) / 6.283185307179586;
+    subject->ankle_lever_m = left->lever_m;
+    return 0;
+}
+
 struct gait_walker subject_gait_walker(const struct subject *subject)
 {
     return (struct gait_walker){subject->torso_mass_kg, subject->leg_mass_kg, subject->leg_length_m,

@@ -13,6 +13,7 @@
 #include "controller/control_params.h"
 #include "sim_host/gait/gait_curve.h"
 #include "sim_host/nodes/walker_nodes.h"
+#include "sim_host/subjects/actuator_file.h"
 
 enum { SUBJECT_NAME_MAX = 64, SUBJECT_MESSAGE_MAX = 768 };
 
@@ -32,7 +33,10 @@ struct subject {
     double turns_per_m;            /* CANSimple: motor turns per metre of spring */
     double rad_per_m, zero_rad;    /* MIT mode: motor angle per metre, at the unloaded spring */
     double position_range_rad, velocity_range_rad_s, torque_range_Nm; /* MIT mode: of the fields */
-    double kp_Nm_rad, kd_Nms_rad;                 /* MIT mode: the drive's position loop */
+    double kp_Nm_rad, kd_Nms_rad; /* MIT mode: the drive's position loop */
+    bool is_person;               /* a person walks; the compass' gaits need not suit the spring */
+    bool as_built;                /* the actuators are these, and not idealised ones */
+    struct actuators actuators;   /* as_built; the fields of the SEA above follow from them */
     double control_override[CONTROL_PARAM_COUNT]; /* [controller] section, by parameter */
     bool control_overridden[CONTROL_PARAM_COUNT];
 };
@@ -45,6 +49,16 @@ void subject_default(struct subject *subject);
  * and what is allowed in message (SUBJECT_MESSAGE_MAX bytes); *subject is then
  * not to be used. */
 int subject_read(struct subject *subject, const char *path, char *message);
+
+/* The subject wears these actuators: spring, stroke, speed, force, counts, rated force and lever become
+ * theirs (of unlike legs the weaker one's). Returns 0, or -1 with the reason in message: springs that
+ * differ by more than 2 %. */
+int subject_take_actuators(struct subject *subject, const struct actuators *actuators,
+                           char *message);
+
+/* Time there is to load a spring at the highest cadence that is provided for, 130 steps a minute: from
+ * the own heel strike to shortly before the other's, s. */
+#define SUBJECT_LOAD_S (0.8 * 60.0 / 130.0)
 
 /* Stroke limit of the SEA, m: the file's, or by the body's scale. */
 double subject_stroke_m(const struct subject *subject);

@@ -34,6 +34,15 @@ static int check_spring(const struct subject *subject, double length_scale, char
     return -1;
 }
 
+/* The spring that the compass' gaits are computed with: the nearest one that suits. A person's law does
+ * not ask for them, and their spring may be any. */
+static double clipped_length_scale(const struct subject *subject, double length_scale)
+{
+    const double least = GAIT_CURVE_FLOOR * subject->leg_length_m / 0.005;
+    const double most = GAIT_CURVE_CEILING * subject->leg_length_m / 0.3;
+    return length_scale < least ? least : (length_scale > most ? most : length_scale);
+}
+
 static int make_speed_table(const struct subject *subject, double length_scale,
                             struct speed_table *table, char *message)
 {
@@ -57,6 +66,11 @@ static int make_speed_table(const struct subject *subject, double length_scale,
         table->speed_rad_s[i] = (real)points[i].speed_rad_s;
     }
     return 0;
+}
+
+static double smaller(double a, double b)
+{
+    return a < b ? a : b;
 }
 
 /* What the laws beyond eq. (16) need, and eq. (16)'s gain for this very walker; a walker whose branch cannot be
@@ -140,11 +154,6 @@ static const struct gait_branch *branch_of(const struct subject *subject, double
     return entry != NULL && entry->branch.count > 0 ? &entry->branch : NULL;
 }
 
-static double smaller(double a, double b)
-{
-    return a < b ? a : b;
-}
-
 static bool overridden(const struct subject *subject, size_t offset)
 {
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
@@ -153,6 +162,54 @@ static bool overridden(const struct subject *subject, size_t offset)
         }
     }
     return false;
+}
+
+/* What a reference may ask of motors as they are built: at half the spring's greatest force, with room
+ * for a stop, which asks for 1.6 times as much. */
+#define ACCELERATION_SHARE 0.45
+
+static double reference_acceleration_m_s2(const struct subject *subject, double r0_m)
+{
+    double least = 1000.0;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct sea_config *config = &subject->actuators.leg[leg];
+        const double half_N = 0.5 * r0_m * sea_config_stiffness_N_per_m(config);
+        least = smaller(least, ACCELERATION_SHARE * sea_config_acceleration_m_s2(config, half_N));
+    }
+    return least;
+}
+
+/* The prescribed push-off must be one that the device can give. */
+static int check_device(const struct subject *subject, const struct control_params *params,
+                        double force_N, char *message)
+{
+    static const char *const legs[SIDE_COUNT] = {"left", "right"};
+    const struct sea_duty duty = {.precompression_m = (double)params->start_r0_m,
+                                  .load_s = SUBJECT_LOAD_S};
+    char why[SUBJECT_MESSAGE_MAX / 2];
+    for (int leg = 0; leg < SIDE_COUNT && subject->as_built; leg++) {
+        if (sea_config_can_be_built(&subject->actuators.leg[leg], &duty, why, sizeof why) != 0) {
+            snprintf(message, SUBJECT_MESSAGE_MAX, "%s leg: %s", legs[leg], why);
+            return -1;
+        }
+    }
+    /* The law may ask for up to r0_max_m: nothing says so when the motor then stalls before it. */
+    const double greatest_N = subject->spring_N_per_m * (double)params->r0_max_m;
+    if (greatest_N > 1.0001 * force_N) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "spring over motor: at r0_max_m, %g m, the spring pushes with %.4g N, and the "
+                 "motor gives %.4g N (force_max_N)",
+                 (double)params->r0_max_m, greatest_N, force_N);
+        return -1;
+    }
+    if (subject->ankle == ANKLE_LEVER && subject_stroke_m(subject) > subject->ankle_lever_m) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "stroke over lever: stroke_max_m is %g m, and a lever of %g m cannot move the "
+                 "spring's end so far",
+                 subject_stroke_m(subject), subject->ankle_lever_m);
+        return -1;
+    }
+    return 0;
 }
 
 /* Puts what control_params_validate found into words. */
@@ -240,12 +297,22 @@ int subject_control_params(const struct subject *subject, struct control_params 
         .engage_ramp_steps = REAL(10.0),
         .terrain_speed_rad_s = REAL(0.0), /* nobody gets faster than asked unless it is said so */
     };
-    if (check_spring(subject, length_scale, message) != 0 ||
-        make_speed_table(subject, length_scale, &params->table, message) != 0) {
+    struct subject compass = *subject;
+    double compass_scale = length_scale;
+    if (subject->is_person) {
+        compass_scale = clipped_length_scale(subject, length_scale);
+        compass.spring_N_per_m *= length_scale * length_scale / (compass_scale * compass_scale);
+    }
+    if (check_spring(&compass, compass_scale, message) != 0 ||
+        make_speed_table(&compass, compass_scale, &params->table, message) != 0) {
         return -1;
     }
     double kp;
-    params->branch = branch_of(subject, length_scale, (double)params->kp_m_s_rad, &kp);
+    params->branch = branch_of(&compass, compass_scale, (double)params->kp_m_s_rad, &kp);
+    if (subject->as_built) {
+        params->sea_acceleration_m_s2 =
+            (real)reference_acceleration_m_s2(subject, (double)params->start_r0_m);
+    }
     params->kp_m_s_rad = (real)kp;
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         if (subject->control_overridden[i]) {
@@ -263,6 +330,9 @@ int subject_control_params(const struct subject *subject, struct control_params 
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "r0_max_m %g m is more than the SEA's stroke_max_m, %g m",
                  (double)params->r0_max_m, stroke);
+        return -1;
+    }
+    if (check_device(subject, params, force, message) != 0) {
         return -1;
     }
     const int verdict = control_params_validate(params);
