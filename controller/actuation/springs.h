@@ -2,11 +2,15 @@
  * unloaded after the own lift-off; and unloaded at every stop.
  *
  * sea_reference.h moves one leg's motor; here the gait's events and the step's decision reach both
- * legs, and the latch is armed only while the other foot may land.
+ * legs, and the latch is armed only while the other foot may land. A person's spring is loaded only
+ * behind a latch that reports closed, and is taken back as soon as its push is over: when the ankle has
+ * reached the motor or comes back, or after PUSH_MOST_S. What was prescribed and not given is known
+ * (push_watch.h).
  */
 #ifndef CONTROLLER_ACTUATION_SPRINGS_H
 #define CONTROLLER_ACTUATION_SPRINGS_H
 
+#include "controller/actuation/push_watch.h"
 #include "controller/actuation/sea_reference.h"
 #include "controller/laws/step_plan.h"
 #include "controller/signals.h"
@@ -17,9 +21,19 @@
 #define springs_follow REAL_SYMBOL(springs_follow)
 #define springs_command REAL_SYMBOL(springs_command)
 
+/* A push-off lasts no longer, s: double support of slow walking. */
+#define PUSH_MOST_S REAL(0.4)
+
 struct springs {
     struct sea_reference sea[SIDE_COUNT];
     struct sea_stop stop; /* limits of a stop, by the parameters as it engaged */
+    struct push_watch watch;
+    bool may_load[SIDE_COUNT];       /* by the latch, as of the last tick */
+    bool waits[SIDE_COUNT];          /* to be loaded, as soon as it may */
+    bool waits_final[SIDE_COUNT];    /* and to what the step has decided */
+    real waiting_m[SIDE_COUNT];      /* to this */
+    real farthest_m[SIDE_COUNT];     /* the ankle since the latch is open */
+    uint16_t open_ticks[SIDE_COUNT]; /* since then, saturating */
 };
 
 /* A walk begins: both references start at the motors' positions. */
@@ -30,10 +44,10 @@ void springs_begin(struct springs *springs, const struct control_params *params,
 void springs_stop(struct springs *springs, const struct controller_input *input);
 
 /* Once a tick while assisting: the decision and the gait's events of this tick. first_stance: no
- * apex has been seen in this walk, so the first stance began without a heel strike. Constant
- * cost. */
-void springs_follow(struct springs *springs, const struct step_decision *decision,
-                    const struct gait_state *gait, bool first_stance);
+ * apex has been seen in this walk, so the first stance began without a heel strike. Returns what
+ * became of a push-off whose stance ended in this tick, else PUSH_NONE. Constant cost. */
+enum push_outcome springs_follow(struct springs *springs, const struct step_decision *decision,
+                                 const struct gait_state *gait, bool first_stance);
 
 /* Once a tick in the states that may enable: advances both references and writes both requests.
  * A drive that is not heard while unloading is switched off. Constant cost. */

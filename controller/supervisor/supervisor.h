@@ -80,7 +80,8 @@ enum supervisor_condition {
     SUPERVISOR_IF_STANDSTILL = 1 << 9,
     SUPERVISOR_IF_LATCHED = 1 << 10, /* a fault is latched */
     SUPERVISOR_IF_STEADY = 1 << 11,  /* enough steady steps to begin */
-    SUPERVISOR_IF_REGULAR = 1 << 12, /* not two unsteady steps in a row */
+    SUPERVISOR_IF_REGULAR =
+        1 << 12, /* not two unsteady steps, nor three missing pushes, in a row */
     SUPERVISOR_CONDITION_BITS = 13
 };
 
