@@ -4,6 +4,11 @@
 
 /* The ankle comes back, and its push is over, when it is so far from its farthest; of the leg. */
 #define COMES_BACK_RATIO REAL(0.003)
+/* Of the mean time from release to toe-off, for each new one. */
+#define PUSH_MEAN_GAIN REAL(0.3)
+/* Going back after a push there is no load to move against; of the references' limits. */
+#define BACK_SPEED_RATIO REAL(1.2)
+#define BACK_ACCELERATION_RATIO REAL(2.0)
 /* A motor so far from its reference is at a limit of its own; of the leg. */
 #define BEHIND_RATIO REAL(0.006)
 
@@ -22,7 +27,8 @@ void springs_begin(struct springs *springs, const struct control_params *params,
         sea_reference_init(&springs->sea[side], input->sea[side].precompression_m);
         springs->may_load[side] = may_load(params, input->sea[side].latch);
         springs->waits[side] = false;
-        springs->open_ticks[side] = 0;
+        springs->open[side] = false;
+        springs->push_s[side] = REAL(0.0);
     }
     push_watch_begin(&springs->watch);
 }
@@ -61,9 +67,23 @@ static void decide_load(struct springs *springs, enum side side, real load_m)
     }
 }
 
-static enum push_outcome end_stance(struct springs *springs, enum side side)
+static void learn_push(struct springs *springs, const struct gait_event *lift_off)
 {
+    const enum side side = lift_off->side;
+    if (springs->watch.leg[side].opened && lift_off->tick > springs->open_tick[side]) {
+        const real lasted_s = real_clamp(seconds_since(lift_off->tick, springs->open_tick[side]) -
+                                             lift_off->before_tick_s,
+                                         PUSH_LEAST_S, PUSH_MOST_S);
+        real *mean_s = &springs->push_s[side];
+        *mean_s = *mean_s > REAL(0.0) ? *mean_s + PUSH_MEAN_GAIN * (lasted_s - *mean_s) : lasted_s;
+    }
+}
+
+static enum push_outcome end_stance(struct springs *springs, const struct gait_event *lift_off)
+{
+    const enum side side = lift_off->side;
     springs->waits[side] = false;
+    learn_push(springs, lift_off);
     sea_reference_unload(&springs->sea[side]);
     return push_watch_end(&springs->watch, side);
 }
@@ -89,7 +109,7 @@ enum push_outcome springs_follow(struct springs *springs, const struct step_deci
         begin_loading(springs, decision, strike->side);
     }
     if (lift_off->happened) {
-        outcome = end_stance(springs, lift_off->side);
+        outcome = end_stance(springs, lift_off);
     }
     if (first_stance && gait->phase == PHASE_SINGLE_SUPPORT &&
         springs->sea[gait->stance].phase == SEA_UNLOADED) {
@@ -119,27 +139,47 @@ static void load_when_allowed(struct springs *springs, const struct control_para
     }
 }
 
-/* What is left of a push drags at the foot in swing: back as soon as there is nothing to give. */
+static bool ankle_has_had_it(struct springs *springs, const struct control_params *params,
+                             enum side side, real motor_m, real extension_m)
+{
+    if (extension_m > springs->farthest_m[side]) {
+        springs->farthest_m[side] = extension_m;
+    }
+    return extension_m >= motor_m ||
+           extension_m < springs->farthest_m[side] - COMES_BACK_RATIO * params->leg_length_m;
+}
+
 static bool push_is_over(struct springs *springs, const struct control_params *params,
                          enum side side, const struct controller_input *input)
 {
     const struct sea_measurement *sea = &input->sea[side];
     const real extension_m = input->leg[side].ankle_extension_m;
+    const real push_s = springs->push_s[side] > REAL(0.0) ? springs->push_s[side] : PUSH_FIRST_S;
     if (sea->latch != LATCH_OPEN) {
-        springs->open_ticks[side] = 0;
-        springs->farthest_m[side] = extension_m;
+        springs->open[side] = false;
         return false;
     }
-    if (springs->open_ticks[side] < UINT16_MAX) {
-        springs->open_ticks[side]++;
-    }
-    if (extension_m > springs->farthest_m[side]) {
+    if (!springs->open[side]) {
+        springs->open[side] = true;
+        springs->open_tick[side] = input->tick;
         springs->farthest_m[side] = extension_m;
     }
-    return !body_of(params->body)->ankle_is_held &&
-           (extension_m >= sea->precompression_m ||
-            extension_m < springs->farthest_m[side] - COMES_BACK_RATIO * params->leg_length_m ||
-            springs->open_ticks[side] > ticks_from_seconds(PUSH_MOST_S));
+    return ankle_has_had_it(springs, params, side, sea->precompression_m, extension_m) ||
+           seconds_since(input->tick, springs->open_tick[side]) + PUSH_LEAD_S >= push_s;
+}
+
+/* What is left of a push drags at the foot in swing: back as soon as there is nothing to give. A
+ * compass' push ends by itself, as it extends. */
+static void take_back(struct springs *springs, const struct control_params *params, enum side side,
+                      const struct controller_input *input)
+{
+    const bool over = push_is_over(springs, params, side, input);
+    const bool loads =
+        springs->sea[side].phase != SEA_UNLOADED && springs->sea[side].phase != SEA_UNLOADING;
+    if (over && loads && !body_of(params->body)->ankle_is_held) {
+        sea_reference_hurry_back(&springs->sea[side], BACK_SPEED_RATIO * params->sea_speed_max_m_s,
+                                 BACK_ACCELERATION_RATIO * params->sea_acceleration_m_s2);
+    }
 }
 
 static bool is_behind(const struct springs *springs, const struct control_params *params,
@@ -156,9 +196,7 @@ void springs_command(struct springs *springs, const struct control_params *param
     for (int side = 0; side < SIDE_COUNT; side++) {
         const struct sea_measurement *sea = &input->sea[side];
         load_when_allowed(springs, params, (enum side)side, sea->latch);
-        if (push_is_over(springs, params, (enum side)side, input)) {
-            sea_reference_unload(&springs->sea[side]);
-        }
+        take_back(springs, params, (enum side)side, input);
         request[side] = sea_reference_update(&springs->sea[side], params, sea->precompression_m);
         /* A drive that is not heard while it is to unload does it by itself. */
         const bool silent = state == SUPERVISOR_UNLOADING &&

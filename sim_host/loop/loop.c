@@ -175,10 +175,25 @@ static int init_nodes(struct loop *loop, char *message)
     return walker_nodes_init(&loop->nodes, &loop->config.plant, &drives, ports, 0, message);
 }
 
+/* The lever that the device has at a recorded person's ankle is the one that their ankle moves. */
+static void wear(struct loop_config *config)
+{
+    const struct subject *subject = &config->subject;
+    struct recording_format *format = &config->plant.recording_format;
+    if (subject->ankle == ANKLE_LEVER || subject->as_built) {
+        format->ankle_lever_m = subject->ankle_lever_m;
+        format->ankle_neutral_rad = subject->ankle_neutral_rad;
+    }
+    if (subject->as_built) {
+        format->lever_table = subject->actuators.leg[SIDE_LEFT].lever_table;
+    }
+}
+
 int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, char *message)
 {
     memset(loop, 0, sizeof *loop);
     loop->config = *config;
+    wear(&loop->config);
     loop->log = log;
     own_push_init(&loop->own_push, &config->own_push);
     if (bus_budget_check_build(message, LOOP_MESSAGE_MAX) != 0) {

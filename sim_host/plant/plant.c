@@ -216,6 +216,15 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
     }
 }
 
+double plant_ankle_lever_m(const struct plant *plant, enum side side, double ankle_m)
+{
+    const struct recording_format *format = &plant->config.recording_format;
+    (void)side; /* a recording has one lever, as it has one neutral angle */
+    return is_person(plant)
+               ? sea_lever_at_way_m(&format->lever_table, format->ankle_lever_m, ankle_m)
+               : 0.0;
+}
+
 bool plant_next_event(struct plant *plant, struct walk_event *event)
 {
     return walk_next_event(&plant->walk, event);

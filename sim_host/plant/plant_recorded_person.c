@@ -66,7 +66,8 @@ static void run_latch(struct plant *plant, enum side side, double before_m, doub
     if ((due || sea_lets_go(sea)) && sea_release_now(sea)) {
         walk_post(&plant->walk, WALK_EVENT_RELEASE, side, now_s, sea->position_m);
     }
-    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m) {
+    /* Within the latch's own tolerance: a motor that is back at zero stands on either side of it. */
+    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m + sea->params.reclose_m) {
         sea_lift_off(sea);
         walk_post(&plant->walk, WALK_EVENT_LIFT_OFF, side, now_s, ankle_m);
     }

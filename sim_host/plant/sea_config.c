@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/trig.h"
-
 #define TWO_PI 6.283185307179586
 
 #define SEA_CONFIG_ROW(field, unit, low, high, fallback, meaning) \
@@ -296,44 +294,4 @@ double sea_config_total_mass_kg(const struct sea_config *config)
 {
     return config->motor_mass_kg + config->transmission_mass_kg + config->spring_mass_kg +
            config->structure_mass_kg + config->supply_mass_kg;
-}
-
-double sea_config_lever_at_m(const struct sea_config *config, double angle_rad)
-{
-    const struct sea_table *table = &config->lever_table;
-    if (table->count == 0) {
-        return config->lever_m * trig_cos_f64(angle_rad);
-    }
-    int i = 0;
-    while (i < table->count && table->x[i] <= angle_rad) {
-        i++;
-    }
-    if (i == 0 || i == table->count) {
-        return table->y[i == 0 ? 0 : i - 1];
-    }
-    const double u = (angle_rad - table->x[i - 1]) / (table->x[i] - table->x[i - 1]);
-    return table->y[i - 1] + u * (table->y[i] - table->y[i - 1]);
-}
-
-double sea_config_way_at_m(const struct sea_config *config, double angle_rad)
-{
-    const struct sea_table *table = &config->lever_table;
-    if (table->count == 0) {
-        return config->lever_m * trig_sin_f64(angle_rad);
-    }
-    /* The lever is a broken line, so between its corners the trapezium is exact. */
-    const double low = angle_rad < 0.0 ? angle_rad : 0.0, high = angle_rad < 0.0 ? 0.0 : angle_rad;
-    double way_m = 0.0, from = low;
-    for (int i = 0; i <= table->count && from < high; i++) {
-        double to = high;
-        if (i < table->count && table->x[i] < high) {
-            to = table->x[i];
-        }
-        if (to > from) {
-            way_m += 0.5 * (to - from) *
-                     (sea_config_lever_at_m(config, from) + sea_config_lever_at_m(config, to));
-            from = to;
-        }
-    }
-    return angle_rad < 0.0 ? -way_m : way_m;
 }

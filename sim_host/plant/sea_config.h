@@ -118,4 +118,10 @@ double sea_config_total_mass_kg(const struct sea_config *config);
 double sea_config_lever_at_m(const struct sea_config *config, double angle_rad);
 double sea_config_way_at_m(const struct sea_config *config, double angle_rad);
 
+/* The same of a lever by itself, which has a table or, with count 0, is constant; and the lever at a way
+ * of the spring's end (60 halvings). */
+double sea_lever_at_m(const struct sea_table *table, double lever_m, double angle_rad);
+double sea_lever_way_m(const struct sea_table *table, double lever_m, double angle_rad);
+double sea_lever_at_way_m(const struct sea_table *table, double lever_m, double way_m);
+
 #endif

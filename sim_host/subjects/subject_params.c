@@ -164,17 +164,19 @@ static bool overridden(const struct subject *subject, size_t offset)
     return false;
 }
 
-/* What a reference may ask of motors as they are built: at half the spring's greatest force, with room
- * for a stop, which asks for 1.6 times as much. */
-#define ACCELERATION_SHARE 0.45
+/* What a reference may ask of motors as they are built: with room for a stop, which asks for 1.6 times as
+ * much, and for the way back behind a push, without load, which asks for twice as much. */
+#define FREE_SHARE 0.3
+#define LOADED_SHARE 0.9
 
 static double reference_acceleration_m_s2(const struct subject *subject, double r0_m)
 {
     double least = 1000.0;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct sea_config *config = &subject->actuators.leg[leg];
-        const double half_N = 0.5 * r0_m * sea_config_stiffness_N_per_m(config);
-        least = smaller(least, ACCELERATION_SHARE * sea_config_acceleration_m_s2(config, half_N));
+        const double most_N = 0.75 * r0_m * sea_config_stiffness_N_per_m(config);
+        least = smaller(least, FREE_SHARE * sea_config_acceleration_m_s2(config, 0.0));
+        least = smaller(least, LOADED_SHARE * sea_config_acceleration_m_s2(config, most_N));
     }
     return least;
 }
