@@ -76,7 +76,7 @@ static int write_settings(const struct options *options)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
-    if (subject.protocol != DRIVE_PROTOCOL_CIA402 ||
+    if (!host_task_configures(&subject) ||
         host_task_init(&rig, &subject, &params, (struct can_bus){&no_bus, NULL}, speed_rad_s,
                        false) != CONTROL_PARAMS_OK) {
         program_complain("the firmware speaks to CiA 402 drives only");
@@ -109,9 +109,9 @@ int afo_settings(int argc, char **argv)
         option_list,
         take,
         "FILE.bin",
-        "Writes a subject's settings as the orthosis keeps them: both banks of its parameter "
-        "memory, 8 KiB from 0x0807E000 on (make flash SUBJECT=FILE).\v"
-        "Exit status: 0 written, 1 not, 2 wrong usage or subject.",
+        "Writes a person's and a device's settings as the orthosis keeps them: both banks of its parameter "
+        "memory, 8 KiB from 0x0807E000 on (make flash PERSON=FILE DEVICE=FILE).\v"
+        "Exit status: 0 written, 1 not, 2 wrong usage or files.",
         children,
         0,
         0};

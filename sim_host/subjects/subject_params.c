@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "sim_host/devices/device_text.h"
 #include "sim_host/gait/gait_curve.h"
 #include "sim_host/gait/laws_table.h"
 #include "sim_host/subjects/subject.h"
@@ -20,17 +21,19 @@
  * where gaits are computed: GAIT_CURVE_FLOOR to GAIT_CURVE_CEILING leg lengths. */
 static int check_spring(const struct subject *subject, double length_scale, char *message)
 {
-    const double l = subject->leg_length_m;
+    const double l = subject->person.leg_length_m;
+    const double spring_N_per_m = subject_spring_N_per_m(subject);
     if (0.005 * length_scale >= GAIT_CURVE_FLOOR * l &&
         0.3 * length_scale <= GAIT_CURVE_CEILING * l) {
         return 0;
     }
-    const double paper_like = subject->spring_N_per_m * length_scale * length_scale / (l * l);
+    const double paper_like = spring_N_per_m * length_scale * length_scale / (l * l);
     const double stiffest = 0.005 / GAIT_CURVE_FLOOR, softest = 0.3 / GAIT_CURVE_CEILING;
-    snprintf(message, SUBJECT_MESSAGE_MAX,
-             "key \"k\" (ankle spring, N/m): %g does not suit this body, allowed is %.3g to %.3g",
-             subject->spring_N_per_m, paper_like * softest * softest,
-             paper_like * stiffest * stiffest);
+    snprintf(
+        message, SUBJECT_MESSAGE_MAX,
+        "the device's key \"spring_N_per_m\" (ankle spring, N/m): %g does not suit this body, allowed is "
+        "%.3g to %.3g",
+        spring_N_per_m, paper_like * softest * softest, paper_like * stiffest * stiffest);
     return -1;
 }
 
@@ -38,9 +41,17 @@ static int check_spring(const struct subject *subject, double length_scale, char
  * not ask for them, and their spring may be any. */
 static double clipped_length_scale(const struct subject *subject, double length_scale)
 {
-    const double least = GAIT_CURVE_FLOOR * subject->leg_length_m / 0.005;
-    const double most = GAIT_CURVE_CEILING * subject->leg_length_m / 0.3;
+    const double least = GAIT_CURVE_FLOOR * subject->person.leg_length_m / 0.005;
+    const double most = GAIT_CURVE_CEILING * subject->person.leg_length_m / 0.3;
     return length_scale < least ? least : (length_scale > most ? most : length_scale);
+}
+
+static void set_spring(struct subject *subject, double spring_N_per_m)
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        device_file_set(&subject->device, (enum side)leg, DEVICE_LEG_spring_N_per_m,
+                        spring_N_per_m);
+    }
 }
 
 static int make_speed_table(const struct subject *subject, double length_scale,
@@ -154,16 +165,6 @@ static const struct gait_branch *branch_of(const struct subject *subject, double
     return entry != NULL && entry->branch.count > 0 ? &entry->branch : NULL;
 }
 
-static bool overridden(const struct subject *subject, size_t offset)
-{
-    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
-        if (control_param_descriptors[i].offset == offset) {
-            return subject->control_overridden[i];
-        }
-    }
-    return false;
-}
-
 /* What a reference may ask of motors as they are built: with room for a stop, which asks for 1.6 times as
  * much, and for the way back behind a push, without load, which asks for twice as much. */
 #define FREE_SHARE 0.3
@@ -173,7 +174,7 @@ static double reference_acceleration_m_s2(const struct subject *subject, double 
 {
     double least = 1000.0;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const struct sea_config *config = &subject->actuators.leg[leg];
+        const struct sea_config *config = &subject->actuators.config[leg];
         const double most_N = 0.75 * r0_m * sea_config_stiffness_N_per_m(config);
         least = smaller(least, FREE_SHARE * sea_config_acceleration_m_s2(config, 0.0));
         least = smaller(least, LOADED_SHARE * sea_config_acceleration_m_s2(config, most_N));
@@ -181,34 +182,56 @@ static double reference_acceleration_m_s2(const struct subject *subject, double 
     return least;
 }
 
-/* The prescribed push-off must be one that the device can give. */
-static int check_device(const struct subject *subject, const struct control_params *params,
-                        double force_N, char *message)
+/* The prescribed push-off must be one that the actuator as it is built can give. */
+static int check_actuators(const struct subject *subject, const struct control_params *params,
+                           char *message)
 {
-    static const char *const legs[SIDE_COUNT] = {"left", "right"};
     const struct sea_duty duty = {.precompression_m = (double)params->start_r0_m,
                                   .load_s = SUBJECT_LOAD_S};
     char why[SUBJECT_MESSAGE_MAX / 2];
-    for (int leg = 0; leg < SIDE_COUNT && subject->as_built; leg++) {
-        if (sea_config_can_be_built(&subject->actuators.leg[leg], &duty, why, sizeof why) != 0) {
-            snprintf(message, SUBJECT_MESSAGE_MAX, "%s leg: %s", legs[leg], why);
+    for (int leg = 0; leg < SIDE_COUNT && subject->actuators.as_built; leg++) {
+        if (sea_config_can_be_built(&subject->actuators.config[leg], &duty, why, sizeof why) != 0) {
+            snprintf(message, SUBJECT_MESSAGE_MAX, "%s: %s", device_leg_name(leg), why);
             return -1;
         }
     }
-    /* The law may ask for up to r0_max_m: nothing says so when the motor then stalls before it. */
-    const double greatest_N = subject->spring_N_per_m * (double)params->r0_max_m;
+    return 0;
+}
+
+static int check_lever(const struct subject *subject, int leg, char *message)
+{
+    const double stroke_m =
+        device_file_number(&subject->device, (enum side)leg, DEVICE_LEG_stroke_max_m);
+    const double lever_m =
+        device_file_number(&subject->device, (enum side)leg, DEVICE_LEG_ankle_lever_m);
+    const struct device_leg *own = &subject->device.description.leg[leg];
+    if (device_leg_is_driven(own) && own->ankle == DEVICE_ANKLE_LEVER && stroke_m > lever_m) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "%s: stroke over lever: stroke_max_m is %g m, and a lever of %g m cannot move the "
+                 "spring's end so far",
+                 device_leg_name(leg), stroke_m, lever_m);
+        return -1;
+    }
+    return 0;
+}
+
+/* The device's own numbers against each other, before anything moves. The law may ask for up to
+ * r0_max_m: nothing says so when the motor then stalls before it. */
+static int check_device(const struct subject *subject, const struct control_params *params,
+                        char *message)
+{
+    const double force_N = subject_force_max_N(subject);
+    const double greatest_N = subject_spring_N_per_m(subject) * (double)params->r0_max_m;
+    if (check_actuators(subject, params, message) != 0 ||
+        check_lever(subject, SIDE_LEFT, message) != 0 ||
+        check_lever(subject, SIDE_RIGHT, message) != 0) {
+        return -1;
+    }
     if (greatest_N > 1.0001 * force_N) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "spring over motor: at r0_max_m, %g m, the spring pushes with %.4g N, and the "
                  "motor gives %.4g N (force_max_N)",
                  (double)params->r0_max_m, greatest_N, force_N);
-        return -1;
-    }
-    if (subject->ankle == ANKLE_LEVER && subject_stroke_m(subject) > subject->ankle_lever_m) {
-        snprintf(message, SUBJECT_MESSAGE_MAX,
-                 "stroke over lever: stroke_max_m is %g m, and a lever of %g m cannot move the "
-                 "spring's end so far",
-                 subject_stroke_m(subject), subject->ankle_lever_m);
         return -1;
     }
     return 0;
@@ -254,40 +277,48 @@ static void explain(const struct control_params *params, int verdict, char *mess
     }
 }
 
+static int check_person(const struct subject *subject, char *message)
+{
+    struct device_refusal refusal;
+    if (device_check_person(&subject->device.description, &refusal) == DEVICE_OK) {
+        return 0;
+    }
+    device_refusal_text(&refusal, message, SUBJECT_MESSAGE_MAX);
+    return -1;
+}
+
 int subject_control_params(const struct subject *subject, struct control_params *params,
                            char *message)
 {
-    const double l = subject->leg_length_m;
-    const double g = subject->gravity_m_s2;
-    const double weight_N = subject->torso_mass_kg * g;
+    const double l = subject->person.leg_length_m;
+    const double g = subject->person.gravity_m_s2;
+    const double spring_N_per_m = subject_spring_N_per_m(subject);
+    const double weight_N = subject->person.torso_mass_kg * g;
     const double time_scale = sqrt(l / g) / sqrt(PAPER_LENGTH_M / PAPER_GRAVITY_M_S2);
     /* Same spring energy in units of M g l. */
-    const double length_scale =
-        l * sqrt(PAPER_SPRING_RATIO / (subject->spring_N_per_m * l / weight_N));
+    const double length_scale = l * sqrt(PAPER_SPRING_RATIO / (spring_N_per_m * l / weight_N));
     const double stroke = subject_stroke_m(subject);
-    const double speed = subject->speed_max_m_s > 0.0 ? subject->speed_max_m_s : 0.6 * sqrt(g * l);
-    const double force =
-        subject->force_max_N > 0.0 ? subject->force_max_N : 2.5 * subject->spring_N_per_m * stroke;
+    const double speed = subject_speed_max_m_s(subject);
+    const double force = subject_force_max_N(subject);
 
     *params = (struct control_params){
-        .torso_mass_kg = (real)subject->torso_mass_kg,
-        .leg_mass_kg = (real)subject->leg_mass_kg,
+        .torso_mass_kg = (real)subject->person.torso_mass_kg,
+        .leg_mass_kg = (real)subject->person.leg_mass_kg,
         .leg_length_m = (real)l,
-        .spring_stiffness_n_m = (real)subject->spring_N_per_m,
+        .spring_stiffness_n_m = (real)spring_N_per_m,
         .gravity_m_s2 = (real)g,
         .law = (real)LAW_PROPORTIONAL,
         .kp_m_s_rad = (real)(PAPER_KP * length_scale * time_scale),
         .start_r0_m = (real)(0.05 * length_scale),
         .speed_ramp_rad_s = (real)(0.005 / time_scale),
         .r0_min_m = (real)(0.005 * length_scale),
-        .r0_max_m =
-            (real)smaller(0.3 * length_scale, smaller(stroke, force / subject->spring_N_per_m)),
+        .r0_max_m = (real)smaller(0.3 * length_scale, smaller(stroke, force / spring_N_per_m)),
         .r0_change_max_m = (real)(0.05 * length_scale),
         .open_loop_r0_m = (real)(0.05 * length_scale),
         .open_loop_ramp_m = (real)(0.0005 * length_scale),
         .apex_window_s = (real)(0.08 * time_scale),
         .angle_hysteresis_rad = REAL(0.01),
-        .sensor_latency_s = REAL(0.0001), /* an absolute encoder that samples at SYNC */
+        .sensor_latency_s = subject->device.description.leg[SIDE_LEFT].leg_latency_s,
         .sea_speed_max_m_s = (real)(0.8 * speed),
         .sea_acceleration_m_s2 = (real)(g),
         .sea_tolerance_m = (real)(0.001 * l),
@@ -302,8 +333,9 @@ int subject_control_params(const struct subject *subject, struct control_params 
     struct subject compass = *subject;
     double compass_scale = length_scale;
     if (subject->is_person) {
-        compass_scale = clipped_length_scale(subject, length_scale);
-        compass.spring_N_per_m *= length_scale * length_scale / (compass_scale * compass_scale);
+        const double ratio = length_scale / clipped_length_scale(subject, length_scale);
+        compass_scale = length_scale / ratio;
+        set_spring(&compass, spring_N_per_m * ratio * ratio);
     }
     if (check_spring(&compass, compass_scale, message) != 0 ||
         make_speed_table(&compass, compass_scale, &params->table, message) != 0) {
@@ -311,19 +343,19 @@ int subject_control_params(const struct subject *subject, struct control_params 
     }
     double kp;
     params->branch = branch_of(&compass, compass_scale, (double)params->kp_m_s_rad, &kp);
-    if (subject->as_built) {
+    if (subject->actuators.as_built) {
         params->sea_acceleration_m_s2 =
             (real)reference_acceleration_m_s2(subject, (double)params->start_r0_m);
     }
     params->kp_m_s_rad = (real)kp;
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
-        if (subject->control_overridden[i]) {
+        if (subject->person.control_overridden[i]) {
             *(real *)((char *)params + control_param_descriptors[i].offset) =
-                (real)subject->control_override[i];
+                (real)subject->person.control_override[i];
         }
     }
     if (law_of(params->law) != NULL && law_of(params->law)->keeps_within_reach &&
-        !overridden(subject, offsetof(struct control_params, r0_change_max_m))) {
+        !person_overrides(&subject->person, offsetof(struct control_params, r0_change_max_m))) {
         params->r0_change_max_m =
             params->r0_max_m; /* what the motor can do limits it, step by step */
     }
@@ -334,7 +366,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
                  (double)params->r0_max_m, stroke);
         return -1;
     }
-    if (check_device(subject, params, force, message) != 0) {
+    if (check_device(subject, params, message) != 0) {
         return -1;
     }
     const int verdict = control_params_validate(params);
@@ -342,5 +374,5 @@ int subject_control_params(const struct subject *subject, struct control_params 
         explain(params, verdict, message);
         return -1;
     }
-    return 0;
+    return params->body == (real)BODY_PERSON ? check_person(subject, message) : 0;
 }

@@ -3,7 +3,7 @@
 #include "controller/control_params.h"
 #include "controller/estimator/body_table.h"
 #include "controller/laws/law_table.h"
-#include "sim_host/subjects/law_name.h"
+#include "sim_host/persons/law_name.h"
 #include "tests/support/assert_close.h"
 
 #include <stdio.h>

@@ -24,7 +24,7 @@ struct options {
 };
 
 static const struct argp_option option_list[] = {
-    {"person", KEY_PERSON, "FILE", 0, "who wears it: mass and prescription (a subject file)", 0},
+    {"person", KEY_PERSON, "FILE", 0, "who wears it: mass and prescription (a person file)", 0},
     {"r0", KEY_R0, "M", 0, "precompression of the push-off (default: the person's)", 0},
     {"cadence", KEY_CADENCE, "A..B", 0, "steps a minute, in tens (default 80..130)", 0},
     {"leg", KEY_LEG, "SIDE", 0, "left (default) or right", 0},
@@ -56,7 +56,7 @@ static error_t take(int key, char *text, struct argp_state *state)
     struct options *options = (struct options *)state->input;
     switch (key) {
     case KEY_PERSON:
-        options->walk.subject_path = text;
+        options->walk.person_path = text;
         return 0;
     case KEY_R0:
         options->walk.start_r0_m = option_number(state, "--r0", text, 0.0001, 0.6);
@@ -77,16 +77,16 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->json = true;
         return 0;
     case ARGP_KEY_ARG:
-        if (options->walk.actuator_path != NULL) {
+        if (options->walk.device_path != NULL) {
             argp_error(state, "one device at a time, found also \"%s\"", text);
         }
-        options->walk.actuator_path = text;
+        options->walk.device_path = text;
         return 0;
     case ARGP_KEY_END:
-        if (options->walk.actuator_path == NULL) {
+        if (options->walk.device_path == NULL) {
             argp_error(state, "which device? afo size sim_host/devices/exo50.ini --person FILE");
         }
-        if (options->walk.subject_path == NULL) {
+        if (options->walk.person_path == NULL) {
             argp_error(state, "who wears it? --person FILE");
         }
         return 0;
@@ -121,7 +121,13 @@ int size_main(int argc, char **argv)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
-    setup.config = subject.actuators.leg[options.leg];
+    if (!subject.actuators.as_built) {
+        program_complain("%s: there is no section [plant], [left.plant] or [right.plant]: what the "
+                         "actuator is made of is not told",
+                         options.walk.device_path);
+        return EXIT_USAGE;
+    }
+    setup.config = subject.actuators.config[options.leg];
     setup.seed = options.seed;
     int count = 0;
     bool all_given = true;
@@ -132,7 +138,7 @@ int size_main(int argc, char **argv)
         count++;
     }
     const struct size_result result = {
-        options.walk.actuator_path, subject.name, &setup, rows, count, options.chirp};
+        options.walk.device_path, subject.person.name, &setup, rows, count, options.chirp};
     if (options.json) {
         size_report_json(stdout, &result);
     } else {

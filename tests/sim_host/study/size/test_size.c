@@ -8,7 +8,7 @@
 #include "tests/support/assert_close.h"
 
 #define DEVICE "sim_host/devices/exo50.ini"
-#define PERSON "sim_host/subjects/adult70.ini"
+#define PERSON "sim_host/persons/adult70.ini"
 
 static struct size_setup setup;
 static struct size_row row;
@@ -21,13 +21,13 @@ static void prepare(void)
     char message[SUBJECT_MESSAGE_MAX];
     double speed_rad_s;
     walk_options_init(&options);
-    options.subject_path = PERSON;
-    options.actuator_path = DEVICE;
+    options.person_path = PERSON;
+    options.device_path = DEVICE;
     options.person = true;
     ck_assert_msg(walk_options_resolve(&options, &subject, &setup.params, &speed_rad_s, message) ==
                       0,
                   "%s", message);
-    setup.config = subject.actuators.leg[SIDE_LEFT];
+    setup.config = subject.actuators.config[SIDE_LEFT];
     setup.seed = 1;
 }
 

@@ -2,8 +2,8 @@
 #include <check.h>
 #include <string.h>
 
-#include "sim_host/subjects/law_name.h"
-#include "sim_host/subjects/nearest.h"
+#include "sim_host/persons/law_name.h"
+#include "sim_host/text/nearest.h"
 #include "tests/support/assert_close.h"
 
 START_TEST(distances_are_those_of_the_textbook)
