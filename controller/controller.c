@@ -91,6 +91,13 @@ static enum supervisor_fault screen(struct controller *controller, struct contro
 
 /* ---- supervise -------------------------------------------------------------------- */
 
+/* The device gives no push that it is asked for. Whoever walks in test mode has no other push-off. */
+static bool pushes_fail(const struct controller *controller)
+{
+    return !control_params_test_mode(controller->params) &&
+           controller->springs.watch.missed_in_row >= PUSH_WATCH_MISSES;
+}
+
 /* A state was entered: what must be fresh when it begins. */
 static void enter_state(struct controller *controller, const struct controller_input *values)
 {
@@ -113,7 +120,7 @@ static void enter_state(struct controller *controller, const struct controller_i
     case SUPERVISOR_UNLOADING:
         /* In test mode the first spring is loaded at once. It must not happen again by itself
          * when the walker has stopped or fallen: that takes a new request. */
-        controller->request_spent = control_params_test_mode(params);
+        controller->request_spent = control_params_test_mode(params) || pushes_fail(controller);
         springs_stop(&controller->springs, values);
         break;
     case SUPERVISOR_FAULT:
@@ -138,6 +145,7 @@ static void supervise(struct controller *controller, const struct controller_inp
         .sea = controller->springs.sea,
         .motion_requested = motion_watch(&controller->motion, values),
         .request_spent = controller->request_spent,
+        .pushes_fail = pushes_fail(controller),
     };
     const enum supervisor_state from = controller->supervisor.state;
     const uint16_t conditions = conditions_find(&controller->supervisor, &view, fault);
@@ -205,14 +213,24 @@ static void commission(struct controller *controller, const struct controller_in
     output->cut_off = motion->cut;
 }
 
+/* What was prescribed and not given is prescribed smaller. */
+static void follow(struct controller *controller, const struct step_decision *decision)
+{
+    const enum push_outcome outcome =
+        springs_follow(&controller->springs, decision, &controller->observer.state,
+                       !controller->step_monitor.seen);
+    if (outcome == PUSH_LATCH_OPEN || outcome == PUSH_NOT_LOADED) {
+        step_plan_lower_assist(&controller->plan, controller->params);
+    }
+}
+
 static void actuate(struct controller *controller, const struct controller_input *values,
                     const struct step_decision *decision, struct sea_request request[SIDE_COUNT])
 {
     const enum supervisor_state state = controller->supervisor.state;
     const struct gait_state *gait = &controller->observer.state;
     if (supervisor_may_assist(state)) {
-        springs_follow(&controller->springs, decision, values, gait,
-                       !controller->step_monitor.seen);
+        follow(controller, decision);
     }
     if (supervisor_may_enable(state)) {
         springs_command(&controller->springs, controller->params, values, state, gait, request);

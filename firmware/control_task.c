@@ -49,6 +49,13 @@ static void show_counters(void *context)
     counters->rx_malformed = saturating_sum(
         saturating_sum(task->sensors.rx_malformed, *task->config.drives.rx_malformed),
         task->node.device.counters.malformed);
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct push_leg *push = &task->controller.springs.watch.leg[leg];
+        for (int outcome = 0; outcome < PUSH_OUTCOMES; outcome++) {
+            counters->pushes[leg][outcome] = push->count[outcome];
+        }
+        counters->behind_ticks[leg] = push->behind_ticks;
+    }
     counters->tx_refused = status.tx_refused;
     counters->rx_overflow = status.rx_overflow;
     counters->bus_off_count = status.bus_off_count;

@@ -36,11 +36,11 @@ static void default_objects(struct controller_objects *objects, const struct con
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
     objects->command_count = 4;
-    objects->state_count = 4;
+    objects->state_count = 6;
     objects->step_count = 5;
     objects->record_count = 4;
     objects->param_count = CONTROL_PARAM_COUNT;
-    objects->counter_count = 12;
+    objects->counter_count = 22;
     objects->drive_count = 5;
     objects->identity_count = 3;
     objects->setup_count = 6;

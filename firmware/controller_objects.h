@@ -6,6 +6,7 @@
 
 #include <stdint.h>
 
+#include "controller/actuation/push_watch.h"
 #include "controller/control_params.h"
 #include "hal/canopen/co_od.h"
 #include "hal/canopen/co_pdo_objects.h"
@@ -27,6 +28,10 @@ struct controller_counters {
     uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
+    /* The controller's: pushes by what became of them (enum push_outcome; [0] is not used), and ticks
+     * in which a motor was far behind its reference. */
+    uint32_t pushes[SIDE_COUNT][PUSH_OUTCOMES];
+    uint32_t behind_ticks[SIDE_COUNT];
 };
 
 /* Values of the dictionary's entries 0x2000 and above. */
@@ -41,7 +46,8 @@ struct controller_objects {
     /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
     uint8_t state;
     uint8_t fault;
-    uint8_t zeroing;       /* enum zeroing_state */
+    uint8_t zeroing;               /* enum zeroing_state */
+    uint8_t last_push[SIDE_COUNT]; /* enum push_outcome of the last stance */
     uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
     /* 0x2002: last step as in TPDO1 */
     uint16_t step_measured;  /* 0.1 mrad/s */

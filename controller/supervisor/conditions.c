@@ -35,7 +35,7 @@ static bool is_steady(const struct conditions_view *view)
 static bool is_regular(const struct conditions_view *view)
 {
     return control_params_test_mode(view->params) ||
-           view->step_monitor->unsteady < STEP_MONITOR_IRREGULAR;
+           (view->step_monitor->unsteady < STEP_MONITOR_IRREGULAR && !view->pushes_fail);
 }
 
 /* How long this state may last; states without a limit get some number that no rule looks at. */

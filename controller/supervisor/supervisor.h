@@ -83,9 +83,10 @@ enum supervisor_condition {
     SUPERVISOR_IF_TIMEOUT = 1 << 7,  /* the state has lasted as long as it may */
     SUPERVISOR_IF_RESET = 1 << 8,    /* reset asked for */
     SUPERVISOR_IF_STANDSTILL = 1 << 9,
-    SUPERVISOR_IF_LATCHED = 1 << 10,          /* a fault is latched */
-    SUPERVISOR_IF_STEADY = 1 << 11,           /* enough steady steps to begin */
-    SUPERVISOR_IF_REGULAR = 1 << 12,          /* not two unsteady steps in a row */
+    SUPERVISOR_IF_LATCHED = 1 << 10, /* a fault is latched */
+    SUPERVISOR_IF_STEADY = 1 << 11,  /* enough steady steps to begin */
+    /* not two unsteady steps, nor three missing pushes, in a row */
+    SUPERVISOR_IF_REGULAR = 1 << 12,
     SUPERVISOR_IF_MOTION_REQUESTED = 1 << 13, /* a tool asks for motions, and is still there */
     SUPERVISOR_CONDITION_BITS = 14
 };

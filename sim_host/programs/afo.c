@@ -14,6 +14,7 @@ static const struct program_command table[] = {
     {"blackbox", afo_blackbox, "fetch the controller's black box over CAN, as a log"},
     {"settings", afo_settings,
      "a person's and a device's settings as the board keeps them in flash"},
+    {"size", afo_size, "what a device's motor bears over cadence, and what limits it"},
     {"device", afo_device, "device files: check, show, convert"},
     {"eds", afo_eds, "data sheets of all nodes (EDS) and the DBC of the bus"},
     {"pil", afo_pil, "walk with the flashed object code on an emulated processor"},

@@ -61,7 +61,7 @@ START_TEST(bad_parameters_are_named)
     params.stroke_max_m = -1.0;
     ck_assert_str_eq(sea_params_check(&params), "stroke_max_m");
     params = real_params();
-    params.release_latency_s = 0.02;
+    params.release_latency_s = 0.06;
     ck_assert_str_eq(sea_params_check(&params), "release_latency_s");
     params = real_params();
     params.release_on = (enum sea_release)9;
