@@ -23,7 +23,8 @@ enum crash_cause {
     CRASH_ASSERTION = 7,
     CRASH_CLOCK_FAILED = 8, /* the crystal stopped, or never started */
     CRASH_WATCHDOG = 9,     /* nobody wrote a record: the watchdog reset the processor */
-    CRASH_LOST_WRITE = 10   /* a register does not hold what the start wrote; detail: its address */
+    CRASH_LOST_WRITE = 10,  /* a register does not hold what the start wrote; detail: its address */
+    CRASH_PROGRAM = 11      /* the program in flash is another than the one that was written */
 };
 
 enum { CRASH_STACK_WORDS = 8 };

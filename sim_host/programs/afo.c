@@ -11,6 +11,7 @@ static const struct program_command table[] = {
     {"walker", afo_walker, "the simulated walker and its four nodes on a CAN interface"},
     {"host", afo_host, "the control task on a CAN interface"},
     {"blackbox", afo_blackbox, "fetch the controller's black box over CAN, as a log"},
+    {"update", afo_update, "a new program for the controller, over CAN"},
     {"settings", afo_settings, "a subject's settings as the device keeps them in flash"},
     {"eds", afo_eds, "data sheets of all nodes (EDS) and the DBC of the bus"},
     {"pil", afo_pil, "walk with the flashed object code on an emulated processor"},
