@@ -299,3 +299,13 @@ bool control_task_cycle_complete(const struct control_task *task)
     }
     return true;
 }
+
+bool control_task_was_busy(const struct control_task *task)
+{
+    const struct gait_observer *observer = &task->controller.observer;
+    const struct gait_event *event = observer->state.event;
+
+    return task->output.new_step || event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
+           event[GAIT_LIFT_OFF].happened || observer->apex.work.busy ||
+           task->bring_up.setup.under_way;
+}

@@ -58,7 +58,9 @@ static void default_objects(struct controller_objects *objects, const struct con
 
 static const struct co_device_ops device_ops = {.access = {.writing = write_rules_writing,
                                                            .written = write_rules_written,
-                                                           .reading = write_rules_reading}};
+                                                           .reading = write_rules_reading,
+                                                           .begin = write_rules_begin,
+                                                           .take = write_rules_take}};
 
 int controller_node_init(struct controller_node *node, const struct control_params *params,
                          float desired_speed_rad_s, bool walk_requested, struct can_bus bus)
@@ -71,7 +73,7 @@ int controller_node_init(struct controller_node *node, const struct control_para
     dictionary.count = controller_object_count;
     dictionary.base = &node->objects;
     node->comm.subs = CO_PDO_SUBS;
-    node->comm.store_count = node->comm.restore_count = 1;
+    node->comm.store_count = node->comm.restore_count = node->comm.program_count = 1;
     node->rules.objects = &node->objects;
     node->rules.comm = &node->comm;
     telemetry_init(&node->telemetry);
@@ -97,12 +99,13 @@ int controller_node_init(struct controller_node *node, const struct control_para
 void controller_node_attach(struct controller_node *node,
                             const struct controller_settings_store_ops *settings_store,
                             void *settings_store_context, struct black_box *black_box,
-                            struct crash_record *crash)
+                            struct crash_record *crash, struct program_update *update)
 {
     node->rules.settings_store = settings_store;
     node->rules.settings_store_context = settings_store_context;
     node->rules.black_box = black_box;
     node->rules.crash = crash;
+    node->rules.update = update;
     write_rules_show_attached(&node->rules);
 }
 

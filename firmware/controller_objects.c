@@ -170,6 +170,19 @@ const struct co_entry controller_comm_table[] = {
     CO_PDO_TPDO(struct controller_comm, 1, 0x1801),
     CO_PDO_MAPPING(struct controller_comm, tpdo[0], 0x1A00, "TPDO mapping parameter"),
     CO_PDO_MAPPING(struct controller_comm, tpdo[1], 0x1A01, "TPDO mapping parameter"),
+    CO_ANY(struct controller_comm, program_count, 0x1F50, 0, CO_UNSIGNED8, FIXED, "Program data"),
+    CO_ANY(struct controller_comm, program_data, 0x1F50, 1, CO_DOMAIN, CO_WRITE, "Program"),
+    CO_ANY(struct controller_comm, program_count, 0x1F51, 0, CO_UNSIGNED8, FIXED,
+           "Program control"),
+    CO_ANY(struct controller_comm, program_control, 0x1F51, 1, CO_UNSIGNED8, RW,
+           "1 start 3 clear 128 start older"),
+    CO_ANY(struct controller_comm, program_count, 0x1F56, 0, CO_UNSIGNED8, FIXED,
+           "Program software identification"),
+    CO_ANY(struct controller_comm, program_identification, 0x1F56, 1, CO_UNSIGNED32, RO,
+           "CRC-32 of the program"),
+    CO_ANY(struct controller_comm, program_count, 0x1F57, 0, CO_UNSIGNED8, FIXED,
+           "Flash status identification"),
+    CO_ANY(struct controller_comm, program_status, 0x1F57, 1, CO_UNSIGNED32, RO, "Flash status"),
 };
 
 const uint16_t controller_comm_count =

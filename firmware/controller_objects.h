@@ -107,6 +107,10 @@ struct controller_comm {
     uint8_t subs, store_count, restore_count;
     uint32_t store, restore;
     struct co_pdo tpdo[2];
+    /* CiA 302-3: a program over CAN (program_update.h). */
+    uint8_t program_count, program_control;
+    uint32_t program_identification, program_status;
+    struct co_domain program_data; /* written only, and never kept here */
 };
 
 extern const struct co_entry controller_object_table[];

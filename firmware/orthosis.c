@@ -131,7 +131,7 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
     memcpy(task.leg_sensor, settings->sensor, sizeof task.leg_sensor);
     (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
     controller_node_attach(&orthosis->task.node, &settings_store_ops, orthosis, config->black_box,
-                           config->crash);
+                           config->crash, &orthosis->update);
 }
 
 /* What a crash or another reset cut short is kept until somebody has fetched it. */
@@ -149,6 +149,14 @@ static void init_black_box(const struct orthosis_config *config, const struct se
     }
 }
 
+static void begin_scan(struct orthosis *orthosis)
+{
+    const struct program_slots *program = orthosis->program;
+
+    program_scan_begin(&orthosis->program_scan, &program->memory, program->slot, program->room,
+                       program->hardware);
+}
+
 void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config)
 {
     struct settings settings;
@@ -157,8 +165,13 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     read_settings(orthosis, &settings, config);
     orthosis->walk_at_start = settings.walk_at_start;
     init_black_box(config, &settings);
+    orthosis->program = config->program;
+    program_update_init(&orthosis->update, config->program);
     init_task(orthosis, &settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
+    if (config->program != NULL) {
+        begin_scan(orthosis);
+    }
     orthosis->watchdog = config->watchdog;
     orthosis->clock = config->clock;
     orthosis->store.between = config->clock != NULL ? feed_between : NULL;
@@ -176,8 +189,26 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     }
 }
 
+/* Once through the program, again and again, in ticks that have little else to do. */
+static void look_after_program(struct orthosis *orthosis)
+{
+    struct program_scan *scan = &orthosis->program_scan;
+
+    if (control_task_was_busy(&orthosis->task)) {
+        return;
+    }
+    program_scan_go_on(scan, &orthosis->program->memory, ORTHOSIS_PROGRAM_WORDS);
+    if (scan->done) {
+        orthosis->program_damaged = orthosis->program_damaged || scan->verdict != PROGRAM_GOOD;
+        begin_scan(orthosis);
+    }
+}
+
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
+    if (orthosis->program != NULL) {
+        look_after_program(orthosis);
+    }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),
                         &orthosis->recorder.inner);
 }
@@ -191,6 +222,9 @@ unsigned orthosis_poll(struct orthosis *orthosis)
         latch(orthosis, orthosis->forced_fault);
     }
     progress = control_task_poll(task);
+    if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0u) {
+        program_update_tick(&orthosis->update);
+    }
     /* Until the first own SYNC came back no command was ever sent, nothing can move, and a
      * bus that is not there yet is no reason to restart. Nor can a drive be reached then,
      * whatever it does: it gets no power. (The tick wraps, the time does not.) */

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/contract.h"
 #include "hal/port_cortex_m/mmio.h"
@@ -86,6 +87,12 @@ static uint32_t oldest(const struct fifo *fifo, uint32_t *index)
     return FDCAN1_RAM_BASE + fifo->ram + *index * fifo->element_bytes;
 }
 
+/* A mask of the first `count` bytes of a word. */
+static uint32_t first_bytes(uint32_t count)
+{
+    return count >= 4U ? UINT32_MAX : (1U << (8U * count)) - 1U;
+}
+
 static void read_element(uint32_t address, bool is_event, struct can_msg *message)
 {
     uint32_t word0 = mmio_read(address), word1 = mmio_read(address + 4U);
@@ -102,8 +109,9 @@ static void read_element(uint32_t address, bool is_event, struct can_msg *messag
         message->flags = CAN_FRAME_REMOTE;
         return;
     }
-    for (uint32_t i = 0; i < message->length; i++) {
-        message->data[i] = (uint8_t)(mmio_read(address + 8U + (i & 4U)) >> (8U * (i & 3U)));
+    bytes_put_u32(message->data, mmio_read(address + 8U) & first_bytes(length));
+    if (length > 4U) {
+        bytes_put_u32(message->data + 4, mmio_read(address + 12U) & first_bytes(length - 4U));
     }
 }
 

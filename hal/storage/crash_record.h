@@ -24,7 +24,8 @@ enum crash_cause {
     CRASH_CLOCK_FAILED = 8, /* the crystal stopped, or never started */
     CRASH_WATCHDOG = 9,     /* nobody wrote a record: the watchdog reset the processor */
     CRASH_SUPPLY = 10,      /* likewise: the supply dipped, so briefly that memory was kept */
-    CRASH_LOST_WRITE = 11   /* a register does not hold what the start wrote; detail: its address */
+    CRASH_LOST_WRITE = 11,  /* a register does not hold what the start wrote; detail: its address */
+    CRASH_PROGRAM = 12      /* the program in flash is another than the one that was written */
 };
 
 enum { CRASH_STACK_WORDS = 8 };

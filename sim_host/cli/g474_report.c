@@ -5,11 +5,26 @@
 /* Four wait states at every fetch and access, no cache: what an instruction costs on average at most. */
 enum { WORST_CYCLES_PER_INSTRUCTION = 4 };
 
+/* What the virtual COM port said, its lines parted by a bar. */
+static void copy_serial(const struct chip *chip, char *text)
+{
+    uint32_t length = 0;
+
+    for (uint32_t i = 0; i < chip->uart_count; i++) {
+        const char c = chip->uart[i];
+        text[length] = c == '\n' ? '|' : c;
+        length += c == '\r' || c == '"' || c == '\\' ? 0 : 1;
+    }
+    text[length] = '\0';
+}
+
 void g474_report_json(const struct chip_session *session, double wall_s)
 {
     const struct chip_bridge *bridge = &session->bridge;
     const struct chip *chip = &session->chip;
+    char serial[CHIP_UART_MAX];
 
+    copy_serial(chip, serial);
     printf(
         "{\"good\": %s, \"steps\": %u, \"fell\": %s, \"trouble\": \"%s\", \"ticks\": %u, "
         "\"compared_frames\": %llu, \"differences\": %llu, \"first_difference\": \"%s\", "
@@ -18,6 +33,7 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         "\"simulated_s\": %.6f, \"exceptions\": %llu, \"tail_chained\": %llu, \"starts\": %u, "
         "\"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, \"crash_count\": %u, "
         "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
+        "\"led_edges\": %u, \"serial\": \"%s\", "
         "\"wall_s\": %.2f}\n",
         chip_session_is_good(session) ? "true" : "false", session->record.count,
         session->fell ? "true" : "false", session->trouble, bridge->ticks,
@@ -30,7 +46,7 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         supervisor_fault_name((enum supervisor_fault)bridge->fault), (unsigned)session->crash.cause,
         (unsigned)session->crash.count, chip->flash_registers.operations,
         session->cuts.hit ? "true" : "false", session->cuts.tried, session->cuts.bad,
-        (unsigned long long)chip->permit_edges, wall_s);
+        (unsigned long long)chip->permit_edges, chip->led_edges, serial, wall_s);
 }
 
 void g474_report_text(const struct chip_session *session, double wall_s)

@@ -12,6 +12,7 @@ static const struct program_command table[] = {
     {"host", afo_host, "the control task on a CAN interface"},
     {"ctl", afo_ctl, "read and write the objects of a node by name; walk, stop, reset, zero, save"},
     {"blackbox", afo_blackbox, "fetch the controller's black box over CAN, as a log"},
+    {"update", afo_update, "a new program for the controller, over CAN"},
     {"settings", afo_settings,
      "a person's and a device's settings as the board keeps them in flash"},
     {"size", afo_size, "what a device's motor bears over cadence, and what limits it"},

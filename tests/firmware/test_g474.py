@@ -3,7 +3,9 @@ replay bit for bit, and what goes wrong on a chip ends in the safe state with th
 import json
 import pathlib
 import re
+import struct
 import subprocess
+import zlib
 
 import pytest
 
@@ -72,6 +74,23 @@ def test_faults_end_in_the_safe_state(fault, latched, crash, starts):
     assert end["differences"] == 0 and end["findings"] == 0
 
 
+@pytest.mark.parametrize("fault, starts", [("half-written", 1), ("damaged-program", 2)])
+def test_a_program_that_is_not_whole_does_not_run_and_says_so(fault, starts):
+    """Half of it erased before the start; one bit changed while it walks. The starter tells on LD2 and the COM port."""
+    end = g474("--fault", fault, "--speed", "0.45", "--fault-step", "2")
+    assert end["starts"] == starts and end["led_edges"] > 5
+    assert "the program is not whole (CRC)" in end["serial"]
+
+
+def test_the_sealed_header_is_what_an_independent_reading_finds():
+    image = (ROOT / "build/arm/afo-nucleo-g474re.bin").read_bytes()[0x2000:]
+    magic, hardware, version, _, length, _, _, crc = struct.unpack_from("<8I", image, 0x200)
+    assert magic.to_bytes(4, "little") == b"AIMG" and hardware == 1 and length == len(image)
+    base = re.search(r"^VERSION_BASE := (\d+)\.(\d+)\.(\d+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert [version >> 16, version >> 8 & 255, version & 255] == [int(part) for part in base.groups()]
+    assert crc == zlib.crc32(image[:0x21C] + image[0x220:])
+
+
 @pytest.mark.parametrize("register", [0x40000028, 0x40003008, 0x48000024, 0x4000641C])
 def test_a_lost_write_at_the_start_is_noticed_and_told(register):
     """TIM2's prescaler, the watchdog's reload, alternate functions, FDCAN's bit timing. The record names it."""
@@ -91,6 +110,30 @@ def test_power_may_fail_while_settings_are_written(fault, every, latched):
 def test_power_fails_once(fault, cut):
     end = g474("--fault", fault, "--cut", str(cut))
     assert end["cut_hit"] and end["starts"] == 2
+
+
+@pytest.mark.parametrize("fault, starts", [
+    ("update-older", 2),        # a newer one is what update-cut sends
+    ("update-other-board", 1),
+    ("update-walking", 1),
+])
+def test_a_program_comes_over_can_or_is_refused_with_the_reason(fault, starts):
+    """afo g474 itself checks the words of the refusal and which program runs in the end."""
+    end = g474("--fault", fault, "--speed", "0.45", "--fault-step", "2")
+    assert end["starts"] == starts and end["fault"] == "none" and end["findings"] == 0
+
+
+def test_power_may_fail_while_a_program_is_received_ordered_and_installed():
+    """The old or the new program runs afterwards; without a cut the new one."""
+    end = g474("--fault", "update-cut", "--every", "1511")
+    assert end["cuts"] >= 10 and end["bad_cuts"] == 0 and end["fault"] == "none"
+
+
+@pytest.mark.long
+def test_power_may_fail_all_over_an_update():
+    """Each word of it is cut in tests/hal/port_stm32g474/test_programs.c, on a shorter image."""
+    end = g474("--fault", "update-cut", "--every", "61")
+    assert end["cuts"] > 250 and end["bad_cuts"] == 0
 
 
 @pytest.mark.long

@@ -27,6 +27,11 @@ __attribute__((section(".blackbox"))) static struct black_box black_box;
 __attribute__((section(".crash.record"))) struct crash_record crash_record;
 __attribute__((section(".crash.streak"))) struct crash_streak crash_streak;
 
+__attribute__((section(".program_header"),
+               used)) static const struct program_header program_header = {
+    .magic = PROGRAM_MAGIC,
+    .hardware = PROGRAM_HARDWARE_NUCLEO_G474RE}; /* scripts/seal-image: the rest */
+
 void fdcan1_handler(void);
 void tim2_handler(void);
 
@@ -145,6 +150,7 @@ int main(void)
     const uint32_t reset_flags = clock_tree_take_reset_flags();
     const enum clock_tree_result clocks = clock_tree_init();
     const struct nv_store nv = flash_store_interface(&flash);
+    const struct program_slots program = flash_store_programs(&flash);
     const struct clock clock = tim2_clock_interface(&timer);
     struct orthosis_config config = {
         .clock = &clock,
@@ -152,6 +158,7 @@ int main(void)
         .watchdog = &iwdg_watchdog,
         .drive_power = &pc1_drive_power_enable,
         .nv = &nv,
+        .program = &program,
         .black_box = &black_box,
         .crash = &crash_record,
         .streak = &crash_streak,
@@ -170,6 +177,13 @@ int main(void)
         if (clock_take_tick(&clock)) {
             control_task_show_missed(&orthosis.task, clock_missed_ticks(&clock));
             orthosis_start_cycle(&orthosis);
+            if (orthosis_program_is_damaged(&orthosis)) {
+                cortex_m4_crash(CRASH_PROGRAM, 0);
+            }
+            if (orthosis_wants_restart(&orthosis)) {
+                fdcan_silence();
+                cortex_m4_reset();
+            }
         }
         (void)orthosis_poll(&orthosis);
         idle_until_interrupt(&can, &timer);

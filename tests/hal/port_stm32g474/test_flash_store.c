@@ -79,7 +79,7 @@ START_TEST(words_are_written_read_and_erased_bank_by_bank)
     assert_word(0, 0, -1);
     assert_word(0, last, -1);
     assert_word(1, 0, 3);
-    ck_assert_uint_eq(model.word[2][0], 0x0A09080706050403u);
+    ck_assert_uint_eq(model.word[MODEL_STORE_PAGE + 2][0], 0x0A09080706050403u);
     ck_assert_msg((model.cr & 0x80000000u) != 0, "left unlocked");
     ck_assert_uint_eq(model.cr & 0xFFFu, 0);
     ck_assert_uint_eq(model.acr, 0x00040601u);
