@@ -41,7 +41,7 @@ struct write_rules {
 uint32_t write_rules_writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
                              unsigned length);
 void write_rules_written(void *context, const struct co_entry *entry);
-void write_rules_reading(void *context, const struct co_entry *entry);
+uint32_t write_rules_reading(void *context, const struct co_entry *entry);
 
 /* Shows in the dictionary what is attached: the settings store, the crash record. O(1). */
 void write_rules_show_attached(const struct write_rules *rules);

@@ -30,7 +30,7 @@ bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data, 
 uint32_t co_comm_writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
                          unsigned length);
 void co_comm_written(void *context, const struct co_entry *entry);
-void co_comm_reading(void *context, const struct co_entry *entry);
+uint32_t co_comm_reading(void *context, const struct co_entry *entry);
 
 void co_device_take_rpdo(struct co_device *device, unsigned number, const struct can_msg *message,
                          uint64_t now_ns);

@@ -147,8 +147,8 @@ static bool download_segment(struct co_sdo_server *server, const uint8_t *reques
     }
     const unsigned count = SEGMENT_BYTES - (unsigned)(request[0] >> 1 & 7);
     const bool last = (request[0] & LAST_SEGMENT) != 0;
-    if (server->position + count > CO_VALUE_MAX) {
-        return send_abort(server, CO_ABORT_MEMORY, answer);
+    if (server->position + count > CO_VALUE_MAX) { /* no object is longer */
+        return send_abort(server, CO_ABORT_TOO_LONG, answer);
     }
     memcpy(server->buffer + server->position, request + 1, count);
     server->position += count;
@@ -178,12 +178,12 @@ static bool initiate_upload(struct co_sdo_server *server, uint8_t *answer)
 {
     const struct co_entry *entry;
     void *base;
-    const uint32_t refused = find(server, CO_READ | CO_CONST, &entry, &base);
+    uint32_t refused = find(server, CO_READ | CO_CONST, &entry, &base);
+    if (refused == CO_ABORT_NONE && server->hooks != NULL && server->hooks->reading != NULL) {
+        refused = server->hooks->reading(server->context, entry);
+    }
     if (refused != CO_ABORT_NONE) {
         return send_abort(server, refused, answer);
-    }
-    if (server->hooks != NULL && server->hooks->reading != NULL) {
-        server->hooks->reading(server->context, entry);
     }
     server->source = server->buffer;
     if (entry->type == CO_DOMAIN) {

@@ -13,12 +13,12 @@
 
 /* The owner's say in an access: called before a value is stored (bytes in bus
  * order; returning an abort code refuses it), after it was stored, and before a
- * value is read. Any may be NULL. */
+ * value is read (returning an abort code refuses it, too). Any may be NULL. */
 struct co_access_hooks {
     uint32_t (*writing)(void *context, const struct co_entry *entry, const uint8_t *bytes,
                         unsigned length);
     void (*written)(void *context, const struct co_entry *entry);
-    void (*reading)(void *context, const struct co_entry *entry);
+    uint32_t (*reading)(void *context, const struct co_entry *entry);
 };
 
 enum co_sdo_phase { CO_SDO_IDLE = 0, CO_SDO_DOWNLOAD = 1, CO_SDO_UPLOAD = 2 };
