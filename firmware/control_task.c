@@ -115,6 +115,7 @@ static void collect_input(const struct control_task *task, struct controller_inp
         .node_error = network_has_error(&task->network),
         .emergency_stop = task->emergency_stop,
         .foreign_node = task->foreign,
+        .node_written = tool_watch_is_written(&task->tools),
         .parameters_corrupt = task->node.guard.corrupt,
         .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
         .reset_requested = task->node.objects.reset_requested != 0,
@@ -153,9 +154,10 @@ static bool send_commands(struct control_task *task)
         const unsigned index = network_index((uint8_t)(NODE_DRIVE_LEFT + leg));
         command[leg] = (struct sea_drive_command){
             .precompression_m = request->precompression_m,
-            .enable = request->enable,
+            .enable = request->enable && (task->tools.shut_down & (1u << leg)) == 0,
             .latch_armed = request->latch_armed,
             .clear_fault = task->node.objects.reset_requested != 0,
+            .repeat = tool_watch_is_written(&task->tools),
             .unconfigured = !bring_up_is_configured(&task->bring_up, index),
             .operational = task->network.node[index].state == NMT_OPERATIONAL};
     }
@@ -211,8 +213,16 @@ static unsigned run_tick(struct control_task *task)
     count_late_answers(&task->node.objects.counters, &input);
     task->foreign = input.foreign_node;
     controller_update(&task->controller, &input, &task->output);
+    const unsigned stuck =
+        task->output.state == SUPERVISOR_UNLOADING
+            ? tool_watch_find_stuck(&task->tools, &task->config.drives, task->output.sea,
+                                    task->node.objects.params.leg_length_m)
+            : 0;
     const bool sent = send_commands(task);
-    stop_by_nmt(task, drive_watch_update(&task->watch, &task->config.drives, task->output.state));
+    stop_by_nmt(task,
+                stuck | drive_watch_update(&task->watch, &task->config.drives, task->output.state));
+    tool_watch_end_tick(&task->tools, &task->bring_up, &task->config.drives,
+                        supervisor_may_enable(task->output.state));
     task->node.objects.reset_requested = 0;
     task->node.objects.zero_requested = 0;
     input_digest_end_tick(&task->node.objects.input_digest);
@@ -233,11 +243,13 @@ static void deliver_frame(struct control_task *task, const struct can_msg *messa
 {
     const bool masters = frame_is_masters(message->id);
     task->foreign = task->foreign || masters;
-    if (!masters && (leg_sensors_receive(&task->sensors, message) ||
-                     sea_drives_receive(&task->config.drives, message) ||
-                     network_receive(&task->network, message) ||
-                     node_setup_receive(&task->bring_up.setup, message, task->now_ns) ||
-                     controller_node_receive(&task->node, message, task->now_ns))) {
+    if (!masters &&
+        (leg_sensors_receive(&task->sensors, message) ||
+         sea_drives_receive(&task->config.drives, message) ||
+         tool_watch_receive(&task->tools, &task->bring_up, message, &task->node.objects) ||
+         network_receive(&task->network, message) ||
+         node_setup_receive(&task->bring_up.setup, message, task->now_ns) ||
+         controller_node_receive(&task->node, message, task->now_ns))) {
         input_digest_add(&task->node.objects.input_digest, message);
         return;
     }

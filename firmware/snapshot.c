@@ -49,6 +49,7 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.comm.tpdo[1].waiting)        \
     X(bring_up.configured)              \
     X(watch.disobeys)                   \
+    X(tools)                            \
     X(emergency_stop)
 
 #define FIELD_SIZE(field) +sizeof(((struct control_task *)0)->field)

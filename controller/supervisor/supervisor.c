@@ -106,6 +106,7 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "value not finite",
                                                          "spring not unloaded in time",
                                                          "restarted by itself",
-                                                         "foreign node on the bus"};
+                                                         "foreign node on the bus",
+                                                         "a tool wrote to a drive or sensor"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }
