@@ -29,7 +29,8 @@ static bool was_dear(const struct bus_recorder *recorder)
 
     return recorder->frames > QUIET_FRAMES || task->output.new_step || event[GAIT_APEX].happened ||
            event[GAIT_HEEL_STRIKE].happened || event[GAIT_LIFT_OFF].happened ||
-           task->controller.observer.apex.work.busy || task->bring_up.setup.under_way;
+           task->controller.observer.apex.work.busy || task->bring_up.setup.under_way ||
+           task->audit.under_way;
 }
 
 static void end_tick(struct bus_recorder *recorder)

@@ -116,6 +116,7 @@ static void collect_input(const struct control_task *task, struct controller_inp
         .emergency_stop = task->emergency_stop,
         .foreign_node = task->foreign,
         .node_written = tool_watch_is_written(&task->tools),
+        .node_changed = task->audit.memory.deviates != 0,
         .parameters_corrupt = task->node.guard.corrupt,
         .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
         .reset_requested = task->node.objects.reset_requested != 0,
@@ -201,6 +202,19 @@ static void bring_nodes_up(struct control_task *task)
     }
 }
 
+/* A drive that is no longer as it was set up is treated like one that somebody wrote to. */
+static void audit_drives(struct control_task *task)
+{
+    struct setup_failure found;
+    struct controller_node *node = &task->node;
+    if (drive_audit_update(&task->audit, &task->bring_up, &task->network, &task->config.bus,
+                           task->tick, task->now_ns, &found,
+                           &node->objects.counters.audits_unanswered)) {
+        telemetry_report_refused_node(&node->objects, &node->device, &found);
+        tool_watch_distrust(&task->tools, network_index(found.node), found.index);
+    }
+}
+
 static unsigned run_tick(struct control_task *task)
 {
     struct controller_input input;
@@ -227,6 +241,9 @@ static unsigned run_tick(struct control_task *task)
     task->node.objects.zero_requested = 0;
     input_digest_end_tick(&task->node.objects.input_digest);
     bring_nodes_up(task);
+    if (task->config.configure_nodes) {
+        audit_drives(task);
+    }
     network_update(&task->network, &task->config.bus, task->bring_up.configured);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);
@@ -239,14 +256,24 @@ static unsigned run_tick(struct control_task *task)
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
 }
 
+static bool hear_tool(struct control_task *task, const struct can_msg *message)
+{
+    const bool heard =
+        tool_watch_receive(&task->tools, &task->bring_up, message, &task->node.objects);
+    if (heard) {
+        drive_audit_give_way(&task->audit);
+    }
+    return heard;
+}
+
 static void deliver_frame(struct control_task *task, const struct can_msg *message)
 {
     const bool masters = frame_is_masters(message->id);
     task->foreign = task->foreign || masters;
     if (!masters &&
         (leg_sensors_receive(&task->sensors, message) ||
-         sea_drives_receive(&task->config.drives, message) ||
-         tool_watch_receive(&task->tools, &task->bring_up, message, &task->node.objects) ||
+         sea_drives_receive(&task->config.drives, message) || hear_tool(task, message) ||
+         drive_audit_receive(&task->audit, &task->bring_up, message, task->now_ns) ||
          network_receive(&task->network, message) ||
          node_setup_receive(&task->bring_up.setup, message, task->now_ns) ||
          controller_node_receive(&task->node, message, task->now_ns))) {

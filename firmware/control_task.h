@@ -19,6 +19,7 @@
 #include "controller/controller.h"
 #include "firmware/bring_up.h"
 #include "firmware/controller_node.h"
+#include "firmware/drive_audit.h"
 #include "firmware/drive_watch.h"
 #include "firmware/tool_watch.h"
 #include "hal/bus/can_bus.h"
@@ -55,6 +56,7 @@ struct control_task {
     struct bring_up bring_up; /* of the network's nodes */
     struct drive_watch watch;
     struct tool_watch tools;
+    struct drive_audit audit;
     struct leg_sensors sensors;
     struct controller_node node; /* commands, parameters and telemetry over CAN */
     struct controller controller;

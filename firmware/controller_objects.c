@@ -62,6 +62,8 @@ const struct co_entry controller_object_table[] = {
            "SDO reads of others from nodes"),
     CO_ANY(OWNER, counters.foreign_downloads, 0x2020, 14, CO_UNSIGNED32, RO,
            "SDO writes of others to nodes"),
+    CO_ANY(OWNER, counters.audits_unanswered, 0x2020, 15, CO_UNSIGNED32, RO,
+           "Read-backs without an answer"),
     CO_ANY(OWNER, drive_count, 0x2021, 0, CO_UNSIGNED8, FIXED, "Drives"),
     CO_ANY(OWNER, drive_temperature_0_1_degC[SIDE_LEFT], 0x2021, 1, CO_INTEGER16, RO,
            "Left drive temperature 0.1 degC"),

@@ -26,6 +26,7 @@ struct controller_counters {
     uint32_t forced_stops;    /* NMT stops: a drive stayed enabled, or a foreign node spoke */
     uint32_t foreign_uploads; /* SDO requests of others to drives and sensors that read */
     uint32_t foreign_downloads; /* ... and that write: a fault, once the node is set up */
+    uint32_t audits_unanswered; /* read-backs of the drives' objects that were not answered */
     uint32_t missed_ticks; /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;

@@ -19,6 +19,14 @@ static bool is_download(unsigned command)
     return command == DOWNLOAD_SEGMENT || command == INITIATE_DOWNLOAD || command == BLOCK_DOWNLOAD;
 }
 
+void tool_watch_distrust(struct tool_watch *watch, unsigned index, uint16_t changed)
+{
+    watch->distrusted = (uint8_t)(watch->distrusted | 1u << index);
+    if (changed == 0 || changed == ABORT_CONNECTION_OPTION) {
+        watch->unstoppable = (uint8_t)(watch->unstoppable | 1u << index);
+    }
+}
+
 bool tool_watch_receive(struct tool_watch *watch, const struct bring_up *bring_up,
                         const struct can_msg *message, struct controller_objects *objects)
 {
@@ -43,10 +51,7 @@ bool tool_watch_receive(struct tool_watch *watch, const struct bring_up *bring_u
     }
     if (index < NETWORK_NODES && bring_up_is_configured(bring_up, index)) {
         watch->written = (uint8_t)(watch->written | 1u << index);
-        watch->distrusted = (uint8_t)(watch->distrusted | 1u << index);
-        if (objects->tool_index == 0 || objects->tool_index == ABORT_CONNECTION_OPTION) {
-            watch->unstoppable = (uint8_t)(watch->unstoppable | 1u << index);
-        }
+        tool_watch_distrust(watch, index, objects->tool_index);
     }
     return true;
 }

@@ -41,6 +41,10 @@ struct tool_watch {
 bool tool_watch_receive(struct tool_watch *watch, const struct bring_up *bring_up,
                         const struct can_msg *message, struct controller_objects *objects);
 
+/* Node `index` of the network is no longer as it was set up: its object `changed` is not (0: it is not known
+ * which). It is set up anew when nothing can be loaded any more. O(1). */
+void tool_watch_distrust(struct tool_watch *watch, unsigned index, uint16_t changed);
+
 /* Once a tick, behind the controller's decision, while it unloads: request is what it asks of the drives
  * (SIDE_COUNT), leg_length_m the person's. Returns the legs (bit 1 << side) whose drive does not follow and is to
  * be stopped by NMT; others that do not follow go into watch->shut_down. Loop only; O(1). */

@@ -107,6 +107,7 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "spring not unloaded in time",
                                                          "restarted by itself",
                                                          "foreign node on the bus",
-                                                         "a tool wrote to a drive or sensor"};
+                                                         "a tool wrote to a drive or sensor",
+                                                         "a drive's setting has changed"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }

@@ -64,7 +64,8 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_RESTARTED = 17,    /* the processor restarted by itself: crash or watchdog */
     SUPERVISOR_FAULT_FOREIGN = 18,      /* another node sends with identifiers of this bus */
     SUPERVISOR_FAULT_NODE_WRITTEN = 19, /* somebody else wrote to a drive or sensor over SDO */
-    SUPERVISOR_FAULTS = 20
+    SUPERVISOR_FAULT_NODE_CHANGED = 20, /* a drive's setting is not what it was at the set-up */
+    SUPERVISOR_FAULTS = 21
 };
 
 /* Conditions, one bit each. */
