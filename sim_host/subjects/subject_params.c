@@ -37,12 +37,12 @@ static int check_spring(const struct subject *subject, double length_scale, char
     return -1;
 }
 
-/* The spring that the compass' gaits are computed with: the nearest one that suits. A person's law does
- * not ask for them, and their spring may be any. */
+/* The spring that the compass' gaits are computed with: the nearest one that suits well. A person's law
+ * does not ask for them, and their spring may be any. */
 static double clipped_length_scale(const struct subject *subject, double length_scale)
 {
-    const double least = GAIT_CURVE_FLOOR * subject->person.leg_length_m / 0.005;
-    const double most = GAIT_CURVE_CEILING * subject->person.leg_length_m / 0.3;
+    const double least = 0.5 * subject->person.leg_length_m;
+    const double most = subject->person.leg_length_m;
     return length_scale < least ? least : (length_scale > most ? most : length_scale);
 }
 
