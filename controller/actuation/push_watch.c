@@ -27,28 +27,31 @@ void push_watch_prescribe(struct push_watch *watch, enum side side)
     watch->leg[side].prescribed = true;
 }
 
-void push_watch_tick(struct push_watch *watch, enum side side, bool armed, bool waits, bool behind,
-                     enum latch_state latch)
+void push_watch_tick(struct push_watch *watch, enum side side, const struct push_view *view,
+                     uint32_t tick)
 {
     struct push_leg *leg = &watch->leg[side];
-    if (behind) {
+    if (view->behind) {
         count(&leg->behind_ticks);
     }
     if (!leg->prescribed) {
         return;
     }
-    leg->waited = waits;
-    leg->armed = leg->armed || armed;
+    leg->waited = view->waits;
+    if (view->armed && !leg->armed) {
+        leg->armed = true;
+        leg->armed_tick = tick;
+    }
     /* A drive that does not tell of its latch is believed. */
-    leg->opened = leg->opened || (leg->armed && latch != LATCH_CLOSED);
+    leg->opened = leg->opened || (leg->armed && view->latch != LATCH_CLOSED);
 }
 
-void push_watch_strike(struct push_watch *watch, enum side side, bool loaded)
+void push_watch_strike(struct push_watch *watch, enum side side, uint32_t strike_tick)
 {
     struct push_leg *leg = &watch->leg[side];
     if (leg->prescribed && !leg->struck) {
         leg->struck = true;
-        leg->loaded = loaded;
+        leg->loaded = leg->armed && leg->armed_tick <= strike_tick;
     }
 }
 
@@ -63,7 +66,7 @@ static enum push_outcome judge(const struct push_leg *leg)
     if (leg->waited) {
         return PUSH_LATCH_OPEN;
     }
-    return leg->loaded || leg->armed ? PUSH_NOT_RELEASED : PUSH_NOT_LOADED;
+    return leg->loaded ? PUSH_NOT_RELEASED : PUSH_NOT_LOADED;
 }
 
 enum push_outcome push_watch_end(struct push_watch *watch, enum side side)

@@ -4,7 +4,7 @@
  * when the latch was seen open between arming and the own foot's lift-off. If not, the first of these
  * was the reason:
  *   latch open    the latch did not report closed, so the spring could not be loaded at all
- *   not loaded    the spring was not at its target when the other foot landed: the latch was not armed
+ *   not loaded    the spring was not at its target, and so not armed, when the other foot landed
  *   not released  loaded and armed, but the latch did not open
  * Misses in a row, of either leg, are counted too: the assistance is withdrawn after
  * PUSH_WATCH_MISSES (conditions.h).
@@ -37,10 +37,11 @@ enum { PUSH_WATCH_MISSES = 3 }; /* pushes in a row that were prescribed and not 
 struct push_leg {
     bool prescribed;               /* in this stance */
     bool waited;                   /* for the latch to close, and still does */
-    bool armed;                    /* at some tick of it */
+    bool armed;                    /* at some tick of it, */
+    uint32_t armed_tick;           /* the first of them */
     bool opened;                   /* the latch, while armed or after */
     bool struck;                   /* the other foot has landed */
-    bool loaded;                   /* when it did */
+    bool loaded;                   /* armed by then */
     uint8_t last;                  /* enum push_outcome of the last stance */
     uint32_t behind_ticks;         /* the motor was far behind its reference; saturates */
     uint32_t count[PUSH_OUTCOMES]; /* since the start; saturate */
@@ -57,13 +58,20 @@ void push_watch_begin(struct push_watch *watch);
 /* A stance begins whose push-off is prescribed. One that has no end yet ends now. */
 void push_watch_prescribe(struct push_watch *watch, enum side side);
 
-/* Once a tick: whether this leg is armed, its latch, and whether its motor is far behind. waits: the
- * spring is not loaded because the latch is not closed. */
-void push_watch_tick(struct push_watch *watch, enum side side, bool armed, bool waits, bool behind,
-                     enum latch_state latch);
+/* What a tick shows of a leg. */
+struct push_view {
+    bool armed;
+    bool waits;  /* the spring is not loaded because the latch is not closed */
+    bool behind; /* the motor is far behind its reference */
+    enum latch_state latch;
+};
 
-/* The other foot has landed: loaded says whether this leg's spring is at its target. */
-void push_watch_strike(struct push_watch *watch, enum side side, bool loaded);
+/* Once a tick. */
+void push_watch_tick(struct push_watch *watch, enum side side, const struct push_view *view,
+                     uint32_t tick);
+
+/* The other foot landed at strike_tick, which may be some ticks ago. */
+void push_watch_strike(struct push_watch *watch, enum side side, uint32_t strike_tick);
 
 /* The stance is over. Returns what became of its push-off, PUSH_NONE where none was prescribed. */
 enum push_outcome push_watch_end(struct push_watch *watch, enum side side);

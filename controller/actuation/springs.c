@@ -102,7 +102,7 @@ enum push_outcome springs_follow(struct springs *springs, const struct step_deci
     }
     if (strike->happened) {
         const enum side other = side_other(strike->side);
-        push_watch_strike(&springs->watch, other, springs->sea[other].phase == SEA_ARMED);
+        push_watch_strike(&springs->watch, other, strike->tick);
         if (decision->assists) {
             push_watch_prescribe(&springs->watch, strike->side);
         }
@@ -203,8 +203,11 @@ void springs_command(struct springs *springs, const struct control_params *param
                             sea->age_ticks > ticks_from_seconds(params->sensor_age_max_s);
         request[side].enable = !silent;
         request[side].latch_armed = request[side].latch_armed && may_release(gait, (enum side)side);
-        push_watch_tick(
-            &springs->watch, (enum side)side, request[side].latch_armed, springs->waits[side],
-            is_behind(springs, params, (enum side)side, sea->precompression_m), sea->latch);
+        const struct push_view view = {
+            .armed = request[side].latch_armed,
+            .waits = springs->waits[side],
+            .behind = is_behind(springs, params, (enum side)side, sea->precompression_m),
+            .latch = sea->latch};
+        push_watch_tick(&springs->watch, (enum side)side, &view, input->tick);
     }
 }

@@ -227,6 +227,16 @@ static int check_device(const struct subject *subject, const struct control_para
         check_lever(subject, SIDE_RIGHT, message) != 0) {
         return -1;
     }
+    /* A trapezium of speed is 3/2 of its mean at its fastest. A person's cadence is their own. */
+    const double needed_m_s = 1.5 * (double)params->start_r0_m / SUBJECT_LOAD_S;
+    if (subject->is_person && needed_m_s > subject_speed_max_m_s(subject)) {
+        snprintf(
+            message, SUBJECT_MESSAGE_MAX,
+            "speed over drive: %g m in %.3g s, at 130 steps a minute, needs %.3g m/s of spring, "
+            "and speed_max_m_s is %.3g m/s",
+            (double)params->start_r0_m, SUBJECT_LOAD_S, needed_m_s, subject_speed_max_m_s(subject));
+        return -1;
+    }
     if (greatest_N > 1.0001 * force_N) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "spring over motor: at r0_max_m, %g m, the spring pushes with %.4g N, and the "

@@ -9,13 +9,21 @@ static void setup(void)
     watch = (struct push_watch){0};
 }
 
-/* One stance of the left leg. */
+static uint32_t now;
+
+static void tick(enum side side, bool armed, bool waits, bool behind, enum latch_state latch)
+{
+    const struct push_view view = {armed, waits, behind, latch};
+    push_watch_tick(&watch, side, &view, ++now);
+}
+
+/* One stance of the left leg; loaded: armed before the other foot landed. */
 static enum push_outcome stance(bool armed, bool waits, enum latch_state latch, bool loaded)
 {
     push_watch_prescribe(&watch, SIDE_LEFT);
-    push_watch_tick(&watch, SIDE_LEFT, false, waits, false, LATCH_CLOSED);
-    push_watch_tick(&watch, SIDE_LEFT, armed, waits, false, latch);
-    push_watch_strike(&watch, SIDE_LEFT, loaded);
+    tick(SIDE_LEFT, false, waits, false, LATCH_CLOSED);
+    tick(SIDE_LEFT, armed, waits, false, latch);
+    push_watch_strike(&watch, SIDE_LEFT, loaded ? now : now - 1);
     return push_watch_end(&watch, SIDE_LEFT);
 }
 
@@ -25,11 +33,12 @@ START_TEST(every_outcome_has_its_reason)
     ck_assert_int_eq(stance(true, false, LATCH_UNKNOWN, true), PUSH_GIVEN);
     ck_assert_int_eq(stance(false, true, LATCH_OPEN, false), PUSH_LATCH_OPEN);
     ck_assert_int_eq(stance(false, false, LATCH_CLOSED, false), PUSH_NOT_LOADED);
+    ck_assert_int_eq(stance(true, false, LATCH_CLOSED, false), PUSH_NOT_LOADED); /* too late */
     ck_assert_int_eq(stance(true, false, LATCH_CLOSED, true), PUSH_NOT_RELEASED);
     const struct push_leg *leg = &watch.leg[SIDE_LEFT];
     ck_assert_uint_eq(leg->count[PUSH_GIVEN], 2);
     ck_assert_uint_eq(leg->count[PUSH_LATCH_OPEN], 1);
-    ck_assert_uint_eq(leg->count[PUSH_NOT_LOADED], 1);
+    ck_assert_uint_eq(leg->count[PUSH_NOT_LOADED], 2);
     ck_assert_uint_eq(leg->count[PUSH_NOT_RELEASED], 1);
     ck_assert_uint_eq(leg->last, PUSH_NOT_RELEASED);
     ck_assert_uint_eq(watch.leg[SIDE_RIGHT].count[PUSH_GIVEN], 0);
@@ -39,8 +48,8 @@ END_TEST
 START_TEST(an_open_latch_that_nobody_armed_is_no_push)
 {
     push_watch_prescribe(&watch, SIDE_LEFT);
-    push_watch_tick(&watch, SIDE_LEFT, false, false, false, LATCH_OPEN);
-    push_watch_strike(&watch, SIDE_LEFT, false);
+    tick(SIDE_LEFT, false, false, false, LATCH_OPEN);
+    push_watch_strike(&watch, SIDE_LEFT, now);
     ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_LOADED);
 }
 END_TEST
@@ -52,7 +61,7 @@ START_TEST(three_misses_in_a_row_of_either_leg)
     }
     ck_assert_uint_eq(watch.missed_in_row, PUSH_WATCH_MISSES - 1);
     push_watch_prescribe(&watch, SIDE_RIGHT);
-    push_watch_tick(&watch, SIDE_RIGHT, true, false, false, LATCH_OPEN);
+    tick(SIDE_RIGHT, true, false, false, LATCH_OPEN);
     ck_assert_int_eq(push_watch_end(&watch, SIDE_RIGHT), PUSH_GIVEN); /* before the other landed */
     ck_assert_uint_eq(watch.missed_in_row, 0);
     for (int i = 0; i < 300; i++) {
@@ -72,18 +81,18 @@ START_TEST(a_stance_that_was_not_seen_to_its_end_says_nothing)
     ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NONE);
     ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NONE);
     ck_assert_uint_eq(watch.missed_in_row, 0);
-    push_watch_strike(&watch, SIDE_LEFT, true); /* nothing is prescribed */
+    push_watch_strike(&watch, SIDE_LEFT, now); /* nothing is prescribed */
     ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NONE);
 }
 END_TEST
 
 START_TEST(a_motor_that_is_behind_is_counted_always)
 {
-    push_watch_tick(&watch, SIDE_RIGHT, false, false, true, LATCH_CLOSED);
-    push_watch_tick(&watch, SIDE_RIGHT, false, false, false, LATCH_CLOSED);
+    tick(SIDE_RIGHT, false, false, true, LATCH_CLOSED);
+    tick(SIDE_RIGHT, false, false, false, LATCH_CLOSED);
     ck_assert_uint_eq(watch.leg[SIDE_RIGHT].behind_ticks, 1);
     watch.leg[SIDE_RIGHT].behind_ticks = UINT32_MAX;
-    push_watch_tick(&watch, SIDE_RIGHT, false, false, true, LATCH_CLOSED);
+    tick(SIDE_RIGHT, false, false, true, LATCH_CLOSED);
     ck_assert_uint_eq(watch.leg[SIDE_RIGHT].behind_ticks, UINT32_MAX);
 }
 END_TEST

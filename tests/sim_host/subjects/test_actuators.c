@@ -122,6 +122,13 @@ START_TEST(an_idealised_device_s_own_numbers_must_fit_too)
     device_file_set(&subject.device, SIDE_RIGHT, DEVICE_LEG_ankle_lever_m, 0.08);
     ck_assert_int_eq(params_of(0.05, 0.0), -1);
     ck_assert_msg(strstr(message, "right leg: stroke over lever") != NULL, "said: %s", message);
+    subject_default(&subject);
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        device_file_set(&subject.device, (enum side)leg, DEVICE_LEG_speed_max_m_s, 0.08);
+    }
+    ck_assert_int_eq(params_of(0.04, 0.0), -1);
+    ck_assert_msg(strstr(message, "speed over drive: 0.04 m in 0.369 s") != NULL, "said: %s",
+                  message);
 }
 END_TEST
 
