@@ -18,13 +18,40 @@ void push_watch_begin(struct push_watch *watch)
     for (int side = 0; side < SIDE_COUNT; side++) {
         forget(&watch->leg[side]);
     }
+    watch->leg[SIDE_LEFT].dragged = watch->leg[SIDE_RIGHT].dragged = false;
     watch->missed_in_row = 0;
+    watch->dragged_in_row = 0;
+}
+
+static void count_up(uint8_t *number)
+{
+    if (*number < UINT8_MAX) {
+        (*number)++;
+    }
 }
 
 void push_watch_prescribe(struct push_watch *watch, enum side side)
 {
+    struct push_leg *leg = &watch->leg[side];
     (void)push_watch_end(watch, side);
-    watch->leg[side].prescribed = true;
+    if (!leg->dragged && leg->last == PUSH_GIVEN) {
+        watch->dragged_in_row = 0;
+    }
+    leg->dragged = false;
+    leg->prescribed = true;
+}
+
+bool push_watch_drag(struct push_watch *watch, enum side side)
+{
+    struct push_leg *leg = &watch->leg[side];
+    if (leg->dragged) {
+        return false;
+    }
+    leg->dragged = true;
+    leg->last = (uint8_t)PUSH_DRAGS;
+    count(&leg->count[PUSH_DRAGS]);
+    count_up(&watch->dragged_in_row);
+    return true;
 }
 
 void push_watch_tick(struct push_watch *watch, enum side side, const struct push_view *view,
@@ -79,8 +106,8 @@ enum push_outcome push_watch_end(struct push_watch *watch, enum side side)
         leg->last = (uint8_t)outcome;
         if (outcome == PUSH_GIVEN) {
             watch->missed_in_row = 0;
-        } else if (watch->missed_in_row < UINT8_MAX) {
-            watch->missed_in_row++;
+        } else {
+            count_up(&watch->missed_in_row);
         }
         forget(leg);
         return outcome;

@@ -129,12 +129,22 @@ static void cell(const struct study *study, int law, int kind, int time)
     printf("  %-18s", text);
 }
 
-/* The largest time up to which every trial walked. */
+/* A walk that has lost more of its speed is no longer the one that was asked for, %. */
+#define LOST_PERCENT 10.0
+
+static bool walks_on(const struct study *study, int law, int kind, int time)
+{
+    const struct latch_result *result = worst(study, law, kind, time);
+    const double change = 100.0 * (result->speed_rad_s / on_time(study, law)->speed_rad_s - 1.0);
+    return result->walked == study->steps && change > -LOST_PERCENT && change < LOST_PERCENT;
+}
+
+/* The largest time up to which every trial walked on. */
 static double bears_ms(const struct study *study, int law, int kind)
 {
     double most = 0.0;
     for (int time = kind; time < TIMES; time++) {
-        if (worst(study, law, kind, time)->walked < study->steps) {
+        if (!walks_on(study, law, kind, time)) {
             break;
         }
         most = times_ms[time];

@@ -13,11 +13,6 @@ static int configure(const struct latch_trial *trial, struct loop_config *config
     char message[LOOP_MESSAGE_MAX];
     subject_default(&subject);
     person_override(&subject.person, "law", (double)trial->law);
-    if (subject_control_params(&subject, &params, message) != 0) {
-        return -1;
-    }
-    person_override(&subject.person, "start_r0_m",
-                    (double)speed_table_inverse(&params.table, (real)trial->speed_rad_s));
     if (subject_control_params(&subject, &params, message) != 0 ||
         loop_configure(config, &subject, &params, trial->speed_rad_s, SENSORS_17BIT, trial->seed,
                        message) != 0) {

@@ -1,7 +1,7 @@
 /* What each law bears of a latch that opens late: by a constant time, or by one that scatters.
  *
- * The paper's walker walks in closed loop, through bus, sensors and actuator, at one speed. It begins at the
- * steady gait of that speed. A trial ends with a fall or after so many steps.
+ * The paper's walker walks in closed loop, through bus, sensors and actuator. It sets off slowly and the law
+ * brings it to one speed, as in any walk. A trial ends with a fall or after so many steps.
  */
 #ifndef SIM_HOST_STUDY_SIZE_LATCH_STUDY_H
 #define SIM_HOST_STUDY_SIZE_LATCH_STUDY_H
