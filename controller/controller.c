@@ -14,6 +14,7 @@ int controller_init(struct controller *controller, const struct control_params *
     samples_init(&controller->samples);
     checks_init(&controller->checks);
     step_monitor_init(&controller->step_monitor);
+    motion_init(&controller->motion);
     step_law_init(&controller->plan.law, params);
     gait_observer_init(&controller->observer, params);
     return CONTROL_PARAMS_OK;
@@ -66,6 +67,14 @@ static bool legs_disagree(const struct controller *controller)
            body_of(controller->params->body)->legs_take_turns;
 }
 
+/* A drive that is cut off says so, and leaves its state. For MOTION_CUT_TICKS at most that is what is
+ * looked for, and no fault; behind the cut it is one. */
+static bool is_meant_by_cut(const struct controller *controller, enum supervisor_fault fault)
+{
+    return controller->supervisor.state == SUPERVISOR_COMMISSIONING && controller->motion.cut &&
+           (fault == SUPERVISOR_FAULT_NODE_LOST || fault == SUPERVISOR_FAULT_DRIVE);
+}
+
 /* Replaces what is lost or impossible in *values. Returns the first thing that is wrong. */
 static enum supervisor_fault screen(struct controller *controller, struct controller_input *values)
 {
@@ -77,7 +86,7 @@ static enum supervisor_fault screen(struct controller *controller, struct contro
     if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
         fault = SUPERVISOR_FAULT_LEGS;
     }
-    return fault;
+    return is_meant_by_cut(controller, fault) ? SUPERVISOR_FAULT_NONE : fault;
 }
 
 /* ---- supervise -------------------------------------------------------------------- */
@@ -101,6 +110,12 @@ static void enter_state(struct controller *controller, const struct controller_i
         springs_begin(&controller->springs, params, values);
         command_guard_begin(&controller->guard, params);
         controller->observing = true;
+        break;
+    case SUPERVISOR_COMMISSIONING:
+        springs_begin(&controller->springs, params, values);
+        command_guard_begin_motions(&controller->guard, params,
+                                    motion_share_allowed(&controller->motion));
+        motion_enter(&controller->motion);
         break;
     case SUPERVISOR_UNLOADING:
         /* In test mode the first spring is loaded at once. It must not happen again by itself
@@ -128,6 +143,7 @@ static void supervise(struct controller *controller, const struct controller_inp
         .checks = &controller->checks,
         .step_monitor = &controller->step_monitor,
         .sea = controller->springs.sea,
+        .motion_requested = motion_watch(&controller->motion, values),
         .request_spent = controller->request_spent,
         .pushes_fail = pushes_fail(controller),
     };
@@ -135,6 +151,10 @@ static void supervise(struct controller *controller, const struct controller_inp
     const uint16_t conditions = conditions_find(&controller->supervisor, &view, fault);
     if (supervisor_update(&controller->supervisor, values->tick, conditions, fault)) {
         enter_state(controller, values);
+        if (from == SUPERVISOR_COMMISSIONING) {
+            motion_forget(&controller->motion,
+                          controller->supervisor.latched != SUPERVISOR_FAULT_NONE);
+        }
         /* Whoever asked and did not set off in time asks anew. */
         if (from == SUPERVISOR_ENGAGING && (conditions & SUPERVISOR_IF_TIMEOUT) != 0 &&
             controller->supervisor.state == SUPERVISOR_UNLOADING) {
@@ -170,6 +190,27 @@ static struct step_decision decide(struct controller *controller,
     }
     return step_plan_update(&controller->plan, controller->params, &controller->observer.state,
                             values->desired_speed_rad_s, &controller->last_step);
+}
+
+/* Both motors at zero, or one of them where commissioning has it. */
+static void commission(struct controller *controller, const struct controller_input *values,
+                       struct controller_output *output)
+{
+    struct motion *motion = &controller->motion;
+    const real share = motion_share_allowed(motion);
+    motion_update(motion, controller->params, values);
+    if (motion_share_allowed(motion) != share) {
+        command_guard_begin_motions(&controller->guard, controller->params,
+                                    motion_share_allowed(motion));
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        springs_place(&controller->springs, (enum side)side, motion->reference_m[side]);
+        output->sea[side] =
+            (struct sea_request){.precompression_m = motion->reference_m[side],
+                                 .enable = true,
+                                 .latch_armed = motion->armed && motion->side == (enum side)side};
+    }
+    output->cut_off = motion->cut;
 }
 
 /* What was prescribed and not given is prescribed smaller. */
@@ -213,7 +254,11 @@ void controller_update(struct controller *controller, const struct controller_in
     supervise(controller, &values, fault);
     estimate(controller, &values);
     const struct step_decision decision = decide(controller, &values);
-    actuate(controller, &values, &decision, output->sea);
+    if (controller->supervisor.state == SUPERVISOR_COMMISSIONING) {
+        commission(controller, &values, output);
+    } else {
+        actuate(controller, &values, &decision, output->sea);
+    }
     guard(controller, output->sea);
 
     output->state = controller->supervisor.state;

@@ -80,6 +80,21 @@ struct controller_objects {
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
     uint32_t black_box_reason;
     struct co_domain black_box_image; /* while it is frozen */
+    /* 0x2060: commissioning, what a tool asks for (controller/signals.h) and what became of it
+     * (controller/commissioning/motion.h) */
+    uint8_t commissioning_count, motion_order, motion_renewal, motion_kind, motion_side;
+    float motion_share, motion_seconds, motion_frequency_Hz;
+    uint8_t motion_phase, motion_outcome, motion_outcome_order;
+    float motion_share_allowed, motion_bandwidth_Hz, motion_last_frequency_Hz;
+    uint16_t motion_release_ms, motion_unload_ms; /* 65535: it did not */
+    /* 0x2061: what is measured now, before the zero offsets of 0x2010; 0x2062: the forces, each with
+     * the motor's position at its SYNC */
+    uint8_t measured_count, sample_count;
+    float measured_motor_m[SIDE_COUNT], measured_ankle_m[SIDE_COUNT];
+    float measured_angle_rad[SIDE_COUNT];
+    uint8_t measured_latch[SIDE_COUNT], measured_drive[SIDE_COUNT];
+    float sample_force_N[SIDE_COUNT], sample_motor_m[SIDE_COUNT];
+    uint8_t sample_number[SIDE_COUNT];
     /* 0x2031: why a node was refused at start */
     uint8_t refused_node, refused_sub, refused_verdict;
     uint16_t refused_index;
@@ -92,6 +107,10 @@ struct controller_comm {
     uint8_t subs, store_count, restore_count;
     uint32_t store, restore;
     struct co_pdo tpdo[2];
+    /* CiA 302-3: a program over CAN (program_update.h). */
+    uint8_t program_count, program_control;
+    uint32_t program_identification, program_status;
+    struct co_domain program_data; /* written only, and never kept here */
 };
 
 extern const struct co_entry controller_object_table[];

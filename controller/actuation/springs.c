@@ -44,6 +44,13 @@ void springs_stop(struct springs *springs, const struct controller_input *input)
     }
 }
 
+void springs_place(struct springs *springs, enum side side, real reference_m)
+{
+    sea_reference_init(&springs->sea[side], reference_m);
+    sea_reference_begin_loading(&springs->sea[side], reference_m);
+}
+
+/* A person's spring is loaded behind a closed latch only: open, it would push the foot while it is loaded. */
 static void begin_loading(struct springs *springs, const struct step_decision *decision,
                           enum side side)
 {

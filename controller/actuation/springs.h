@@ -20,6 +20,7 @@
 #define springs_begin REAL_SYMBOL(springs_begin)
 #define springs_stop REAL_SYMBOL(springs_stop)
 #define springs_follow REAL_SYMBOL(springs_follow)
+#define springs_place REAL_SYMBOL(springs_place)
 #define springs_command REAL_SYMBOL(springs_command)
 
 /* The time from the latch's opening to toe-off: before any was seen, and its limits. */
@@ -61,6 +62,9 @@ void springs_stop(struct springs *springs, const struct controller_input *input)
  * PUSH_NONE. Constant cost. */
 enum push_outcome springs_follow(struct springs *springs, const struct step_decision *decision,
                                  const struct gait_state *gait, bool first_stance);
+
+/* Commissioning moves a motor by itself: this is where its reference is, from which a stop begins. */
+void springs_place(struct springs *springs, enum side side, real reference_m);
 
 /* Once a tick in the states that may enable: advances both references and writes both requests.
  * A drive that is not heard while unloading is switched off. Constant cost. */

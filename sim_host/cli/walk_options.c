@@ -29,7 +29,7 @@ static const struct argp_option option_list[] = {
      0},
     {"law", KEY_LAW, "NAME", 0,
      "law of the push-off (default: the prescribed one)" LAW_NAMES_TEXT
-     "; open-loop takes --open-loop",
+     " (open-loop: by --open-loop --r0 M instead)",
      0},
     {"open-loop", KEY_OPEN_LOOP, 0, 0,
      "no law: constant precompression --r0, reached by a slow ramp", 0},
@@ -69,6 +69,9 @@ static void take_law(struct walk_options *options, const char *text, struct argp
         if (law_names[i].law != LAW_OPEN_LOOP) {
             laws[count++] = law_names[i];
         }
+    }
+    if (strcmp(text, law_name_of(LAW_OPEN_LOOP)) == 0) {
+        argp_error(state, "--law: open-loop is asked for by --open-loop --r0 M");
     }
     options->law_given = true;
     options->law = laws[option_choice(state, "--law", text, laws, count, sizeof laws[0])].law;

@@ -6,7 +6,7 @@
 #include "sim_host/plant/plant_internal.h"
 
 /* Streams of one seed. */
-enum { STREAM_SENSOR = 0x5E0, STREAM_GROUND = 0x60D };
+enum { STREAM_SENSOR = 0x5E0, STREAM_GROUND = 0x60D, STREAM_FOOT = 0xF00 };
 
 /* Height of foothold n (from 1 on) above the slope line. */
 static double height_of_foothold(struct plant *plant, uint64_t n)
@@ -51,6 +51,9 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
         sea_init(&plant->sea[side], &config->sea[side], config->seed + (uint64_t)side);
         sensor_init(&plant->sensor[side], &config->sensors[side], config->seed,
                     STREAM_SENSOR + (uint64_t)side);
+        foot_switch_init(&plant->foot_switch[side], &config->foot_switch[side],
+                         plant->person.contact[side], config->seed, STREAM_FOOT + (uint64_t)side);
+        contact_wire_init(&plant->other_foot[side]);
     }
     rng_init(&plant->ground_rng, config->seed, STREAM_GROUND);
     start_hold_init(&plant->start_hold, &config->start_hold);

@@ -85,7 +85,7 @@ void recording_format_default(struct recording_format *format)
         .angle_unit_rad = 3.14159265358979323846 / 180.0,
         .ankle_lever_m = 0.12,
         .ankle_neutral_rad = 0.0,
-        .largest_gap_s = 0.1,
+        .largest_gap_s = 0.15,
     };
 }
 

@@ -33,7 +33,7 @@ struct recording_format {
     double ankle_lever_m;         /* default 0.12 */
     double ankle_neutral_rad;     /* plantarflexion at r = 0; default 0 */
     struct sea_table lever_table; /* in ankle_lever_m's place, over plantarflexion from neutral */
-    double largest_gap_s;         /* a longer one between samples is an error; default 0.1 */
+    double largest_gap_s;         /* a longer one between samples is an error; default 0.15 */
 };
 
 struct recording_sample {

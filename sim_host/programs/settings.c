@@ -92,12 +92,12 @@ static int write_settings(const struct options *options)
     }
     if (output_file_open(&out, options->out_path, message, sizeof message) != 0) {
         program_complain("%s", message);
-        return EXIT_BAD;
+        return EXIT_USAGE;
     }
     (void)fwrite(image, 1, sizeof image, out.stream); /* the stream keeps its error */
     if (output_file_commit(&out, message, sizeof message) != 0) {
         program_complain("%s", message);
-        return EXIT_BAD;
+        return EXIT_USAGE;
     }
     return EXIT_GOOD;
 }
@@ -111,7 +111,7 @@ int afo_settings(int argc, char **argv)
         "FILE.bin",
         "Writes a person's and a device's settings as the orthosis keeps them: both banks of its parameter "
         "memory, 8 KiB from 0x0807E000 on (make flash PERSON=FILE DEVICE=FILE).\v"
-        "Exit status: 0 written, 1 not, 2 wrong usage or files.",
+        "Exit status: 0 written, 1 the firmware would refuse them, 2 wrong usage or files.",
         children,
         0,
         0};

@@ -194,6 +194,29 @@ def test_a_lost_frame_is_found(log, tmp_path):
     assert replay(shorter).returncode == 1
 
 
+@pytest.mark.parametrize("share", (0.3, 0.5, 0.7, 0.9))
+def test_a_lost_target_is_found_where_it_was(log, tmp_path, share):
+    """Also where the targets before and behind it are the same as it."""
+    lines = log.read_text().splitlines()
+    index = next(i for i in range(int(share * len(lines)), len(lines)) if " 201#" in lines[i])
+    tick = sum(" 080#" in line for line in lines[:index])
+    shorter = tmp_path / "shorter.log"
+    shorter.write_text("\n".join(lines[:index] + lines[index + 1:]) + "\n")
+    done = replay(shorter)
+    assert done.returncode == 1, done.stdout
+    told = [int(number) for number in re.findall(r"tick (\d+)", done.stdout)]
+    assert told and abs(told[0] - tick) <= 3, (tick, done.stdout)
+
+
+def test_the_ticks_that_no_digest_covers_are_told(log, tmp_path):
+    lines = log.read_text().splitlines()
+    last = max(i for i, line in enumerate(lines) if " 190#" in line or " 290#" in line)
+    done = replay(log)
+    left = re.search(r"inputs of the last (\d+) ticks .* no digest", done.stdout)
+    syncs = sum(" 080#" in line for line in lines[last:])
+    assert (int(left[1]) if left else 0) in range(syncs, syncs + 3), (syncs, done.stdout)
+
+
 def test_other_settings_than_the_recorded_ones_are_found(log):
     done = replay(log, "--kp", "0.03")
     assert done.returncode == 1 and "missing" not in done.stdout, done.stdout
