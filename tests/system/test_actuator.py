@@ -34,6 +34,16 @@ def test_a_push_in_nearly_every_stance(worn):
     assert 0.5 < result["push"]["work_symmetry"] <= 1
 
 
+def test_the_table_of_the_legs_has_the_same_figures(worn, tmp_path, person):
+    table = tmp_path / "pushes.csv"
+    assert run(*EXO50, "--recording", person, "--pushes", table, "--quiet").returncode == 0
+    with open(table, newline="", encoding="utf-8") as file:
+        rows = {row.pop("leg"): row for row in csv.DictReader(file)}
+    for side in SIDES:
+        for name, value in worn[1]["push"][side].items():
+            assert float(rows[side][name]) == pytest.approx(value, rel=1e-5)
+
+
 def test_nothing_resists_in_swing(worn):
     for side in SIDES:
         leg = worn[1]["push"][side]

@@ -177,6 +177,35 @@ START_TEST(an_ankle_that_comes_back_or_has_it_all_ends_the_push)
 }
 END_TEST
 
+START_TEST(a_push_that_drags_is_seen)
+{
+    /* The motor stays out behind an open latch while the foot comes back: seen 50 ms behind toe-off. */
+    load_left();
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.02f;
+    ticks(60);
+    event(GAIT_LIFT_OFF, SIDE_LEFT);
+    outcome = PUSH_NONE;
+    for (int i = 1; i <= 80; i++) {
+        tick();
+        input.sea[SIDE_LEFT].precompression_m = 0.035f; /* does not follow */
+        ck_assert_int_eq(outcome, i <= 51 ? PUSH_NONE : PUSH_DRAGS);
+    }
+    ck_assert_uint_eq(springs.watch.leg[SIDE_LEFT].count[PUSH_DRAGS], 1);
+    ck_assert_uint_eq(springs.watch.dragged_in_row, 1);
+    /* A good push in between ends the row; three in a row fail. */
+    input.sea[SIDE_LEFT].latch = LATCH_CLOSED;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.0f;
+    ticks(5);
+    push_left(120);
+    push_left(120);
+    ck_assert_uint_eq(springs.watch.dragged_in_row, 0);
+    springs.watch.dragged_in_row = PUSH_WATCH_MISSES;
+    ck_assert(push_watch_fails(&springs.watch));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("springs");
@@ -187,6 +216,7 @@ int main(void)
     tcase_add_test(tests, a_compass_loads_whatever_its_latch_says);
     tcase_add_test(tests, a_slow_motor_is_seen_not_to_have_loaded);
     tcase_add_test(tests, the_motor_is_on_its_way_back_before_the_foot_leaves);
+    tcase_add_test(tests, a_push_that_drags_is_seen);
     tcase_add_test(tests, an_ankle_that_comes_back_or_has_it_all_ends_the_push);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
