@@ -95,7 +95,7 @@ static enum supervisor_fault screen(struct controller *controller, struct contro
 static bool pushes_fail(const struct controller *controller)
 {
     return !control_params_test_mode(controller->params) &&
-           controller->springs.watch.missed_in_row >= PUSH_WATCH_MISSES;
+           push_watch_fails(&controller->springs.watch);
 }
 
 /* A state was entered: what must be fresh when it begins. */
@@ -219,7 +219,7 @@ static void follow(struct controller *controller, const struct step_decision *de
     const enum push_outcome outcome =
         springs_follow(&controller->springs, decision, &controller->observer.state,
                        !controller->step_monitor.seen);
-    if (outcome == PUSH_LATCH_OPEN || outcome == PUSH_NOT_LOADED) {
+    if (outcome == PUSH_LATCH_OPEN || outcome == PUSH_NOT_LOADED || outcome == PUSH_DRAGS) {
         step_plan_lower_assist(&controller->plan, controller->params);
     }
 }
