@@ -79,6 +79,7 @@ static void choose_leg(struct leg_measurement *leg)
     leg->leg_angle_rad = any_float;
     leg->ankle_extension_m = any_float;
     leg->age_ticks = any_u16;
+    leg->foot = (enum foot_contact)any_u32;
 }
 
 static void choose_sea(struct sea_measurement *sea)
@@ -106,12 +107,19 @@ static void choose_input(struct controller_input *input)
     input->walk_requested = any_bool();
     input->reset_requested = any_bool();
     input->zero_requested = any_bool();
+    input->motion.order = any_u8;
+    input->motion.renewal = any_u8;
+    input->motion.kind = (enum motion_kind)any_u32;
+    input->motion.side = (enum side)Frama_C_interval(SIDE_LEFT, SIDE_RIGHT);
+    input->motion.share = any_float;
+    input->motion.seconds = any_float;
+    input->motion.frequency_Hz = any_float;
 }
 
 /* What leaves the controller, whatever came in. */
 static void check(const struct controller_output *output)
 {
-    //@ assert state: SUPERVISOR_INIT <= output->state <= SUPERVISOR_FAULT;
+    //@ assert state: SUPERVISOR_INIT <= output->state < SUPERVISOR_STATES;
     for (int side = 0; side < SIDE_COUNT; side++) {
         const struct sea_request *request = &output->sea[side];
         //@ assert finite: \is_finite(request->precompression_m);

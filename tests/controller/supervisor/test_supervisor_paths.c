@@ -124,6 +124,8 @@ START_TEST(no_way_to_walking_without_request_self_test_and_steady_steps)
     ck_assert(!walks(0, SUPERVISOR_SELF_TEST));
     ck_assert(!walks(0, SUPERVISOR_STANDBY));
     ck_assert(!walks(0, SUPERVISOR_ENGAGING));
+    /* A tool's motions lead to no walk that is not requested. */
+    ck_assert(!walks(SUPERVISOR_IF_WALK_REQUESTED | SUPERVISOR_IF_TIMEOUT, SUPERVISOR_STATES));
 }
 END_TEST
 
@@ -153,8 +155,11 @@ static void bench_init(struct bench *bench)
     bench->params.step_timeout_s = REAL(2.0);
     bench->params.sea_tolerance_m = REAL(0.001);
     bench->params.engage_steps = REAL(3.0);
-    bench->view = (struct conditions_view){&bench->params, &bench->input, &bench->checks,
-                                           &bench->steps,  bench->sea,    false};
+    bench->view = (struct conditions_view){.params = &bench->params,
+                                           .input = &bench->input,
+                                           .checks = &bench->checks,
+                                           .step_monitor = &bench->steps,
+                                           .sea = bench->sea};
 }
 
 /* One bit of `choice` an input; the counts stand on both sides of their limits. */
@@ -174,6 +179,8 @@ static void choose(struct bench *bench, unsigned choice)
     bench->steps.steady = (choice & 1024u) != 0 ? 3 : 2;
     bench->steps.seen = (choice & 2048u) != 0;
     bench->steps.unsteady = (choice & 4096u) != 0 ? 1 : 2;
+    bench->view.pushes_fail = (choice & 8192u) != 0;
+    bench->view.motion_requested = (choice & 16384u) != 0;
 }
 
 static unsigned expected(unsigned choice, bool fault, bool rested, bool late, bool back, bool young)
@@ -189,7 +196,8 @@ static unsigned expected(unsigned choice, bool fault, bool rested, bool late, bo
     bits |= (choice & 48u) == 48u ? SUPERVISOR_IF_ENABLED : 0u;
     bits |= stepping ? SUPERVISOR_IF_STEPPING : 0u;
     bits |= stepping && (choice & 1024u) != 0 ? SUPERVISOR_IF_STEADY : 0u;
-    bits |= (choice & 4096u) != 0 ? SUPERVISOR_IF_REGULAR : 0u;
+    bits |= (choice & 4096u) != 0 && (choice & 8192u) == 0 ? SUPERVISOR_IF_REGULAR : 0u;
+    bits |= (choice & 16384u) != 0 ? SUPERVISOR_IF_MOTION_REQUESTED : 0u;
     bits |= slack && back ? SUPERVISOR_IF_UNLOADED : 0u;
     bits |= late ? SUPERVISOR_IF_TIMEOUT : 0u;
     bits |= (choice & 64u) != 0 ? SUPERVISOR_IF_RESET : 0u;
@@ -198,21 +206,32 @@ static unsigned expected(unsigned choice, bool fault, bool rested, bool late, bo
 }
 
 /* Ticks since a state began, on both sides of every limit: 50 ms in STANDBY, 200 ms of unloading,
- * unload_timeout_s, five times that in SELF_TEST; and a tick count that wraps. */
-static const uint32_t since[] = {
-    0,   TICKS_OF_MS(50) - 1,  TICKS_OF_MS(50),  TICKS_OF_MS(200) - 1,  TICKS_OF_MS(200),
-    499, TICKS_OF_MS(500) + 1, TICKS_OF_MS(500), TICKS_OF_MS(2500) - 1, TICKS_OF_MS(2500)};
+ * unload_timeout_s, five times that in SELF_TEST, a minute in ENGAGING; and a tick count that wraps. */
+static const uint32_t since[] = {0,
+                                 TICKS_OF_MS(50) - 1,
+                                 TICKS_OF_MS(50),
+                                 TICKS_OF_MS(200) - 1,
+                                 TICKS_OF_MS(200),
+                                 TICKS_OF_MS(500) - 1,
+                                 TICKS_OF_MS(500) + 1,
+                                 TICKS_OF_MS(500),
+                                 TICKS_OF_MS(2500) - 1,
+                                 TICKS_OF_MS(2500),
+                                 TICKS_OF_MS(60000) - 1,
+                                 TICKS_OF_MS(60000)};
 
 static void compare_conditions(struct bench *bench, int state, uint32_t age, bool back, bool fault)
 {
-    const uint32_t limit = state == SUPERVISOR_SELF_TEST ? TICKS_OF_MS(2500) : TICKS_OF_MS(500);
+    const uint32_t limit = state == SUPERVISOR_SELF_TEST  ? TICKS_OF_MS(2500)
+                           : state == SUPERVISOR_ENGAGING ? TICKS_OF_MS(60000)
+                                                          : TICKS_OF_MS(500);
     bench->machine = machine_at(state, fault);
     bench->machine.since_tick = UINT32_MAX - 100; /* the tick count wraps on the way */
     bench->input.tick = bench->machine.since_tick + age;
     bench->steps.known_tick = bench->input.tick - age;
     bench->sea[SIDE_LEFT].position_m = back ? REAL(0.001) : REAL(0.0011);
     const enum supervisor_fault found = fault ? SUPERVISOR_FAULT_FALL : SUPERVISOR_FAULT_NONE;
-    for (unsigned choice = 0; choice < 1u << 13; choice++) {
+    for (unsigned choice = 0; choice < 1u << 15; choice++) {
         choose(bench, choice);
         const unsigned want =
             expected(choice, fault, state != SUPERVISOR_STANDBY || age >= TICKS_OF_MS(50),
