@@ -28,7 +28,7 @@ static const struct co_entry entries[] = {
     CO_ANY(struct values, u32, 0x2001, 3, CO_UNSIGNED32, CO_CONST, "u32"),
     CO_OBJECT(struct values, real, 0x2001, 4, CO_REAL32, BOTH, -1500, 1500, "real"),
     CO_STRING(struct values, text, 0x2002, 0, BOTH, "text"),
-    CO_ANY(struct values, domain, 0x2003, 0, CO_DOMAIN, CO_READ, "domain"),
+    CO_ANY(struct values, domain, 0x2003, 0, CO_DOMAIN, BOTH, "domain"),
     CO_ANY(struct values, i24, 0x2004, 0, CO_INTEGER24, BOTH, "i24"),
     CO_ANY(struct values, u24, 0x2005, 0, CO_UNSIGNED24, BOTH, "u24"),
 };
@@ -49,10 +49,30 @@ static uint32_t writing(void *context, const struct co_entry *entry, const uint8
     return any_u32;
 }
 
+static uint32_t begin(void *context, const struct co_entry *entry, uint32_t total)
+{
+    (void)context;
+    (void)entry;
+    (void)total;
+    return any_u32;
+}
+
+static uint32_t take(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                     unsigned length, bool last)
+{
+    (void)context;
+    (void)entry;
+    //@ assert within_frame: length == 0 || \valid_read(bytes + (0 .. length - 1));
+    (void)bytes;
+    (void)length;
+    (void)last;
+    return any_u32;
+}
+
 /* Requests to a dictionary that has one object: object and transfer stay paired. */
 static void serve(const struct co_entry *entry)
 {
-    static const struct co_access_hooks hooks = {.writing = writing};
+    static const struct co_access_hooks hooks = {.writing = writing, .begin = begin, .take = take};
     static struct co_sdo_server server;
     static struct co_dictionary dictionary;
     dictionary = (struct co_dictionary){entry, 1, &values};
