@@ -89,6 +89,16 @@ static void tell(const struct commission *commission, enum commission_step step)
     fflush(out);
 }
 
+/* Motions are for a device that nobody walks with. */
+static int refuse_walk(struct commission *commission, struct commission_result *result)
+{
+    double walk;
+    if (commission_get(commission, result, "commands.walk_requested", &walk) != 0) {
+        return -1;
+    }
+    return walk == 0.0 ? 0 : commission_break(result, "a walk is requested: `afo ctl stop' first");
+}
+
 /* What the loads are shares of. */
 static int read_limits(struct commission *commission, struct commission_result *result)
 {
@@ -111,7 +121,7 @@ enum commission_verdict commission_run(struct commission *commission, enum commi
     int ended = -1;
     if (missing >= 0) {
         (void)commission_break(result, "the step \"%s\" comes first", steps[missing].name);
-    } else if (read_limits(commission, result) == 0) {
+    } else if (refuse_walk(commission, result) == 0 && read_limits(commission, result) == 0) {
         ended = steps[step].run(commission, result);
     }
     if (result->finding_count > 0) {

@@ -97,6 +97,7 @@ struct commission {
     char now[COMMISSION_WHEN]; /* what results are dated with */
     /* Read from the controller when a step begins. */
     double stiffness_N_m, largest_m, tolerance_m;
+    double renewal; /* the last sign of life that was sent */
 };
 
 const char *commission_step_name(enum commission_step step);

@@ -5,6 +5,7 @@
 #include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
 #include "hal/devices/device_nodes.h"
+#include "hal/devices/node_setup.h"
 #include "sim_host/commission/commission_internal.h"
 #include "sim_host/text/ini.h"
 
@@ -118,6 +119,59 @@ static void judge_type(struct commission *commission, struct commission_result *
     }
 }
 
+/* "left drive (node 1)". */
+static void name_node(const struct commission *commission, unsigned node,
+                      char text[COMMISSION_LINE])
+{
+    struct device_unit units[DEVICE_UNITS_MAX];
+    const unsigned count = device_units(&commission->device.description, units);
+    (void)snprintf(text, COMMISSION_LINE, "node %u", node);
+    for (unsigned i = 0; i < count; i++) {
+        if (units[i].number == node) {
+            (void)snprintf(text, COMMISSION_LINE, "%s %s (node %u)", commission_leg(units[i].leg),
+                           unit_name(&units[i]), node);
+        }
+    }
+}
+
+/* The object by the name that a data sheet gives it. */
+static const char *name_object(unsigned index, unsigned sub)
+{
+    static struct object_list list;
+    static const enum object_list_kind kinds[] = {OBJECTS_OF_DRIVE, OBJECTS_OF_LEG_SENSOR};
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+        object_list_make(&list, kinds[k]);
+        for (size_t i = 0; i < list.count; i++) {
+            if (list.object[i].entry->index == index && list.object[i].entry->sub == sub) {
+                return list.object[i].entry->name;
+            }
+        }
+    }
+    return "object";
+}
+
+static void find_refusal(const struct commission *commission, struct commission_result *result,
+                         unsigned node, unsigned index, unsigned sub, unsigned verdict,
+                         uint32_t expected, uint32_t found)
+{
+    char who[COMMISSION_LINE], why[OBJECT_MESSAGE_MAX];
+    name_node(commission, node, who);
+    if (verdict == (unsigned)-SETUP_DIFFERS) {
+        commission_find(result,
+                        "%.60s: %.40s (0x%04X:%02X) is 0x%X where the controller needs 0x%X", who,
+                        name_object(index, sub), index, sub, (unsigned)found, (unsigned)expected);
+    } else if (verdict == (unsigned)-SETUP_ABORTED) {
+        object_refusal_text(NULL, found, true, why);
+        commission_find(result, "%.60s: %.40s (0x%04X:%02X): %.150s", who, name_object(index, sub),
+                        index, sub, why);
+    } else {
+        commission_find(result,
+                        "%.60s: it does not answer to the controller (%.40s, 0x%04X:%02X); is "
+                        "it on, and has it this number alone?",
+                        who, name_object(index, sub), index, sub);
+    }
+}
+
 /* What the controller found when it set the nodes up. */
 static int judge_refusal(struct commission *commission, struct commission_result *result)
 {
@@ -131,12 +185,8 @@ static int judge_refusal(struct commission *commission, struct commission_result
         return -1;
     }
     if (node != 0.0) {
-        commission_find(result, "node %u: the controller refuses it: 0x%04X:%02X %s 0x%X%s%X",
-                        (unsigned)node, (unsigned)index, (unsigned)sub,
-                        verdict == 1.0   ? "is"
-                        : verdict == 2.0 ? "was aborted with"
-                                         : "was not answered,",
-                        (unsigned)found, " where it needs 0x", (unsigned)expected);
+        find_refusal(commission, result, (unsigned)node, (unsigned)index, (unsigned)sub,
+                     (unsigned)verdict, (uint32_t)expected, (uint32_t)found);
     }
     return 0;
 }

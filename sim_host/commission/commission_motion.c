@@ -5,7 +5,7 @@
 #include "sim_host/cli/host_report.h"
 #include "sim_host/commission/commission_internal.h"
 
-enum { LOOKS_MAX = 6000, LOOK_MS = 5 };
+enum { LOOKS_MAX = 20000, LOOK_MS = 1 };
 /* Samples below this part of the way are friction's. */
 #define FIT_FROM 0.15
 
@@ -121,10 +121,10 @@ static int read_end(struct commission *commission, struct commission_result *res
 }
 
 static int give_order(struct commission *commission, struct commission_result *result,
-                      const struct commission_motion *motion, double *order, double *renewal)
+                      const struct commission_motion *motion, double *order)
 {
     if (commission_get(commission, result, "commissioning.order", order) != 0 ||
-        commission_get(commission, result, "commissioning.renewal", renewal) != 0) {
+        commission_get(commission, result, "commissioning.renewal", &commission->renewal) != 0) {
         return -1;
     }
     *order = fmod(*order + 1.0, 256.0);
@@ -141,6 +141,13 @@ static int give_order(struct commission *commission, struct commission_result *r
                : 0;
 }
 
+/* A sign of life: whatever else is asked meanwhile, two of them are never half a second apart. */
+static int renew(struct commission *commission, struct commission_result *result)
+{
+    commission->renewal = fmod(commission->renewal + 1.0, 256.0);
+    return commission_set(commission, result, "commissioning.renewal", commission->renewal);
+}
+
 /* One look. Returns 1 when the motion is over, 0 when it goes on, -1 when that cannot be told. */
 static int look(struct commission *commission, struct commission_result *result,
                 const struct commission_motion *motion, double order, double other_m,
@@ -154,9 +161,13 @@ static int look(struct commission *commission, struct commission_result *result,
             0) {
         return -1;
     }
-    if (look_at_force(commission, result, motion, (unsigned)phase, fit) != 0 ||
+    if (renew(commission, result) != 0 ||
+        look_at_force(commission, result, motion, (unsigned)phase, fit) != 0 ||
         look_at_legs(commission, result, motion, (unsigned)phase, other_m, report) != 0 ||
         look_at_latch(commission, result, motion, (unsigned)phase, report) != 0) {
+        return -1;
+    }
+    if (renew(commission, result) != 0) {
         return -1;
     }
     const bool ended = of_order == order && phase == (double)MOTION_IDLE && outcome != 0.0;
@@ -169,22 +180,21 @@ int commission_perform(struct commission *commission, struct commission_result *
 {
     struct fit fit = {.last_number = -1.0,
                       .limit_m = FIT_FROM * motion->share * commission->largest_m};
-    double order, renewal, other_m;
+    double order, other_m;
     int over = 0;
     memset(report, 0, sizeof *report);
     report->release_ms = report->unload_ms = 65535;
     if (commission_reach_standby(commission, result) != 0 ||
         commission_get_leg(commission, result, "measured", (enum side)(1 - (int)motion->leg),
                            "motor", &other_m) != 0 ||
-        give_order(commission, result, motion, &order, &renewal) != 0) {
+        give_order(commission, result, motion, &order) != 0) {
         return -1;
     }
     for (int n = 0; over == 0 && n < LOOKS_MAX; n++) {
-        renewal = fmod(renewal + 1.0, 256.0);
-        if (commission_set(commission, result, "commissioning.renewal", renewal) != 0) {
-            return -1; /* the controller unloads by itself */
-        }
-        over = look(commission, result, motion, order, other_m, &fit, report);
+        /* Where the line breaks off, the controller unloads by itself. */
+        over = renew(commission, result) != 0
+                   ? -1
+                   : look(commission, result, motion, order, other_m, &fit, report);
         if (over == 0 && !commission_wait(commission, LOOK_MS)) {
             over = commission_break(result, "interrupted; the controller unloads");
         }
@@ -231,6 +241,13 @@ bool commission_was_done(struct commission_result *result, const struct commissi
             leg, 100.0 * motion->share);
         return false;
     default:
+        if (report->fault == SUPERVISOR_FAULT_NONE) {
+            commission_find(result,
+                            "%s leg: the controller lost this program and unloaded; its "
+                            "requests must come twice a second of the controller's time",
+                            leg);
+            return false;
+        }
         commission_find(result, "%s leg: interrupted by \"%s\"", leg,
                         supervisor_fault_name(report->fault));
         return false;
