@@ -6,8 +6,9 @@
 #define SECOND_SHARE REAL(0.2)
 #define PROVES_SECOND REAL(0.1)
 #define FULL_SHARE REAL(1.0)
-/* A motor's force has its friction and inertia in it: so much more is nothing to stop for. */
-#define FRICTION_SHARE REAL(0.03)
+/* A motor's force has its friction and inertia in it, on a screw several per cent of the largest load: so
+ * much more is nothing to stop for. */
+#define FRICTION_SHARE REAL(0.1)
 /* A motor this far beyond what it was sent to, as a part of it, has run away. */
 #define BEYOND_RATIO REAL(1.5)
 /* The bandwidth is where the motor does this part of its reference: 3 dB less (IEC 60050-702). */

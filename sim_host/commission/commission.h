@@ -89,8 +89,9 @@ struct commission_identity {
 };
 
 struct commission {
-    struct ctl ctl;            /* opened to the controller's node */
-    struct device_file device; /* as declared; zeros and the unload that was shown are put in */
+    struct ctl ctl; /* opened to the controller's node */
+    struct device_file
+        device; /* as declared; the zeros of the legs and the unload that was shown are put in */
     struct commission_identity expected[SIDE_COUNT]; /* of the drives, from their EDS */
     struct commission_operator person;
     struct commission_result result[COMMISSION_STEPS];

@@ -15,6 +15,16 @@ static void instruct(struct commission *commission, enum commission_hand hand, e
     commission->person.instruct(commission->person.context, hand, leg, words);
 }
 
+/* What a leg's sensor reads upright, into the device file for the next set-up. Until then the controller's
+ * parameters hold it. */
+static void put_zero_into_file(struct commission *commission, enum side leg, double offset_rad)
+{
+    struct device_file *device = &commission->device;
+    const double zero_rad = device_file_number(device, leg, DEVICE_LEG_leg_zero_rad);
+    const double direction = device->description.leg[leg].leg_direction < 0 ? -1.0 : 1.0;
+    device_file_set(device, leg, DEVICE_LEG_leg_zero_rad, zero_rad + direction * offset_rad);
+}
+
 /* ---- zero ------------------------------------------------------------------------------ */
 
 int commission_zero(struct commission *commission, struct commission_result *result)
@@ -58,8 +68,13 @@ int commission_zero(struct commission *commission, struct commission_result *res
             return -1;
         }
     }
-    commission_note(result, "Offsets: leg %.4f and %.4f rad, ankle %.5f and %.5f m.", found[0],
-                    found[1], found[2], found[3]);
+    put_zero_into_file(commission, SIDE_LEFT, found[0]);
+    put_zero_into_file(commission, SIDE_RIGHT, found[1]);
+    commission_note(
+        result,
+        "Offsets: leg %.4f and %.4f rad, ankle %.5f and %.5f m. The controller has them "
+        "in its parameters, those of the legs are also in the device file.",
+        found[0], found[1], found[2], found[3]);
     return 0;
 }
 

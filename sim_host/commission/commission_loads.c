@@ -10,6 +10,8 @@
 #define LATCH_SHARE 0.03
 #define SPRING_SHARE 0.15
 #define CHIRP_SHARE 0.02
+/* None of them beyond this part of the drive's rated force, where that is declared. */
+#define RATED_PART 0.19
 /* What is still right: of a way, of the other motor's, of the spring constant coarse and fine. */
 #define WAY_PART 0.1
 #define OTHER_WAY_PART 0.2
@@ -209,11 +211,18 @@ int commission_latch(struct commission *commission, struct commission_result *re
 
 /* ---- spring, bandwidth ------------------------------------------------------------------------ */
 
+static double spring_share(const struct commission *commission, int leg)
+{
+    const double rated_N = (double)commission->device.description.leg[leg].rated_force_N;
+    const double most = RATED_PART * rated_N / (commission->stiffness_N_m * commission->largest_m);
+    return rated_N > 0.0 ? fmin(SPRING_SHARE, most) : SPRING_SHARE;
+}
+
 int commission_spring(struct commission *commission, struct commission_result *result)
 {
     for (int leg = 0; leg < SIDE_COUNT && result->finding_count == 0; leg++) {
-        const struct commission_motion motion = {MOTION_KIND_MOVE, (enum side)leg, SPRING_SHARE,
-                                                 3.0, 0.0};
+        const struct commission_motion motion = {MOTION_KIND_MOVE, (enum side)leg,
+                                                 spring_share(commission, leg), 3.0, 0.0};
         struct commission_motion_report report;
         if (commission_perform(commission, result, &motion, &report) != 0) {
             return -1;

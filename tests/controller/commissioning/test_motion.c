@@ -197,10 +197,10 @@ END_TEST
 
 START_TEST(more_force_than_the_stage_allows_turns_it_back)
 {
-    force_gain = 2.0f; /* a torque constant twice as large as declared */
+    force_gain = 4.0f; /* a torque constant four times as large as declared */
     ck_assert_int_eq(perform(MOTION_KIND_MOVE, SIDE_LEFT, 0.05f, 2.0f), MOTION_BEYOND);
     ck_assert(motion_share_allowed(&motion) == 0.05f);
-    /* 5 % of 100 N and 3 % for friction: 8 N are reached at 4 mm; one force sample later at most */
+    /* 5 % of 100 N and 10 % for friction: 15 N are reached at 3.75 mm; two force samples later at most */
     ck_assert(largest_m < 0.005f);
 }
 END_TEST
