@@ -115,7 +115,7 @@ static void enter_state(struct controller *controller, const struct controller_i
         springs_begin(&controller->springs, params, values);
         command_guard_begin_motions(&controller->guard, params,
                                     motion_share_allowed(&controller->motion));
-        motion_enter(&controller->motion);
+        motion_enter(&controller->motion, params, values);
         break;
     case SUPERVISOR_UNLOADING:
         /* In test mode the first spring is loaded at once. It must not happen again by itself
