@@ -91,8 +91,8 @@ static const struct argp_option option_list[] = {
      "of both latches: well, opens, stays-open or stays-closed", 0},
     {"latch-fault-s", KEY_LATCH_FAULT_S, "S", 0, "it begins so late (default 10)", 0},
     {"fit", KEY_FIT, "FILE.ini", 0,
-     "a fitting run: learn the bias of each leg's detection from the switches, and write it as a "
-     "section of the subject's file",
+     "a fitting run: learn the bias of each leg's detection from the switches, and write the person's "
+     "file with it",
      0},
     {0}};
 

@@ -1,9 +1,6 @@
 #include "sim_host/loop/person_fit.h"
 
 #include <math.h>
-#include <string.h>
-
-#include "sim_host/subjects/ini.h"
 
 /* A found event further from an edge belongs to another step. */
 static const double APART_S = 0.15;
@@ -73,69 +70,18 @@ bool person_fit_make(const struct gait_record *record, const struct control_para
     return within && fit->edges >= PERSON_FIT_LEAST;
 }
 
-static const char *const KEYS[] = {"strike_bias_left_s", "strike_bias_right_s",
-                                   "toe_off_bias_left_s", "toe_off_bias_right_s"};
-enum { KEYS_COUNT = sizeof KEYS / sizeof KEYS[0] };
-
-static bool is_of_a_fit(const char *line)
+void person_fit_write(FILE *stream, const struct person_fit *fit, const struct person *person)
 {
-    const char *text = line + strspn(line, " \t");
-    for (int i = 0; i < KEYS_COUNT; i++) {
-        const size_t length = strlen(KEYS[i]);
-        if (strncmp(text, KEYS[i], length) == 0 && strchr(" \t=", text[length]) != NULL) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static int copy_file(FILE *stream, const char *path)
-{
-    char line[INI_LINE_MAX];
-    FILE *base = fopen(path, "r");
-    if (base == NULL) {
-        return -1;
-    }
-    while (fgets(line, sizeof line, base) != NULL) {
-        if (!is_of_a_fit(line)) {
-            fputs(line, stream);
-        }
-    }
-    const bool failed = ferror(base) != 0;
-    return fclose(base) == 0 && !failed ? 0 : -1;
-}
-
-static void write_subject(FILE *stream, const struct subject *subject)
-{
-    fprintf(stream,
-            "[subject]\nname = %s\n\n"
-            "[walker]\nM = %.9g\nm = %.9g\nl = %.9g\nk = %.9g\ng = %.9g\n\n"
-            "[sea]\nstroke_max_m = %.9g\nspeed_max_m_s = %.9g\nforce_max_N = %.9g\n"
-            "counts_per_m = %.9g\n",
-            subject->name, subject->torso_mass_kg, subject->leg_mass_kg, subject->leg_length_m,
-            subject->spring_N_per_m, subject->gravity_m_s2, subject->stroke_max_m,
-            subject->speed_max_m_s, subject->force_max_N, subject->counts_per_m);
-}
-
-int person_fit_write(FILE *stream, const struct person_fit *fit, const char *base_path,
-                     const struct subject *subject)
-{
-    const double values_s[KEYS_COUNT] = {
-        fit->strike_bias_s[SIDE_LEFT], fit->strike_bias_s[SIDE_RIGHT],
-        fit->toe_off_bias_s[SIDE_LEFT], fit->toe_off_bias_s[SIDE_RIGHT]};
-    if (base_path == NULL) {
-        write_subject(stream, subject);
-    } else if (copy_file(stream, base_path) != 0) {
-        return -1;
-    }
-    fputs("\n[controller]\n", stream);
-    for (int i = 0; i < KEYS_COUNT; i++) {
-        fprintf(stream, "%s = %.4f\n", KEYS[i], values_s[i]);
-    }
+    struct person fitted = *person;
+    person_override(&fitted, "strike_bias_left_s", fit->strike_bias_s[SIDE_LEFT]);
+    person_override(&fitted, "strike_bias_right_s", fit->strike_bias_s[SIDE_RIGHT]);
+    person_override(&fitted, "toe_off_bias_left_s", fit->toe_off_bias_s[SIDE_LEFT]);
+    person_override(&fitted, "toe_off_bias_right_s", fit->toe_off_bias_s[SIDE_RIGHT]);
+    person_write(stream, &fitted);
     fprintf(
         stream,
-        "; the largest error of a strike in that run, and a margin: %.4f s. As strike_error_s it\n"
-        "; allows assistance without switches; nothing tells running from walking then\n",
-        fit->strike_error_s);
-    return 0;
+        "; Learned from %u edges of each foot's switch. The largest error of a strike in that run, and a\n"
+        "; margin: %.4f s. As strike_error_s it allows assistance without switches; nothing tells\n"
+        "; running from walking then.\n",
+        fit->edges, fit->strike_error_s);
 }

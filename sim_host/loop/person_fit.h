@@ -2,8 +2,8 @@
  *
  * Heel strikes and toe-offs are found from the legs' angles. Each leg of a person is found late or early
  * by its own bias. Switches show it: the mean difference of found event and switch edge over a leg's
- * first PERSON_FIT_EDGES edges. What is learned is kept with the person, in the section [controller]
- * of the subject's file. A switch's own bias goes into it, which nobody here knows.
+ * first PERSON_FIT_EDGES edges. What is learned is kept with the person, in the section [prescription]
+ * of their file. A switch's own bias goes into it, which nobody here knows.
  */
 #ifndef SIM_HOST_LOOP_PERSON_FIT_H
 #define SIM_HOST_LOOP_PERSON_FIT_H
@@ -13,7 +13,7 @@
 
 #include "controller/control_params.h"
 #include "sim_host/loop/gait_record.h"
-#include "sim_host/subjects/subject.h"
+#include "sim_host/persons/person.h"
 
 enum { PERSON_FIT_EDGES = 10, PERSON_FIT_LEAST = 5 }; /* of each kind and leg: 20 steps */
 
@@ -30,9 +30,7 @@ struct person_fit {
 bool person_fit_make(const struct gait_record *record, const struct control_params *params,
                      struct person_fit *fit);
 
-/* A subject's file with what was learned: that of base_path without the keys of an older fit, or, where
- * that is NULL, one of *subject. Returns 0, or -1 where base_path cannot be read. */
-int person_fit_write(FILE *stream, const struct person_fit *fit, const char *base_path,
-                     const struct subject *subject);
+/* The person's file with what was learned as part of the prescription. The stream keeps its error. */
+void person_fit_write(FILE *stream, const struct person_fit *fit, const struct person *person);
 
 #endif

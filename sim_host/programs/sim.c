@@ -96,11 +96,7 @@ static int write_fit(const struct sim_session *session)
     if (output_file_open(&file, path, message, sizeof message) != 0) {
         return program_complain("%s", message);
     }
-    if (person_fit_write(file.stream, &fit, session->options.walk.subject_path,
-                         &session->config.subject) != 0) {
-        output_file_discard(&file);
-        return program_complain("cannot read %s", session->options.walk.subject_path);
-    }
+    person_fit_write(file.stream, &fit, &session->config.subject.person);
     return output_file_commit(&file, message, sizeof message) == 0
                ? 0
                : program_complain("%s", message);

@@ -134,7 +134,7 @@ def fitted(path, tmp_path):
     fit = tmp_path / "fit.ini"
     done = run("--recording", path, "--switches", "exact", "--fit", fit, "--quiet")
     assert done.returncode == 0, done.stderr
-    score, = play([("fitted", plain(rows), ["--switches", "none", "--subject", str(fit)])], tmp_path)
+    score, = play([("fitted", plain(rows), ["--switches", "none", "--person", str(fit)])], tmp_path)
     return score
 
 

@@ -190,7 +190,8 @@ bool chip_session_is_safe(const struct chip_session *session)
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct sea_output sea;
         plant_sea_output(&session->loop->nodes.plant, (enum side)side, &sea);
-        safe = safe && fabs(sea.position_m) <= 0.005 * session->loop->config.subject.leg_length_m;
+        safe = safe &&
+               fabs(sea.position_m) <= 0.005 * session->loop->config.subject.person.leg_length_m;
     }
     return safe;
 }
@@ -310,7 +311,7 @@ static void bring_fault(struct chip_session *session)
     }
 }
 
-static void judge(struct chip_session *session)
+static void expect_outcome(struct chip_session *session)
 {
     const struct chip_fault_kind *kind = &chip_faults[session->fault];
     const struct chip_bridge *bridge = &session->bridge;
@@ -343,6 +344,6 @@ void chip_session_bring_fault(struct chip_session *session)
         fetch_crash(session);
     }
     if (session->trouble[0] == '\0') {
-        judge(session);
+        expect_outcome(session);
     }
 }
