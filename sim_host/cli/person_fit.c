@@ -1,4 +1,4 @@
-#include "sim_host/loop/person_fit.h"
+#include "sim_host/cli/person_fit.h"
 
 #include <math.h>
 

@@ -5,8 +5,8 @@
  * first PERSON_FIT_EDGES edges. What is learned is kept with the person, in the section [prescription]
  * of their file. A switch's own bias goes into it, which nobody here knows.
  */
-#ifndef SIM_HOST_LOOP_PERSON_FIT_H
-#define SIM_HOST_LOOP_PERSON_FIT_H
+#ifndef SIM_HOST_CLI_PERSON_FIT_H
+#define SIM_HOST_CLI_PERSON_FIT_H
 
 #include <stdbool.h>
 #include <stdio.h>
