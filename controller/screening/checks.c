@@ -106,7 +106,7 @@ static bool is_stuck(const struct checks *checks, const struct controller_input 
 /* Motor force against motor position, with the latch closed and the motor at rest where
  * it was sent (a drive that has overshot leans against its stop, not on the spring). */
 static void watch_force(struct leg_checks *leg, const struct control_params *params,
-                        const struct sea_measurement *sea)
+                        const struct sea_measurement *sea, enum supervisor_state state)
 {
     const real moved = real_abs(sea->precompression_m - leg->motor_before_m);
     const real off = real_abs(sea->precompression_m - leg->command_m[COMMAND_DELAY]);
@@ -114,6 +114,11 @@ static void watch_force(struct leg_checks *leg, const struct control_params *par
     leg->motor_still_ticks =
         count_while(leg->motor_still_ticks, moved <= MOTOR_STILL_RATIO * params->leg_length_m &&
                                                 off <= MOTOR_THERE_RATIO * params->leg_length_m);
+    if (state ==
+        SUPERVISOR_COMMISSIONING) { /* slow motions look like rest; they have a bound of their own */
+        leg->force_contradiction_count = 0;
+        return;
+    }
     if (sea->force_age_ticks != 0 || sea->state != DRIVE_ENABLED || sea->latch != LATCH_CLOSED ||
         leg->motor_still_ticks < MOTOR_STILL_TICKS) {
         return;
@@ -304,7 +309,7 @@ void checks_update(struct checks *checks, const struct control_params *params,
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct leg_checks *leg = &checks->leg[side];
         const struct sea_measurement *sea = &view->input->sea[side];
-        watch_force(leg, params, sea);
+        watch_force(leg, params, sea, view->state);
         watch_latch(leg, params, ankle_is_held, sea, &view->command[side]);
         watch_ankle(leg, params, ankle_is_held, &view->input->leg[side], sea);
         watch_following(leg, params, sea, &view->command[side]);

@@ -63,8 +63,9 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
     }
 }
 
-static void check_together(struct argp_state *state, const struct sim_options *options)
+static void check_together(struct argp_state *state, struct sim_options *options)
 {
+    options->walk.person = options->recording.path != NULL;
     if (options->recording.path != NULL && options->walk.speed_rad_s > 0.0) {
         argp_error(state,
                    "--speed and --recording exclude each other: a person chooses their speed");

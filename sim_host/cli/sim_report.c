@@ -5,6 +5,7 @@
 #include "firmware/version.h"
 #include "model/tick.h"
 #include "sim_host/cli/experiment.h"
+#include "sim_host/cli/push_report.h"
 #include "sim_host/cli/recording_report.h"
 #include "sim_host/cli/sim_experiment.h"
 #include "sim_host/persons/law_name.h"
@@ -60,6 +61,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
         json_unsigned(&json, "apexes_right", record->apexes[SIDE_RIGHT]);
         recording_report_json(&json, &record->gait);
     }
+    push_report_json(&json, &record->push, loop);
     walked_json(&json, record);
     json_number(&json, "bus_load", sim_bus_load(&loop->bus), 9);
     json_number(&json, "simulated_s", (double)loop->tick * (TICK_PERIOD_US / 1e6), 9);
@@ -271,6 +273,7 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
                 100.0 * (last.greatest_rad_s - last.least_rad_s) / last.mean_rad_s);
     }
     fallback_line(stream, record);
+    push_report_text(stream, &record->push, loop);
     fprintf(stream, "  bus        %.1f %% load at %g kbit/s, %llu frames, %llu error frames\n",
             100.0 * sim_bus_load(&loop->bus), BUS_BITRATE / 1e3,
             (unsigned long long)loop->bus.stats.frames,

@@ -161,6 +161,10 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy);
 bool plant_next_event(struct plant *plant, struct walk_event *event);
 bool plant_next_step(struct plant *plant, struct walk_step *step);
 
+/* Lever of the spring at a recorded person's ankle that is extended by ankle_m, m: torque per force. 0 of a
+ * walker, whose spring works along the leg. */
+double plant_ankle_lever_m(const struct plant *plant, enum side side, double ankle_m);
+
 enum walk_fault plant_fault(const struct plant *plant);
 
 /* Disturbances, effective at once. */

@@ -84,11 +84,12 @@ static void run_latch(struct plant *plant, enum side side, double ankle_m, doubl
     } else if (sea_may_release(sea) && contact_wire_has_edge(&plant->other_foot[side], now_s)) {
         sea_other_foot_contact(sea, now_s);
     }
-    if (sea->release_pending && sea->release_time_s <= now_s) {
-        sea_release_now(sea);
+    const bool due = sea->release_pending && sea->release_time_s <= now_s;
+    if ((due || sea_lets_go(sea)) && sea_release_now(sea)) {
         walk_post(&plant->walk, WALK_EVENT_RELEASE, side, now_s, sea->position_m);
     }
-    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m) {
+    /* Within the latch's own tolerance: a motor that is back at zero stands on either side of it. */
+    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m + sea->params.reclose_m) {
         sea_lift_off(sea);
         walk_post(&plant->walk, WALK_EVENT_LIFT_OFF, side, now_s, ankle_m);
     }

@@ -4,10 +4,10 @@
 
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/experiment.h"
+#include "sim_host/cli/person_fit.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/sim_experiment.h"
 #include "sim_host/cli/sim_session.h"
-#include "sim_host/cli/person_fit.h"
 #include "sim_host/programs/commands.h"
 
 enum { MESSAGE_MAX = OUTPUT_PATH_MAX + 256 };
