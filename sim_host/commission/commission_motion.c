@@ -211,7 +211,7 @@ int commission_perform(struct commission *commission, struct commission_result *
 bool commission_was_done(struct commission_result *result, const struct commission_motion *motion,
                          const struct commission_motion_report *report)
 {
-    const char *leg = commission_leg(motion->leg);
+    const char *leg = commission_leg((int)motion->leg);
     switch (report->outcome) {
     case MOTION_DONE:
         if (report->fault != SUPERVISOR_FAULT_NONE && motion->kind != MOTION_KIND_CUT) {

@@ -61,7 +61,7 @@ int commission_get_leg(struct commission *commission, struct commission_result *
                        const char *group, enum side leg, const char *name, double *number)
 {
     char whole[OBJECT_NAME_MAX];
-    (void)snprintf(whole, sizeof whole, "%s.%s_%s", group, commission_leg(leg), name);
+    (void)snprintf(whole, sizeof whole, "%s.%s_%s", group, commission_leg((int)leg), name);
     return commission_get(commission, result, whole, number);
 }
 
