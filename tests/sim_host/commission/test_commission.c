@@ -146,13 +146,14 @@ static void inject_crossed(void)
     drives_are_crossed = true;
 }
 
+/* All its objects are as they must be. It only does not do what they say: it holds what it has. */
 static void hold_no_unload(void)
 {
-    struct drive_objects *objects = &loop.nodes.drive[SIDE_RIGHT].objects;
-    if (loop.rig.task.output.state != SUPERVISOR_INIT) { /* as the set-up found it, it was right */
-        objects->abort_connection_option = 0;
-        loop.nodes.drive[SIDE_RIGHT].device.comm.rpdo[0].event_ms = 0;
-        loop.nodes.drive[SIDE_RIGHT].device.comm.consumer[0] = 0;
+    struct drive_node *drive = &loop.nodes.drive[SIDE_RIGHT];
+    if (drive->unloading) {
+        drive->unloading = false;
+        drive->state = DRIVE_OPERATION_ENABLED;
+        drive->objects.error_code = 0;
     }
 }
 
@@ -517,7 +518,6 @@ START_TEST(a_device_that_is_not_what_its_file_says_is_found)
 }
 END_TEST
 
-/* It does all else right; only nothing of it watches the link. */
 START_TEST(a_drive_that_does_not_unload_on_link_loss_is_found)
 {
     static const struct defect no_unload = {
