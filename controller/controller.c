@@ -241,6 +241,9 @@ static void guard(struct controller *controller, struct sea_request request[SIDE
 {
     const bool powered = supervisor_may_enable(controller->supervisor.state);
     command_guard_limit(&controller->guard, powered, request);
+    /*@ assert no_torque: powered ||
+          (!request[SIDE_LEFT].enable && !request[SIDE_LEFT].latch_armed &&
+           !request[SIDE_RIGHT].enable && !request[SIDE_RIGHT].latch_armed); */
 }
 
 void controller_update(struct controller *controller, const struct controller_input *input,
