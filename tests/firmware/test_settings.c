@@ -84,11 +84,11 @@ START_TEST(each_field_is_checked)
 END_TEST
 
 /* An absolute encoder may stand anywhere in its 32 bits, but a target must not leave them:
- * zero and stroke (0.3 m of 13,107,200 counts each) are held to 2^30 counts. */
+ * zero and stroke (0.3 m of 13,107,200 counts each) are held to less than 2^30 counts. */
 START_TEST(no_target_leaves_the_range_of_counts)
 {
     const struct settings good = settings;
-    const int32_t zeros[] = {INT32_MAX, INT32_MIN, (1 << 30) + 1000, -(1 << 30) - 1000};
+    const int32_t zeros[] = {INT32_MAX, INT32_MIN, 1 << 30, -(1 << 30)};
 
     for (size_t i = 0; i < sizeof zeros / sizeof zeros[0]; i++) {
         settings.axis[SIDE_LEFT].zero_counts = zeros[i];
@@ -99,10 +99,9 @@ START_TEST(no_target_leaves_the_range_of_counts)
         settings.axis[leg].counts_per_m = 1.6e10f;
         ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
         settings = good;
-        const int32_t most = (1 << 30) - 64; /* the largest float below half the range */
-        settings.axis[leg].zero_counts = most;
-        settings.setup.limit_min_counts[leg] = most;
-        settings.setup.limit_max_counts[leg] = most + 4587520;
+        settings.axis[leg].zero_counts = (1 << 30) - 64;
+        settings.setup.limit_min_counts[leg] = (1 << 30) - 64;
+        settings.setup.limit_max_counts[leg] = (1 << 30) + 4587520;
         ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
         settings = good;
     }
