@@ -155,6 +155,13 @@ def test_the_lever_of_the_device_is_that_of_the_recorded_ankle(tmp_path, person)
     assert far["0.1"] == pytest.approx(far["0.12"] / 1.2, rel=1e-4)
 
 
+def test_a_compass_walks_with_parts_that_exist():
+    """An adult as a compass walker, whose latch takes 5 ms and scatters by 2: the predictive law bears it."""
+    status, result = walk(*EXO50, "--law", "predictive", "--steps", "40")
+    assert status == 0 and not result["fell"] and result["steps"] == 40
+    assert result["apex_speed_rad_s"][-1] == pytest.approx(result["target_speed_rad_s"], rel=0.05)
+
+
 def size(*arguments):
     return run(file_of("devices", "exo50"), "--person", file_of("persons", "adult70"), *arguments, command="size")
 
