@@ -48,12 +48,14 @@ def test_every_key_is_listed_with_its_object():
     text = device("keys").stdout
     rows = re.findall(r"^(\w+) +0x(20\d\d):(\w\w)  ", text, re.M)
     assert len(rows) > 40 and len({row[1:] for row in rows}) == len(rows)
+    assert re.search(r"^torque_constant_Nm_A +\[plant\] +0.0001 to 10 N m/A; has to be said", text, re.M)
     assert {"0x2050": "tick_us", "0x2051": "protocol"} == {f"0x{i}": n for n, i, s in rows if s == "01"}
 
 
 @pytest.mark.parametrize("lines, section, words", [
     (["leg_sensor_node = 3"], "right", ["right leg", "leg_sensor_node", "3", "number of another unit"]),
-    (["gear = 3"], "plant", []),
+    (["gear = 3"], "plant", ["[plant]", "unknown key", "gear"]),
+    (["supply_V = 24"], "plant", ["motor_inertia_kg_m2", "is missing", "kg m^2"]),
     (["backlash = 3"], "both", ["unknown key \"backlash\""]),
     (["lacks = scaling, nothing_of_the_kind"], "both", ["nothing_of_the_kind", "is unknown"]),
     (["leg_sensor_object = 0x20"], "both", ["leg_sensor_object", "0x2101:00"]),
