@@ -231,6 +231,7 @@ void springs_command(struct springs *springs, const struct control_params *param
         request[side].enable = !silent;
         request[side].latch_armed = request[side].latch_armed && may_release(gait, (enum side)side);
         const struct push_view view = {
+            .full = springs->sea[side].phase == SEA_ARMED,
             .armed = request[side].latch_armed,
             .waits = springs->waits[side],
             .behind = is_behind(springs, params, (enum side)side, sea->precompression_m),

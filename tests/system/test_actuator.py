@@ -6,6 +6,8 @@ import json
 import pytest
 
 from afo import file_of, recording, run, walk, who
+from gait_play import write
+from made_gait import made_gait
 
 EXO50 = who("adult70", "exo50")
 SIDES = ("left", "right")
@@ -100,12 +102,18 @@ def too_slow(folder, source):
     return (*device, "--recording", paced(folder / "fast.csv", source, 1.3))
 
 
-def test_a_motor_too_slow_for_the_pace_pushes_less_and_says_so(tmp_path, person):
-    arguments = too_slow(tmp_path, person)
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The made walk: its ankle stays short of the motor, and does not plantarflex before the other foot lands."""
+    return write(tmp_path_factory.mktemp("made") / "made.csv", made_gait())
+
+
+def test_a_motor_too_slow_for_the_pace_pushes_less_and_says_so(tmp_path, made):
+    arguments = too_slow(tmp_path, made)
     status, result = walk(*arguments)
     assert status == 0
     assert sum(result["push"][side]["dragged_in_swing"] for side in SIDES) >= 1
-    good = walk(*EXO50, "--recording", person)[1]
+    good = walk(*EXO50, "--recording", made)[1]
     for side in SIDES:
         leg = result["push"][side]
         assert leg["peak_torque_Nm"] < 0.8 * good["push"][side]["peak_torque_Nm"]
@@ -113,11 +121,7 @@ def test_a_motor_too_slow_for_the_pace_pushes_less_and_says_so(tmp_path, person)
     assert "dragged at the foot in swing" in run(*arguments).stdout
 
 
-def test_before_the_push_nothing_is_pushed(tmp_path):
-    """On the made walk, whose ankle does not plantarflex before the other foot lands."""
-    from gait_play import write
-    from made_gait import made_gait
-    made = write(tmp_path / "made.csv", made_gait())
+def test_before_the_push_nothing_is_pushed(tmp_path, made):
     for arguments in ((*EXO50, "--recording", made), too_slow(tmp_path, made)):
         for side in SIDES:
             assert walk(*arguments)[1]["push"][side]["stance_torque_Nm"] < 1
