@@ -9,7 +9,7 @@ static void count(uint32_t *counter)
 
 static void forget(struct push_leg *leg)
 {
-    leg->prescribed = leg->waited = leg->armed = false;
+    leg->prescribed = leg->waited = leg->armed = leg->full = false;
     leg->opened = leg->struck = leg->loaded = false;
 }
 
@@ -65,9 +65,10 @@ void push_watch_tick(struct push_watch *watch, enum side side, const struct push
         return;
     }
     leg->waited = view->waits;
-    if (view->armed && !leg->armed) {
-        leg->armed = true;
-        leg->armed_tick = tick;
+    leg->armed = leg->armed || view->armed;
+    if (view->full && !leg->full) {
+        leg->full = true;
+        leg->full_tick = tick;
     }
     /* A drive that does not tell of its latch is believed. */
     leg->opened = leg->opened || (leg->armed && view->latch != LATCH_CLOSED);
@@ -78,7 +79,7 @@ void push_watch_strike(struct push_watch *watch, enum side side, uint32_t strike
     struct push_leg *leg = &watch->leg[side];
     if (leg->prescribed && !leg->struck) {
         leg->struck = true;
-        leg->loaded = leg->armed && leg->armed_tick <= strike_tick;
+        leg->loaded = leg->full && leg->full_tick <= strike_tick;
     }
 }
 

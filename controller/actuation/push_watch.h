@@ -4,7 +4,7 @@
  * when the latch was seen open between arming and the own foot's lift-off. If not, the first of these
  * was the reason:
  *   latch open    the latch did not report closed, so the spring could not be loaded at all
- *   not loaded    the spring was not at its target, and so not armed, when the other foot landed
+ *   not loaded    the spring was not at its target when the other foot landed
  *   not released  loaded and armed, but the latch did not open
  * A push that was given may still drag: the motor is not back when the foot is to be free in swing.
  * Misses in a row, of either leg, and drags in a row are counted too: the assistance is withdrawn after
@@ -40,11 +40,12 @@ enum { PUSH_WATCH_MISSES = 3 }; /* pushes in a row that were not given, or that 
 struct push_leg {
     bool prescribed;               /* in this stance */
     bool waited;                   /* for the latch to close, and still does */
-    bool armed;                    /* at some tick of it, */
-    uint32_t armed_tick;           /* the first of them */
+    bool armed;                    /* at some tick of it */
+    bool full;                     /* its spring was at its target at some tick of it, */
+    uint32_t full_tick;            /* the first of them */
     bool opened;                   /* the latch, while armed or after */
     bool struck;                   /* the other foot has landed */
-    bool loaded;                   /* armed by then */
+    bool loaded;                   /* by then */
     bool dragged;                  /* since the last stance ended */
     uint8_t last;                  /* enum push_outcome of the last stance */
     uint32_t behind_ticks;         /* the motor was far behind its reference; saturates */
@@ -64,6 +65,7 @@ void push_watch_prescribe(struct push_watch *watch, enum side side);
 
 /* What a tick shows of a leg. */
 struct push_view {
+    bool full; /* the spring is at its target */
     bool armed;
     bool waits;  /* the spring is not loaded because the latch is not closed */
     bool behind; /* the motor is far behind its reference */

@@ -236,6 +236,7 @@ void springs_command(struct springs *springs, const struct control_params *param
         /*@ assert armed_near_strike: request[side].latch_armed == 0 ||
               (assists && gait->strike_near && gait->stance == side); */
         const struct push_view view = {
+            .full = springs->sea[side].phase == SEA_ARMED,
             .armed = request[side].latch_armed,
             .waits = springs->waits[side],
             .behind = is_behind(springs, params, (enum side)side, sea->precompression_m),

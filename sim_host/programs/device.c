@@ -8,6 +8,7 @@
 #include "sim_host/cli/program.h"
 #include "sim_host/devices/device_text.h"
 #include "sim_host/programs/commands.h"
+#include "sim_host/subjects/actuators.h"
 #include "sim_host/subjects/old_subject.h"
 
 enum { FILES_MAX = 3 };
@@ -76,6 +77,14 @@ static void print_limits(const struct device_description *device)
     }
 }
 
+/* Its [plant] sections: whoever walks with the device in simulation reads them. */
+static int check_plant(const char *path, const struct device_file *file)
+{
+    char message[ACTUATORS_MESSAGE_MAX] = "";
+    struct actuators actuators;
+    return actuators_of(file, path, &actuators, message) == 0 ? 0 : program_complain("%s", message);
+}
+
 static int check(int argc, char **argv)
 {
     struct arguments arguments = {.least = 1, .most = 1};
@@ -83,7 +92,7 @@ static int check(int argc, char **argv)
     read_arguments(&arguments, argc, argv, "DEVICE.ini",
                    "Checks a device file, and says what the device cannot do.\v"
                    "Exit status: 0 it fits, 1 not, 2 wrong usage.");
-    if (read_device(arguments.path[0], &file) != 0) {
+    if (read_device(arguments.path[0], &file) != 0 || check_plant(arguments.path[0], &file) != 0) {
         return EXIT_BAD;
     }
     printf("%s: fits\n", file.name);
@@ -124,6 +133,16 @@ static void print_key(unsigned index, unsigned key, const struct device_key *row
     printf("; %s\n    %s\n", fallback, row->meaning);
 }
 
+static void print_plant_key(const struct sea_key *row)
+{
+    char fallback[32] = "has to be said";
+    if (row->fallback == row->fallback) {
+        snprintf(fallback, sizeof fallback, "%g", row->fallback);
+    }
+    printf("%-27s [plant]  %g to %g%s%s; %s\n    %s\n", row->name, row->minimum, row->maximum,
+           row->unit[0] != '\0' ? " " : "", row->unit, fallback, row->meaning);
+}
+
 static int keys(int argc, char **argv)
 {
     struct arguments arguments = {0};
@@ -136,6 +155,11 @@ static int keys(int argc, char **argv)
     for (unsigned key = 0; key < DEVICE_LEG_COUNT; key++) {
         print_key(DEVICE_INDEX_LEFT, key, &device_leg_keys[key]);
     }
+    for (int key = 0; key < SEA_KEYS; key++) {
+        print_plant_key(&sea_keys[key]);
+    }
+    printf("spring_table, lever_table   [plant]  up to %d points, as 0.01 80, 0.02 200\n",
+           SEA_TABLE_POINTS);
     return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
 }
 

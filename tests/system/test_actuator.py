@@ -6,6 +6,8 @@ import json
 import pytest
 
 from afo import file_of, recording, run, walk, who
+from gait_play import write
+from made_gait import made_gait
 
 EXO50 = who("adult70", "exo50")
 SIDES = ("left", "right")
@@ -100,12 +102,18 @@ def too_slow(folder, source):
     return (*device, "--recording", paced(folder / "fast.csv", source, 1.3))
 
 
-def test_a_motor_too_slow_for_the_pace_pushes_less_and_says_so(tmp_path, person):
-    arguments = too_slow(tmp_path, person)
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The made walk: its ankle stays short of the motor, and does not plantarflex before the other foot lands."""
+    return write(tmp_path_factory.mktemp("made") / "made.csv", made_gait())
+
+
+def test_a_motor_too_slow_for_the_pace_pushes_less_and_says_so(tmp_path, made):
+    arguments = too_slow(tmp_path, made)
     status, result = walk(*arguments)
     assert status == 0
     assert sum(result["push"][side]["dragged_in_swing"] for side in SIDES) >= 1
-    good = walk(*EXO50, "--recording", person)[1]
+    good = walk(*EXO50, "--recording", made)[1]
     for side in SIDES:
         leg = result["push"][side]
         assert leg["peak_torque_Nm"] < 0.8 * good["push"][side]["peak_torque_Nm"]
@@ -113,11 +121,7 @@ def test_a_motor_too_slow_for_the_pace_pushes_less_and_says_so(tmp_path, person)
     assert "dragged at the foot in swing" in run(*arguments).stdout
 
 
-def test_before_the_push_nothing_is_pushed(tmp_path):
-    """On the made walk, whose ankle does not plantarflex before the other foot lands."""
-    from gait_play import write
-    from made_gait import made_gait
-    made = write(tmp_path / "made.csv", made_gait())
+def test_before_the_push_nothing_is_pushed(tmp_path, made):
     for arguments in ((*EXO50, "--recording", made), too_slow(tmp_path, made)):
         for side in SIDES:
             assert walk(*arguments)[1]["push"][side]["stance_torque_Nm"] < 1
@@ -153,6 +157,13 @@ def test_the_lever_of_the_device_is_that_of_the_recorded_ankle(tmp_path, person)
         _, result = walk(*device, "--recording", person)
         far[lever] = result["push"]["left"]["ankle_most_m"]
     assert far["0.1"] == pytest.approx(far["0.12"] / 1.2, rel=1e-4)
+
+
+def test_a_compass_walks_with_parts_that_exist():
+    """An adult as a compass walker, whose latch takes 5 ms and scatters by 2: the predictive law bears it."""
+    status, result = walk(*EXO50, "--law", "predictive", "--steps", "40")
+    assert status == 0 and not result["fell"] and result["steps"] == 40
+    assert result["apex_speed_rad_s"][-1] == pytest.approx(result["target_speed_rad_s"], rel=0.05)
 
 
 def size(*arguments):

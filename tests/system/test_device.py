@@ -48,12 +48,14 @@ def test_every_key_is_listed_with_its_object():
     text = device("keys").stdout
     rows = re.findall(r"^(\w+) +0x(20\d\d):(\w\w)  ", text, re.M)
     assert len(rows) > 40 and len({row[1:] for row in rows}) == len(rows)
+    assert re.search(r"^torque_constant_Nm_A +\[plant\] +0.0001 to 10 N m/A; has to be said", text, re.M)
     assert {"0x2050": "tick_us", "0x2051": "protocol"} == {f"0x{i}": n for n, i, s in rows if s == "01"}
 
 
 @pytest.mark.parametrize("lines, section, words", [
     (["leg_sensor_node = 3"], "right", ["right leg", "leg_sensor_node", "3", "number of another unit"]),
-    (["gear = 3"], "plant", []),
+    (["gear = 3"], "plant", ["[plant]", "unknown key", "gear"]),
+    (["supply_V = 24"], "plant", ["motor_inertia_kg_m2", "is missing", "kg m^2"]),
     (["backlash = 3"], "both", ["unknown key \"backlash\""]),
     (["lacks = scaling, nothing_of_the_kind"], "both", ["nothing_of_the_kind", "is unknown"]),
     (["leg_sensor_object = 0x20"], "both", ["leg_sensor_object", "0x2101:00"]),
@@ -85,7 +87,7 @@ zero_counts = -5
 direction = -1
 [ankle]
 kind = lever
-lever_m = 0.1
+lever_m = 0.4
 [controller]
 law = dlqr
 kp_m_s_rad = 0.1
@@ -99,7 +101,7 @@ def test_an_old_file_becomes_a_person_and_a_device(tmp_path):
     said = person.read_text() + made.read_text()
     for line in ("name = somebody", "torso_mass_kg = 65", "leg_length_m = 0.93", "law = 2 ", "kp_m_s_rad = 0.1 ",
                  "spring_N_per_m = 7000", "stroke_max_m = 0.33", "zero_counts = -5", "direction = -1", "ankle = lever",
-                 "ankle_lever_m = 0.1", "rated_force_N = 2278.5", "force_max_N = 5775"):
+                 "ankle_lever_m = 0.4", "rated_force_N = 2278.5", "force_max_N = 5775"):
         assert line in said, line
     done = run("--person", person, "--device", made, "--steps", "2", "--quiet")
     assert done.returncode == 0, done.stderr

@@ -13,7 +13,8 @@ static uint32_t now;
 
 static void tick(enum side side, bool armed, bool waits, bool behind, enum latch_state latch)
 {
-    const struct push_view view = {armed, waits, behind, latch};
+    const struct push_view view = {
+        .full = armed, .armed = armed, .waits = waits, .behind = behind, .latch = latch};
     push_watch_tick(&watch, side, &view, ++now);
 }
 

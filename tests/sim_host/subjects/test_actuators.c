@@ -152,12 +152,38 @@ START_TEST(a_person_s_spring_need_not_suit_a_compass)
 }
 END_TEST
 
+START_TEST(the_shipped_device_describes_the_parts_that_it_is_made_of)
+{
+    /* What the controller is told against what the plant's parts give. */
+    ck_assert_msg(subject_read(&subject, PERSON, DEVICE, message) == 0, "%s", message);
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct sea_config *config = &subject.actuators.config[leg];
+        const double *number = subject.device.number[leg];
+        assert_close(number[DEVICE_LEG_counts_per_m],
+                     config->encoder_counts_per_turn * sea_config_rad_per_m(config) /
+                         6.283185307179586,
+                     0.0, 1e-9);
+        assert_close(number[DEVICE_LEG_rated_force_N],
+                     sea_config_force_N(config, config->current_continuous_A), 0.0, 0.01);
+        assert_close(number[DEVICE_LEG_force_max_N],
+                     sea_config_force_N(config, config->current_peak_A), 0.0, 0.01);
+        assert_close(number[DEVICE_LEG_spring_N_per_m], sea_config_stiffness_N_per_m(config), 0.0,
+                     0.02);
+        assert_close(number[DEVICE_LEG_stroke_max_m], config->stroke_max_m, 0.0, 1e-9);
+        assert_close(number[DEVICE_LEG_speed_max_m_s], config->speed_limit_m_s, 0.0, 1e-9);
+        assert_close(number[DEVICE_LEG_ankle_lever_m], config->lever_m, 0.0, 1e-6);
+        assert_close(number[DEVICE_LEG_current_max_A], config->current_peak_A, 0.0, 1e-9);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("actuators");
     TCase *tests = tcase_create("actuators");
     tcase_add_test(tests, a_leg_s_own_section_goes_before_that_of_both);
     tcase_add_test(tests, tables_are_read);
+    tcase_add_test(tests, the_shipped_device_describes_the_parts_that_it_is_made_of);
     tcase_add_loop_test(tests, what_is_wrong_is_refused_with_leg_and_key, 0,
                         sizeof REFUSED / sizeof REFUSED[0]);
     tcase_add_loop_test(tests, what_cannot_be_built_is_refused_before_anything_moves, 0,
