@@ -25,6 +25,8 @@ WARN := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstri
         -Wmissing-prototypes -Wundef -Wvla -Werror
 # Same bits on every machine: no contraction to fused multiply-add, no errno paths in sqrt.
 BITS := -ffp-contract=off -fno-math-errno -fno-strict-aliasing
+NOT_A_NUMBER = $(if $(2),$(if $(shell printf '%s' '$(2)' | tr -d 0-9),$(error $(1) must be a whole number of $(3), not "$(2)")))
+$(call NOT_A_NUMBER,TICK_US,$(TICK_US),microseconds)$(call NOT_A_NUMBER,BITRATE,$(BITRATE),bit/s)
 BUS_RATES := $(strip $(if $(TICK_US),-DTICK_PERIOD_US=$(TICK_US)) $(if $(BITRATE),-DBUS_BITRATE=$(BITRATE)))
 CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(OPT) -g $(WARN) $(BITS) $(BUS_RATES) $(SANITIZE) -I. $(CFLAGS)
 LDFLAGS_ALL = $(SANITIZE) $(LDFLAGS)

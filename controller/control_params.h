@@ -1,6 +1,6 @@
 /* Every number that tunes the controller, in one struct, validated once.
  *
- * CONTROL_PARAM_TABLE is the single list of names, units and ranges. The subject file's reader,
+ * CONTROL_PARAM_TABLE is the single list of names, units and ranges. The person file's reader,
  * the validator and the object dictionary are made from it. Its fields are `real`, those of the
  * speed table `real` or 32-bit counts: in float there is no padding, so the bytes in flash and
  * under a checksum are the same everywhere. The gait branch is only pointed to; it is stored and

@@ -123,9 +123,15 @@ static void supervise(struct controller *controller, const struct controller_inp
         .sea = controller->springs.sea,
         .request_spent = controller->request_spent,
     };
+    const enum supervisor_state from = controller->supervisor.state;
     const uint16_t conditions = conditions_find(&controller->supervisor, &view, fault);
     if (supervisor_update(&controller->supervisor, values->tick, conditions, fault)) {
         enter_state(controller, values);
+        /* Whoever asked and did not set off in time asks anew. */
+        if (from == SUPERVISOR_ENGAGING && (conditions & SUPERVISOR_IF_TIMEOUT) != 0 &&
+            controller->supervisor.state == SUPERVISOR_UNLOADING) {
+            controller->request_spent = true;
+        }
     }
 }
 

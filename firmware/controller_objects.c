@@ -8,7 +8,7 @@
 #define TX CO_MAP_TX
 
 /* Ranges of REAL32 entries are in no table here: the validator of the parameters
- * checks them (write_rules.c), the same one that reads subject files. */
+ * checks them (write_rules.c), the same one that reads person files. */
 enum param_sub {
     PARAM_SUB_COUNT = 0,
 #define PARAM_SUB(field, unit, minimum, maximum, meaning) PARAM_SUB_##field,

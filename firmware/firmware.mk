@@ -65,15 +65,18 @@ endef
 $(foreach b,$(BOARDS),$(eval $(call BOARD_RULES,$(b))))
 -include $(sort $(foreach b,$(BOARDS),$(patsubst %.o,%.d,$(call BOARD_OBJ,$(b)))))
 
+ifeq ($(filter $(BOARD),$(BOARDS)),)
+$(error no board "$(BOARD)"; there are: $(BOARDS))
+endif
 ELFS := $(foreach b,$(BOARDS),$(call IMAGE,$(b)).elf)
 .PHONY: firmware flash debug budgets
 firmware: $(ELFS) $(ELFS:.elf=.bin) $(ELFS:.elf=.hex) ## images for all boards: the NUCLEO-G474RE and the emulator
 	$(Q)$(foreach b,$(BOARDS),$(TOOLS_$(CPU_$(b)))size $(call IMAGE,$(b)).elf;)
 
-# With SUBJECT (an .ini file) its settings go along, into the parameter memory: a device
+# With PERSON and DEVICE (.ini files) their settings go along, into the parameter memory: a device
 # without any does not walk. SPEED is the apex speed to begin with.
-flash: $(call IMAGE,$(BOARD)).elf $(call IMAGE,$(BOARD)).bin $(if $(SUBJECT),programs) ## write the image (SUBJECT=FILE: and settings) to a NUCLEO-G474RE (openocd, else st-flash)
-	$(Q)$(if $(SUBJECT),$(BUILD)/afo settings --subject '$(SUBJECT)' $(if $(SPEED),--speed $(SPEED)) $(SETTINGS_BIN))
+flash: $(call IMAGE,$(BOARD)).elf $(call IMAGE,$(BOARD)).bin $(if $(PERSON)$(DEVICE),programs) ## write the image (PERSON=FILE DEVICE=FILE: and settings) to a NUCLEO-G474RE (openocd, else st-flash)
+	$(Q)$(if $(PERSON)$(DEVICE),$(BUILD)/afo settings $(if $(PERSON),--person '$(PERSON)') $(if $(DEVICE),--device '$(DEVICE)') $(if $(SPEED),--speed $(SPEED)) $(SETTINGS_BIN))
 	$(or $(FLASH_$(BOARD)),$(Q)echo 'flash: $(BOARD) cannot be flashed; BOARD is one of: $(foreach b,$(BOARDS),$(if $(value FLASH_$(b)),$(b)))' >&2; exit 1)
 
 debug: $(call IMAGE,$(BOARD)).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still while it is halted

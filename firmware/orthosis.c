@@ -63,7 +63,7 @@ static uint32_t save_settings(void *context)
         .sensor = task->sensors.config,
         .setup = &task->config.setup,
         .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,
-        .walk_at_start = task->config.walk_requested ? 1u : 0u,
+        .walk_at_start = orthosis->walk_at_start,
     };
 
     if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
@@ -104,6 +104,13 @@ static void feed_between(void *context)
 
 /* ---- start ------------------------------------------------------------------ */
 
+/* Behind any other reset nobody expects a drive to move: only power-on obeys settings that ask for
+ * a walk. */
+static bool is_power_on(const struct orthosis_config *config)
+{
+    return config->streak != NULL && !crash_streak_is_kept(config->streak);
+}
+
 static void init_task(struct orthosis *orthosis, const struct settings *settings,
                       const struct orthosis_config *config)
 {
@@ -113,7 +120,7 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
         .setup = settings->setup,
         .configure_nodes = true,
         .desired_speed_rad_s = settings->desired_speed_rad_s,
-        .walk_requested = settings->walk_at_start != 0u,
+        .walk_requested = settings->walk_at_start != 0u && is_power_on(config),
     };
     const struct snapshot_source source = {&orthosis->task, &orthosis->drives};
 
@@ -156,6 +163,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
 
     memset(orthosis, 0, sizeof *orthosis);
     read_settings(orthosis, &settings, config);
+    orthosis->walk_at_start = settings.walk_at_start;
     init_black_box(config, &settings);
     orthosis->program = config->program;
     program_update_init(&orthosis->update, config->program);

@@ -36,7 +36,7 @@ struct orthosis_config {
     const struct program_slots *program; /* where the program lies; NULL: nobody looks after it */
     struct black_box *black_box;         /* in memory that a reset does not clear */
     struct crash_record *crash;  /* as the last run left it, in such memory too; may be NULL */
-    struct crash_streak *streak; /* likewise; may be NULL */
+    struct crash_streak *streak; /* likewise; NULL: no start is known to be power-on */
     bool restarted;              /* after a crash or by the watchdog: stay in the safe state */
 };
 
@@ -59,13 +59,15 @@ struct orthosis {
     uint64_t fed_ns;                    /* the watchdog, while settings are saved or forgotten */
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */
     struct bus_recovery recovery;
+    uint32_t walk_at_start; /* of the settings; obeyed at power-on only */
 };
 
 /* Reads the settings and prepares everything; sends nothing. With no usable
  * settings the device runs, talks and stays in SUPERVISOR_FAULT with "bad parameters". So it
  * does with "restarted by itself", without reading them, after CRASH_STREAK_LIMIT crashes in a
  * row (0x2032:3, an emergency). After fewer it begins in SUPERVISOR_FAULT too, but a reset
- * request lifts that. *config is
+ * request lifts that. Settings that ask for a walk are obeyed at power-on only, which is when the
+ * streak's memory was not kept. *config is
  * copied, what it points to stays the caller's. Start-up only. */
 void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config);
 

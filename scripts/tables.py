@@ -64,6 +64,9 @@ def run(program, main, *arguments):
         return complain(program, error)
     except OSError as error:
         return complain(program, f"{error.filename}: {error.strerror}")
+    except KeyboardInterrupt:
+        print(f"{program}: broken off; what was there before stays", file=sys.stderr)
+        return 130
 
 
 # The columns of `afo study laws STUDY`, by study: (numbers, text).

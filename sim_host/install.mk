@@ -1,8 +1,9 @@
-# afo on a system: the program, its manual page, made of its --help, and the subjects that come with it.
+# afo on a system: the program, its manual page, made of its --help, and the persons and devices that come with it.
 PREFIX ?= /usr/local
 DESTDIR ?=
 INSTALL ?= install
-SUBJECTS := $(wildcard sim_host/subjects/*.ini)
+PERSONS := $(wildcard sim_host/persons/*.ini)
+DEVICES := $(wildcard sim_host/devices/*.ini)
 
 .PHONY: man install compile-commands
 man: $(BUILD)/afo.1
@@ -10,12 +11,14 @@ $(BUILD)/afo.1: $(BUILD)/afo scripts/man-page
 	$(call SAY,MAN    $@)
 	$(Q)scripts/man-page $< >$@.new && mv $@.new $@
 
-install: $(BUILD)/afo $(BUILD)/afo.1 ## the program, its manual page and the subjects into PREFIX (/usr/local), below DESTDIR
-	$(Q)$(INSTALL) -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/man/man1' '$(DESTDIR)$(PREFIX)/share/afo/subjects'
+install: $(BUILD)/afo $(BUILD)/afo.1 ## the program, its manual page, persons and devices into PREFIX (/usr/local), below DESTDIR
+	$(Q)$(INSTALL) -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/man/man1' '$(DESTDIR)$(PREFIX)/share/afo/persons' \
+	    '$(DESTDIR)$(PREFIX)/share/afo/devices'
 	$(Q)$(INSTALL) -m 755 $(BUILD)/afo '$(DESTDIR)$(PREFIX)/bin/afo'
 	$(Q)$(INSTALL) -m 644 $(BUILD)/afo.1 '$(DESTDIR)$(PREFIX)/share/man/man1/afo.1'
-	$(Q)$(INSTALL) -m 644 $(SUBJECTS) '$(DESTDIR)$(PREFIX)/share/afo/subjects'
-	@echo '  installed below $(DESTDIR)$(PREFIX): bin/afo, share/man/man1/afo.1, share/afo/subjects'
+	$(Q)$(INSTALL) -m 644 $(PERSONS) '$(DESTDIR)$(PREFIX)/share/afo/persons'
+	$(Q)$(INSTALL) -m 644 $(DEVICES) '$(DESTDIR)$(PREFIX)/share/afo/devices'
+	@echo '  installed below $(DESTDIR)$(PREFIX): bin/afo, share/man/man1/afo.1, share/afo'
 
 compile-commands: ## build/compile_commands.json for editors (clangd, VS Code); nothing is compiled
 	@mkdir -p $(BUILD)

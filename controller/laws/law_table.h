@@ -3,7 +3,7 @@
  * A law is one file with its row (proportional.c, dlqr.c ...) and one line of LAW_TABLE, which
  * gives it its number, its row and its name. The number is the value of the parameter `law`: it
  * appears on the bus and in files, so it never changes. Names are for people: command lines,
- * subject files and messages at the host get them from here; the device is built without them.
+ * person files and messages at the host get them from here; the device is built without them.
  * The laws themselves are described in step_law.h.
  */
 #ifndef CONTROLLER_LAWS_LAW_TABLE_H

@@ -9,6 +9,9 @@ enum { UNLOAD_LEAST_TICKS = TICKS_OF_MS(200) };
 /* The self test may take so many times as long as unloading: a drive that has just
  * come back may still be unloading by itself. */
 enum { SELF_TEST_TIMES = 5 };
+/* A request is given up when no walk has begun after so long. In test mode a spring is loaded
+ * meanwhile and somebody stands beside it; a person may take their time to set off. */
+enum { ENGAGE_TEST_MODE_TICKS = TICKS_OF_MS(10000), ENGAGE_TICKS = TICKS_OF_MS(60000) };
 
 static bool is_stepping(const struct conditions_view *view, bool standstill)
 {
@@ -35,13 +38,24 @@ static bool is_regular(const struct conditions_view *view)
            view->step_monitor->unsteady < STEP_MONITOR_IRREGULAR;
 }
 
+/* How long this state may last; states without a limit get some number that no rule looks at. */
+static uint32_t time_limit_ticks(enum supervisor_state state, const struct control_params *params)
+{
+    const uint32_t unload_ticks = ticks_from_seconds(params->unload_timeout_s);
+    switch (state) {
+    case SUPERVISOR_SELF_TEST:
+        return SELF_TEST_TIMES * unload_ticks;
+    case SUPERVISOR_ENGAGING:
+        return control_params_test_mode(params) ? ENGAGE_TEST_MODE_TICKS : ENGAGE_TICKS;
+    default:
+        return unload_ticks;
+    }
+}
+
 static bool is_overdue(const struct supervisor *supervisor, const struct conditions_view *view)
 {
-    uint32_t limit = ticks_from_seconds(view->params->unload_timeout_s);
-    if (supervisor->state == SUPERVISOR_SELF_TEST) {
-        limit *= SELF_TEST_TIMES;
-    }
-    return view->input->tick - supervisor->since_tick >= limit;
+    return view->input->tick - supervisor->since_tick >=
+           time_limit_ticks(supervisor->state, view->params);
 }
 
 /* Both references are back at zero, and the state has lasted long enough: a motor whose encoder

@@ -12,7 +12,8 @@
  *
  * Engaging: in test mode (engage_steps = 0: a hand supports a walker without a push-off of its
  * own) the first spring is loaded at once and the first apex counts. Otherwise the drives stay
- * at zero spring until so many steady steps have been seen.
+ * at zero spring until so many steady steps have been seen. Either way engaging has a limit of
+ * time (conditions.c): a request that no walk follows ends in UNLOADING and is then spent.
  */
 #ifndef CONTROLLER_SUPERVISOR_SUPERVISOR_H
 #define CONTROLLER_SUPERVISOR_SUPERVISOR_H
@@ -92,7 +93,7 @@ struct supervisor_row {
     enum supervisor_state to;
 };
 
-enum { SUPERVISOR_ROWS = 15 };
+enum { SUPERVISOR_ROWS = 16 };
 extern const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS];
 
 struct supervisor {

@@ -15,6 +15,14 @@ static bool is_sealed(const struct crash_record *record)
     return record->magic == (uint32_t)CRASH_RECORD_MAGIC && record->crc == crc_of(record);
 }
 
+enum crash_cause crash_cause_of_reset(bool by_watchdog, bool by_supply, bool memory_kept)
+{
+    if (by_watchdog) {
+        return CRASH_WATCHDOG;
+    }
+    return by_supply && memory_kept ? CRASH_SUPPLY : CRASH_NONE;
+}
+
 void crash_record_begin(struct crash_record *record)
 {
     const uint32_t count = crash_record_count(record);

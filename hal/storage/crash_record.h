@@ -23,8 +23,9 @@ enum crash_cause {
     CRASH_ASSERTION = 7,
     CRASH_CLOCK_FAILED = 8, /* the crystal stopped, or never started */
     CRASH_WATCHDOG = 9,     /* nobody wrote a record: the watchdog reset the processor */
-    CRASH_LOST_WRITE = 10,  /* a register does not hold what the start wrote; detail: its address */
-    CRASH_PROGRAM = 11      /* the program in flash is another than the one that was written */
+    CRASH_SUPPLY = 10,      /* likewise: the supply dipped, so briefly that memory was kept */
+    CRASH_LOST_WRITE = 11,  /* a register does not hold what the start wrote; detail: its address */
+    CRASH_PROGRAM = 12      /* the program in flash is another than the one that was written */
 };
 
 enum { CRASH_STACK_WORDS = 8 };
@@ -64,6 +65,13 @@ static inline uint32_t crash_streak_length(const struct crash_streak *streak)
     return streak->inverted == ~streak->length ? streak->length : 0U;
 }
 
+/* True when this memory was never without power since it was first written: the present start is
+ * no power-on. O(1). */
+static inline bool crash_streak_is_kept(const struct crash_streak *streak)
+{
+    return streak->inverted == ~streak->length;
+}
+
 /* One more crash; saturates. Any context, faults included; O(1). */
 static inline void crash_streak_add(struct crash_streak *streak)
 {
@@ -79,6 +87,11 @@ static inline void crash_streak_end(struct crash_streak *streak)
     streak->length = 0;
     streak->inverted = UINT32_MAX;
 }
+
+/* What a reset that left no record says about the run before it. by_watchdog, by_supply: the
+ * processor's flags; power-on sets that of the supply, too. memory_kept: crash_streak_is_kept.
+ * CRASH_NONE: it ended as it may. Pure; O(1). */
+enum crash_cause crash_cause_of_reset(bool by_watchdog, bool by_supply, bool memory_kept);
 
 /* Empties a record but for the number of crashes that it knows of. Any context, faults
  * included; about 2,000 instructions. */

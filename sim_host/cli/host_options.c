@@ -51,7 +51,7 @@ void host_options_parse(struct host_options *options, int argc, char **argv)
         "Runs the control task on a CAN interface. An interrupt (Ctrl-C), SIGTERM, a hangup or a "
         "reader of the output that went away unloads the springs, switches the drives off and "
         "ends. So do, with --steps, a latched fault and a node that is refused because it is not as "
-        "the subject says; without --steps an operator may clear the fault over the bus, and a "
+        "the files say; without --steps an operator may clear the fault over the bus, and a "
         "refused node may be exchanged or switched off and on, which sets it up anew: --auto-reset "
         "waits for that, with --steps as well. A node that is not there is always waited for.\v"
         "Exit status: 0 walked, 1 stopped by a fault or a node is refused, 2 wrong usage, input or "

@@ -7,7 +7,7 @@
 
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/program.h"
-#include "sim_host/subjects/nearest.h"
+#include "sim_host/text/nearest.h"
 
 enum { NAMES_MAX = 128, MESSAGE_MAX = 512 };
 
@@ -175,4 +175,12 @@ int option_choice(struct argp_state *state, const char *option, const char *text
 void option_refuse_argument(struct argp_state *state, const char *text)
 {
     argp_error(state, "unexpected argument \"%s\"", text);
+}
+
+void option_refuse_subject(struct argp_state *state, const char *path)
+{
+    argp_error(state,
+               "--subject was parted into --person FILE and --device FILE; make both from the old "
+               "file: afo device convert %s PERSON.ini DEVICE.ini",
+               path);
 }

@@ -22,6 +22,9 @@ uint64_t option_whole(struct argp_state *state, const char *option, const char *
 int option_choice(struct argp_state *state, const char *option, const char *text, const void *names,
                   size_t count, size_t stride_bytes);
 
+/* What every command says to --subject FILE, the one file that there was before persons and devices were parted. */
+void option_refuse_subject(struct argp_state *state, const char *path);
+
 /* For a parser's end: what a command that takes no arguments says to one. */
 void option_refuse_argument(struct argp_state *state, const char *text);
 

@@ -9,7 +9,7 @@
 
 #include "firmware/version.h"
 #include "sim_host/cli/exit_status.h"
-#include "sim_host/subjects/nearest.h"
+#include "sim_host/text/nearest.h"
 
 enum { NAME_MAX_BYTES = 64 };
 

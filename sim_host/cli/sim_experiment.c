@@ -1,6 +1,6 @@
 #include "sim_host/cli/sim_experiment.h"
 
-#include "sim_host/subjects/law_name.h"
+#include "sim_host/persons/law_name.h"
 
 enum { DIGITS = 9 };
 
@@ -9,8 +9,9 @@ static void who(struct json_writer *json, const struct sim_options *options,
 {
     const struct control_params *params = &config->params;
     json_open_object(json, "who");
-    json_text(json, "name", config->subject.name);
-    json_text(json, "subject_file", options->walk.subject_path);
+    json_text(json, "name", config->subject.person.name);
+    json_text(json, "person_file", options->walk.person_path);
+    json_text(json, "device_file", options->walk.device_path);
     json_text(json, "recording", options->recording_path);
     json_number(json, "torso_mass_kg", (double)params->torso_mass_kg, DIGITS);
     json_number(json, "leg_mass_kg", (double)params->leg_mass_kg, DIGITS);

@@ -7,7 +7,7 @@
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/recording_report.h"
 #include "sim_host/cli/sim_experiment.h"
-#include "sim_host/subjects/law_name.h"
+#include "sim_host/persons/law_name.h"
 
 static const char *side_name(enum side side)
 {
@@ -47,7 +47,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     json_begin(&json, stream);
     json_open_object(&json, NULL);
     json_text(&json, "version", version_text());
-    json_text(&json, "subject", loop->config.subject.name);
+    json_text(&json, "subject", loop->config.subject.person.name);
     json_text(&json, "sensors", options->sensing.preset_name);
     json_unsigned(&json, "seed", options->sensing.seed);
     json_text(&json, "law", law_name_of((enum law_mode)loop->config.params.law));
@@ -200,8 +200,9 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
         fprintf(stream, "  recording  %s\n", options->recording_path);
     }
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
-            loop->config.subject.name, (double)params->torso_mass_kg, (double)params->leg_mass_kg,
-            (double)params->leg_length_m, (double)params->spring_stiffness_n_m);
+            loop->config.subject.person.name, (double)params->torso_mass_kg,
+            (double)params->leg_mass_kg, (double)params->leg_length_m,
+            (double)params->spring_stiffness_n_m);
     if (params->law == (real)LAW_PERSON) {
         fprintf(stream, "  law        person: r0* = %g m, v* = their own mean\n",
                 (double)params->start_r0_m);
@@ -231,8 +232,8 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
 /* Why a walk did not begin: the node that was refused, by what and by how much. */
 static void refused_node(FILE *stream, const struct controller_objects *objects)
 {
-    static const char *const verdicts[] = {"", "is not as the subject says", "refused the access",
-                                           "does not answer"};
+    static const char *const verdicts[] = {"", "is not as the device file says",
+                                           "refused the access", "does not answer"};
     const unsigned verdict = objects->refused_verdict;
     if (objects->refused_node == 0 || verdict == 0 ||
         verdict >= sizeof verdicts / sizeof verdicts[0]) {

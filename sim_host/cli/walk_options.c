@@ -5,27 +5,40 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/subjects/law_name.h"
+#include "sim_host/persons/law_name.h"
 
-enum { KEY_SPEED = 0x400, KEY_OPEN_LOOP, KEY_R0, KEY_START_R0, KEY_KP, KEY_LAW, KEY_SUBJECT };
+enum {
+    KEY_SPEED = 0x400,
+    KEY_OPEN_LOOP,
+    KEY_R0,
+    KEY_START_R0,
+    KEY_KP,
+    KEY_LAW,
+    KEY_PERSON,
+    KEY_DEVICE,
+    KEY_SUBJECT
+};
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "Who walks, and how:", 1},
     {"speed", KEY_SPEED, "RAD_S", 0,
-     "forward apex speed to walk at (default: that of the start gait)", 0},
+     "forward apex speed to walk at (default: the prescribed one, else that of the start gait)", 0},
     {"kp", KEY_KP, "GAIN", 0,
-     "gain of eq. (16) in m per rad/s (default: 0.042 scaled to the subject, or the subject's own where that does "
+     "gain of eq. (16) in m per rad/s (default: 0.042 scaled to the walker, or the walker's own where that does "
      "not hold its gaits)",
      0},
     {"law", KEY_LAW, "NAME", 0,
-     "law of the push-off (default: the subject's)" LAW_NAMES_TEXT "; open-loop takes --open-loop",
+     "law of the push-off (default: the prescribed one)" LAW_NAMES_TEXT
+     " (open-loop: by --open-loop --r0 M instead)",
      0},
     {"open-loop", KEY_OPEN_LOOP, 0, 0,
      "no law: constant precompression --r0, reached by a slow ramp", 0},
     {"r0", KEY_R0, "M", 0, "precompression of --open-loop, metres", 0},
     {"start-r0", KEY_START_R0, "M", 0, "start from the steady gait of this precompression, metres",
      0},
-    {"subject", KEY_SUBJECT, "FILE", 0, "subject file (INI; default: the paper's walker)", 0},
+    {"person", KEY_PERSON, "FILE", 0, "person file (INI; default: the paper's walker)", 0},
+    {"device", KEY_DEVICE, "FILE", 0, "device file (INI; default: the virtual device)", 0},
+    {"subject", KEY_SUBJECT, "FILE", OPTION_HIDDEN, 0, 0},
     {0}};
 
 static void check_together(struct argp_state *state, const struct walk_options *options)
@@ -57,6 +70,9 @@ static void take_law(struct walk_options *options, const char *text, struct argp
             laws[count++] = law_names[i];
         }
     }
+    if (strcmp(text, law_name_of(LAW_OPEN_LOOP)) == 0) {
+        argp_error(state, "--law: open-loop is asked for by --open-loop --r0 M");
+    }
     options->law_given = true;
     options->law = laws[option_choice(state, "--law", text, laws, count, sizeof laws[0])].law;
 }
@@ -84,7 +100,13 @@ static error_t take(int key, char *text, struct argp_state *state)
         take_law(options, text, state);
         break;
     case KEY_SUBJECT:
-        options->subject_path = text;
+        option_refuse_subject(state, text);
+        break;
+    case KEY_PERSON:
+        options->person_path = text;
+        break;
+    case KEY_DEVICE:
+        options->device_path = text;
         break;
     case ARGP_KEY_END:
         check_together(state, options);
@@ -102,17 +124,8 @@ void walk_options_init(struct walk_options *options)
     *options = (struct walk_options){.kp = -1.0};
 }
 
-static void override(struct subject *subject, const char *name, double value)
-{
-    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
-        if (strcmp(control_param_descriptors[i].name, name) == 0) {
-            subject->control_overridden[i] = true;
-            subject->control_override[i] = value;
-        }
-    }
-}
-
-static int check_speed(const struct control_params *params, double speed, char *message)
+static int check_speed(const char *what, const struct control_params *params, double speed,
+                       char *message)
 {
     real low_rad_s, high_rad_s;
     control_params_speeds(params, &low_rad_s, &high_rad_s);
@@ -120,44 +133,46 @@ static int check_speed(const struct control_params *params, double speed, char *
         return 0;
     }
     snprintf(message, SUBJECT_MESSAGE_MAX,
-             "--speed %g is out of range: this law serves this subject from %.4g to %.4g rad/s",
+             "%s %g is out of range: this law serves this walker from %.4g to %.4g rad/s", what,
              speed, (double)low_rad_s, (double)high_rad_s);
     return -1;
 }
 
-/* Puts the subject's file before a message about its numbers. */
-static void name_file(const char *path, char *message)
+/* Puts the files before a message about their numbers. */
+static void name_files(const struct walk_options *options, char *message)
 {
     char reason[SUBJECT_MESSAGE_MAX];
-    if (path != NULL) {
+    const char *person = options->person_path, *device = options->device_path;
+    if (person != NULL || device != NULL) {
         snprintf(reason, sizeof reason, "%s", message);
-        snprintf(message, SUBJECT_MESSAGE_MAX, "%.300s: %.400s", path, reason);
+        snprintf(message, SUBJECT_MESSAGE_MAX, "%.180s%s%.180s: %.370s",
+                 person != NULL ? person : "", person != NULL && device != NULL ? " with " : "",
+                 device != NULL ? device : "", reason);
     }
 }
 
 int walk_options_resolve(const struct walk_options *options, struct subject *subject,
                          struct control_params *params, double *desired_speed_rad_s, char *message)
 {
-    subject_default(subject);
-    if (options->subject_path != NULL &&
-        subject_read(subject, options->subject_path, message) != 0) {
+    struct person *person = &subject->person;
+    if (subject_read(subject, options->person_path, options->device_path, message) != 0) {
         return -1;
     }
     if (options->kp >= 0.0) {
-        override(subject, "kp_m_s_rad", options->kp);
+        person_override(person, "kp_m_s_rad", options->kp);
     }
     if (options->start_r0_m > 0.0) {
-        override(subject, "start_r0_m", options->start_r0_m);
+        person_override(person, "start_r0_m", options->start_r0_m);
     }
     if (options->law_given) {
-        override(subject, "law", (double)options->law);
+        person_override(person, "law", (double)options->law);
     }
     if (options->open_loop) {
-        override(subject, "law", (double)LAW_OPEN_LOOP);
-        override(subject, "open_loop_r0_m", options->r0_m);
+        person_override(person, "law", (double)LAW_OPEN_LOOP);
+        person_override(person, "open_loop_r0_m", options->r0_m);
     }
     if (subject_control_params(subject, params, message) != 0) {
-        name_file(options->subject_path, message);
+        name_files(options, message);
         return -1;
     }
     if (options->kp >= 0.0 && law_of(params->law)->has_own_gains) {
@@ -169,7 +184,14 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
     *desired_speed_rad_s = (double)speed_table_speed(&params->table, params->start_r0_m);
     if (options->speed_rad_s > 0.0) {
         *desired_speed_rad_s = options->speed_rad_s;
-        return check_speed(params, options->speed_rad_s, message);
+        return check_speed("--speed", params, options->speed_rad_s, message);
+    }
+    if (person->speed_rad_s > 0.0 && !options->open_loop) {
+        *desired_speed_rad_s = person->speed_rad_s;
+        if (check_speed("the prescribed speed_rad_s", params, person->speed_rad_s, message) != 0) {
+            name_files(options, message);
+            return -1;
+        }
     }
     return 0;
 }

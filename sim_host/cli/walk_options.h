@@ -18,7 +18,8 @@ struct walk_options {
     double kp;         /* < 0 = not given */
     bool law_given;
     enum law_mode law;
-    const char *subject_path; /* NULL = the paper's walker */
+    const char *person_path; /* NULL = the paper's walker */
+    const char *device_path; /* NULL = the virtual device */
 };
 
 /* Child parser: its input is a struct walk_options, set up by walk_options_init. */
@@ -26,7 +27,7 @@ extern const struct argp walk_options_parser;
 
 void walk_options_init(struct walk_options *options);
 
-/* Subject file and options to what the control task needs: the subject, its
+/* The files and options to what the control task needs: the subject, its
  * parameters, the speed to walk at. Returns 0, or -1 with the reason in message
  * (SUBJECT_MESSAGE_MAX bytes). */
 int walk_options_resolve(const struct walk_options *options, struct subject *subject,

@@ -8,7 +8,7 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/faults/fault_kinds.h"
-#include "sim_host/subjects/nearest.h"
+#include "sim_host/text/nearest.h"
 
 enum {
     KEY_RUNS = 0x500,

@@ -45,7 +45,8 @@ void foreign_node_begin(struct shot_state *state, uint64_t now_ns)
 
 static int32_t counts_of(const struct loop *loop, double metres)
 {
-    return (int32_t)(metres * loop->config.subject.counts_per_m);
+    return (int32_t)(metres *
+                     (double)loop->config.subject.device.description.leg[SIDE_LEFT].counts_per_m);
 }
 
 static struct can_msg sensor_frame(const struct fault_shot *shot)

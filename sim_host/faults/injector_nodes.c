@@ -25,8 +25,8 @@ static void measure(struct shot_state *state, struct loop *loop, double angle_ra
 
 static double ankle_unit(const struct loop *loop, double metres)
 {
-    const struct subject *subject = &loop->config.subject;
-    return subject->ankle == ANKLE_LEVER ? metres / subject->ankle_lever_m : metres;
+    const struct device_leg *leg = &loop->config.subject.device.description.leg[SIDE_LEFT];
+    return leg->ankle == DEVICE_ANKLE_LEVER ? metres / (double)leg->ankle_lever_m : metres;
 }
 
 static void hold_sensor(struct shot_state *state, struct loop *loop)

@@ -45,7 +45,7 @@ static bool skip_word(struct cursor *cursor, const char *word)
     return true;
 }
 
-static bool take(struct cursor *cursor, char wanted, const char *reason)
+static bool expect_char(struct cursor *cursor, char wanted, const char *reason)
 {
     if (peek(cursor) != (unsigned char)wanted) {
         return fail(cursor, reason);
@@ -103,7 +103,7 @@ static bool take_time(struct cursor *cursor, uint64_t *time_us)
         return fail(cursor, "candump says that it lost frames here: nothing after it can be "
                             "replayed (candump -r 268435456 gives it a larger buffer)");
     }
-    if (!take(cursor, '(', "expected '(' before the time (as by candump -L, or -t a)")) {
+    if (!expect_char(cursor, '(', "expected '(' before the time (as by candump -L, or -t a)")) {
         return false;
     }
     for (; is_decimal(peek(cursor)) && digits < SECONDS_DIGITS_MAX; digits++) {
@@ -116,12 +116,13 @@ static bool take_time(struct cursor *cursor, uint64_t *time_us)
     if (digits == 0) {
         return fail(cursor, "expected digits of seconds");
     }
-    if (!take(cursor, '.', "expected '.' after the seconds") || !take_fraction(cursor, &micros)) {
+    if (!expect_char(cursor, '.', "expected '.' after the seconds") ||
+        !take_fraction(cursor, &micros)) {
         return false;
     }
     *time_us = seconds * 1000000 + micros;
-    return take(cursor, ')', "expected ')' after the time") &&
-           take(cursor, ' ', "expected a space before the interface");
+    return expect_char(cursor, ')', "expected ')' after the time") &&
+           expect_char(cursor, ' ', "expected a space before the interface");
 }
 
 static bool take_interface(struct cursor *cursor, char *name)
@@ -139,7 +140,7 @@ static bool take_interface(struct cursor *cursor, char *name)
     if (length == 0) {
         return fail(cursor, "expected an interface name");
     }
-    return take(cursor, ' ', "expected a space before the frame");
+    return expect_char(cursor, ' ', "expected a space before the frame");
 }
 
 static bool take_identifier(struct cursor *cursor, struct can_msg *message)
@@ -266,7 +267,7 @@ static void skip_marks(struct cursor *cursor)
 static bool take_length(struct cursor *cursor, unsigned *length)
 {
     skip_spaces(cursor);
-    if (!take(cursor, '[', "expected '#' behind the identifier, or [length]")) {
+    if (!expect_char(cursor, '[', "expected '#' behind the identifier, or [length]")) {
         return false;
     }
     const size_t start = cursor->at;
@@ -281,7 +282,7 @@ static bool take_length(struct cursor *cursor, unsigned *length)
     if (cursor->at == start || *length > CAN_FRAME_DATA_MAX) {
         return fail(cursor, "expected a length of 0 to 8");
     }
-    return take(cursor, ']', "expected ']' behind the length");
+    return expect_char(cursor, ']', "expected ']' behind the length");
 }
 
 /* What candump writes for a reader behind the bytes. */

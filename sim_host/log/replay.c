@@ -290,7 +290,8 @@ static void explain(struct replay *replay)
 }
 
 /* One record of the log. Returns false when nothing can be made of it. */
-static bool take(struct replay *replay, const struct candump_record *record, unsigned long line)
+static bool handle_record(struct replay *replay, const struct candump_record *record,
+                          unsigned long line)
 {
     if ((record->message.flags & CAN_FRAME_EXTENDED) != 0) {
         replay_take_note(replay, &record->message);
@@ -323,7 +324,7 @@ enum replay_verdict replay_run(struct replay *replay, FILE *log)
     while (!replay->differs &&
            (result = candump_read(log, &line, &record, &error)) == CANDUMP_RECORD) {
         if (replay_is_on_interface(replay, &record)) {
-            if (!take(replay, &record, line)) {
+            if (!handle_record(replay, &record, line)) {
                 return REPLAY_BAD_LOG;
             }
         } else if (replay->interfaces == 0) {

@@ -32,6 +32,8 @@
 #include "sim_host/log/candump_log.h"
 #include "sim_host/subjects/host_task.h"
 
+/* A bus that is busy shows a frame some cycles late, but not for so many ticks. */
+enum { REPLAY_BEHIND_TICKS = 20 };
 enum { REPLAY_CYCLE_FRAMES = 256, REPLAY_QUEUE = 64, REPLAY_IDS = 32, REPLAY_MESSAGE_MAX = 512 };
 
 enum replay_verdict {
@@ -54,6 +56,9 @@ struct replay_queue {
     unsigned head, count;
     struct can_msg sent[REPLAY_QUEUE];
     uint64_t tick[REPLAY_QUEUE];
+    struct can_msg first_unseen; /* the oldest in the queue when it last began to be behind */
+    uint64_t unseen_tick;        /* ... and the tick that sent it */
+    unsigned behind_ticks;       /* the log has lagged behind for so long */
 };
 
 /* Signs that the log lacks frames: replay_gaps.c. */
@@ -90,6 +95,7 @@ struct replay {
     unsigned runs;
     uint64_t ticks;          /* of this run */
     uint64_t all_ticks;      /* of all runs */
+    uint64_t digest_tick;    /* of all_ticks: the last one whose digest agreed */
     uint64_t frames;         /* read from the log */
     uint64_t compared;       /* command frames found equal */
     uint64_t foreign_frames; /* another node's, with the controller's identifiers */

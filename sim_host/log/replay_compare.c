@@ -144,6 +144,7 @@ void replay_compare(struct replay *replay, struct replay_frame *frame)
     if (sent->id == FRAME_CONTROLLER_STATE) {
         clear_of_suspicion(replay, queue->tick[queue->head]);
         replay_gaps_agreed(replay, queue->tick[queue->head]);
+        replay->digest_tick = replay->all_ticks;
     }
     keep_identity(replay, &frame->message);
     queue->head = (queue->head + 1) % REPLAY_QUEUE;
@@ -151,20 +152,35 @@ void replay_compare(struct replay *replay, struct replay_frame *frame)
     replay->compared++;
 }
 
+/* Where one of many equal frames is not in the log, the next one is taken for it: the queue never
+ * empties again. Notes what was not seen when that began. */
+static bool is_missing(struct replay_queue *queue, uint64_t ticks)
+{
+    if (queue->count == 0) {
+        queue->behind_ticks = 0;
+        return false;
+    }
+    if (queue->behind_ticks++ == 0) {
+        queue->first_unseen = queue->sent[queue->head];
+        queue->unseen_tick = queue->tick[queue->head];
+    }
+    return queue->behind_ticks > REPLAY_BEHIND_TICKS || queue->tick[queue->head] + 2 < ticks;
+}
+
 void replay_check_missing(struct replay *replay)
 {
     for (unsigned i = 0; i < replay->queue_count && !replay->differs; i++) {
-        const struct replay_queue *queue = &replay->queue[i];
-        if (queue->count == 0 || queue->tick[queue->head] + 2 >= replay->ticks) {
+        struct replay_queue *queue = &replay->queue[i];
+        if (!is_missing(queue, replay->ticks)) {
             continue;
         }
         replay->differs = true;
         if (replay->suspects == 0) {
             char made[20];
-            print_data(made, sizeof made, &queue->sent[queue->head]);
+            print_data(made, sizeof made, &queue->first_unseen);
             snprintf(replay->message, sizeof replay->message,
                      "tick %llu: the control task sent %03X#%s, the log has no such frame%s",
-                     (unsigned long long)queue->tick[queue->head], queue->id, made,
+                     (unsigned long long)queue->unseen_tick, queue->id, made,
                      queue->id == FRAME_DRIVE_TARGETS
                          ? " (or the SYNC before was another node's: in a log of a bus they "
                            "are alike, a black box tells them apart)"

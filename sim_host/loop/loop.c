@@ -24,24 +24,24 @@ const char *loop_fault_name(enum loop_fault fault)
 
 static void configure_actuators(struct plant_config *plant, const struct subject *subject)
 {
+    const double leg_length_m = subject->person.leg_length_m;
     for (int side = 0; side < SIDE_COUNT; side++) {
+        const double *number = subject->device.number[side];
         struct sea_params *sea = &plant->sea[side];
-        sea->counts_per_m = subject->counts_per_m;
-        sea->rated_force_N = subject_rated_force_N(subject);
-        if (subject->stroke_max_m > 0.0) {
-            sea->stroke_max_m = subject->stroke_max_m;
-            sea->end_stop_max_m = subject->stroke_max_m + 0.005 * subject->leg_length_m;
-        }
-        if (subject->speed_max_m_s > 0.0) {
-            sea->speed_limit_m_s = subject->speed_max_m_s;
-        }
-        if (subject->force_max_N > 0.0) {
-            sea->force_limit_N = subject->force_max_N;
+        if (device_leg_is_driven(&subject->device.description.leg[side])) {
+            sea->counts_per_m = number[DEVICE_LEG_counts_per_m];
+            sea->rated_force_N = number[DEVICE_LEG_rated_force_N] > 0.0
+                                     ? number[DEVICE_LEG_rated_force_N]
+                                     : sea->rated_force_N;
+            sea->stroke_max_m = number[DEVICE_LEG_stroke_max_m];
+            sea->end_stop_max_m = sea->stroke_max_m + 0.005 * leg_length_m;
+            sea->speed_limit_m_s = number[DEVICE_LEG_speed_max_m_s];
+            sea->force_limit_N = number[DEVICE_LEG_force_max_N];
         }
         struct sensor_params *sensors = &plant->sensors[side];
-        sensors->ankle_is_lever = subject->ankle == ANKLE_LEVER;
-        sensors->ankle_lever_m = subject->ankle_lever_m;
-        sensors->ankle_neutral_rad = subject->ankle_neutral_rad;
+        sensors->ankle_is_lever = subject->device.description.leg[side].ankle == DEVICE_ANKLE_LEVER;
+        sensors->ankle_lever_m = number[DEVICE_LEG_ankle_lever_m];
+        sensors->ankle_neutral_rad = number[DEVICE_LEG_ankle_neutral_rad];
     }
 }
 
@@ -62,11 +62,11 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
                  (double)config->params.start_r0_m, gait_curve_error_name(error));
         return -1;
     }
-    const struct walker3_params body = {.hip_mass_kg = subject->torso_mass_kg,
-                                        .leg_mass_kg = subject->leg_mass_kg,
-                                        .leg_length_m = subject->leg_length_m,
-                                        .gravity_m_s2 = subject->gravity_m_s2};
-    plant_config_for(&body, subject->spring_N_per_m, SEA_REAL, sensors, &config->plant);
+    const struct walker3_params body = {.hip_mass_kg = subject->person.torso_mass_kg,
+                                        .leg_mass_kg = subject->person.leg_mass_kg,
+                                        .leg_length_m = subject->person.leg_length_m,
+                                        .gravity_m_s2 = subject->person.gravity_m_s2};
+    plant_config_for(&body, subject_spring_N_per_m(subject), SEA_REAL, sensors, &config->plant);
     configure_actuators(&config->plant, subject);
     config->plant.seed = seed;
     config->plant.start = (struct walk_pose){.stance = SIDE_LEFT,
@@ -92,7 +92,7 @@ void loop_configure_person(struct loop_config *config, unsigned engage_steps)
         .rest_step_m = (double)params->table.r0_step_m,
         .gain_m_s_rad = (double)params->kp_m_s_rad,
         .rest_max_m = (double)params->r0_max_m,
-        .spring_N_per_m = config->subject.spring_N_per_m,
+        .spring_N_per_m = subject_spring_N_per_m(&config->subject),
     };
     for (int i = 0; i < config->own_push.count; i++) {
         config->own_push.speed_rad_s[i] = (double)params->table.speed_rad_s[i];
@@ -165,8 +165,8 @@ static int init_nodes(struct loop *loop, char *message)
         const int port = sim_bus_attach(&loop->bus, names[i], wake_node, &loop->wake[i]);
         ports[i] = sim_bus_port(&loop->bus, port);
     }
-    const struct walker_drives drives = subject_drives(&loop->config.subject);
-    return walker_nodes_init(&loop->nodes, &loop->config.plant, &drives, ports, 0, message);
+    return walker_nodes_init(&loop->nodes, &loop->config.plant,
+                             &loop->config.subject.device.description, ports, 0, message);
 }
 
 int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, char *message)

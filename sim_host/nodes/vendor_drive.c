@@ -54,8 +54,8 @@ int vendor_drive_init(struct vendor_drive *drive, const struct vendor_drive_conf
                       struct can_bus bus, uint64_t now_ns)
 {
     memset(drive, 0, sizeof *drive);
-    const bool known = config->protocol == DRIVE_PROTOCOL_CANSIMPLE ||
-                       (config->protocol == DRIVE_PROTOCOL_MIT && config->answer_id > 0 &&
+    const bool known = config->protocol == DEVICE_CANSIMPLE ||
+                       (config->protocol == DEVICE_MIT && config->answer_id > 0 &&
                         config->ranges.position_rad > 0.0);
     if (!known || !(config->units_per_m > 0.0) || !(config->stroke_m > 0.0) ||
         config->drive_id == 0 || config->drive_id > 63) {
@@ -75,9 +75,15 @@ int vendor_drive_init(struct vendor_drive *drive, const struct vendor_drive_conf
 
 /* ---- common ---------------------------------------------------------------- */
 
+/* Units per metre of compression, with the sign that they have. */
+static double signed_units_per_m(const struct vendor_drive *drive)
+{
+    return drive->config.inverted ? -drive->config.units_per_m : drive->config.units_per_m;
+}
+
 static double position_units(const struct vendor_drive *drive)
 {
-    return drive->config.zero_units + drive->feedback.position_m * drive->config.units_per_m;
+    return drive->config.zero_units + drive->feedback.position_m * signed_units_per_m(drive);
 }
 
 void vendor_drive_measure(struct vendor_drive *drive, const struct drive_axis_feedback *feedback)
@@ -158,7 +164,7 @@ static void cansimple_process(struct vendor_drive *drive, uint64_t now_ns)
                                    .length = 8};
         bytes_put_u32(estimate.data, bytes_of_f32((float)position_units(drive)));
         bytes_put_u32(estimate.data + 4, bytes_of_f32((float)(drive->feedback.velocity_m_per_s *
-                                                              drive->config.units_per_m)));
+                                                              signed_units_per_m(drive))));
         send(drive, &estimate);
         drive->next_estimate_ns = (now_ns / NS_PER_MS + ESTIMATE_PERIOD_MS) * NS_PER_MS;
     }
@@ -183,9 +189,9 @@ static void mit_answer(struct vendor_drive *drive)
     const struct vendor_ranges *ranges = &drive->config.ranges;
     const uint32_t position = field16(position_units(drive), ranges->position_rad);
     const uint32_t velocity =
-        mit_encode((float)(drive->feedback.velocity_m_per_s * drive->config.units_per_m),
+        mit_encode((float)(drive->feedback.velocity_m_per_s * signed_units_per_m(drive)),
                    (float)ranges->velocity_rad_s, false, 12);
-    const uint32_t torque = mit_encode((float)(drive->feedback.force_N / drive->config.units_per_m),
+    const uint32_t torque = mit_encode((float)(drive->feedback.force_N / signed_units_per_m(drive)),
                                        (float)ranges->torque_Nm, false, 12);
     const double temperature = drive->feedback.temperature_degC;
     const struct can_msg answer = {
@@ -240,7 +246,7 @@ void vendor_drive_receive(struct vendor_drive *drive, const struct can_msg *mess
     drive->now_ns = now_ns;
     (void)co_device_receive(&drive->latch_board, message, now_ns);
     if (message->flags == 0) {
-        if (drive->config.protocol == DRIVE_PROTOCOL_MIT) {
+        if (drive->config.protocol == DEVICE_MIT) {
             mit_receive(drive, message, now_ns);
         } else {
             cansimple_receive(drive, message, now_ns);
@@ -252,7 +258,7 @@ void vendor_drive_process(struct vendor_drive *drive, uint64_t now_ns)
 {
     drive->now_ns = now_ns;
     co_device_process(&drive->latch_board, now_ns);
-    if (drive->config.protocol == DRIVE_PROTOCOL_CANSIMPLE) {
+    if (drive->config.protocol == DEVICE_CANSIMPLE) {
         cansimple_process(drive, now_ns);
     }
 }
@@ -269,9 +275,9 @@ void vendor_drive_poll(struct vendor_drive *drive, uint64_t now_ns)
 void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command *command)
 {
     watch(drive);
-    const bool loop = drive->closed_loop &&
-                      (drive->config.protocol != DRIVE_PROTOCOL_MIT || drive->stiffness > 0.0);
-    double target_m = (drive->input_units - drive->config.zero_units) / drive->config.units_per_m;
+    const bool loop =
+        drive->closed_loop && (drive->config.protocol != DEVICE_MIT || drive->stiffness > 0.0);
+    double target_m = (drive->input_units - drive->config.zero_units) / signed_units_per_m(drive);
     target_m = target_m < 0.0 ? 0.0 : target_m;
     target_m = target_m > drive->config.stroke_m ? drive->config.stroke_m : target_m;
     *command = (struct drive_axis_command){
@@ -282,7 +288,7 @@ void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command 
 
 unsigned vendor_drive_ids(const struct vendor_drive *drive, uint16_t *ids, unsigned count)
 {
-    if (drive->config.protocol == DRIVE_PROTOCOL_MIT) {
+    if (drive->config.protocol == DEVICE_MIT) {
         ids[count++] = drive->config.drive_id;
         return count;
     }

@@ -16,14 +16,9 @@
 #include "hal/bus/can_bus.h"
 #include "hal/canopen/co_device.h"
 #include "hal/canopen/co_pdo_objects.h"
+#include "hal/devices/device_keys.h"
 #include "model/side.h"
 #include "sim_host/nodes/drive_node.h"
-
-enum drive_protocol {
-    DRIVE_PROTOCOL_CIA402 = 0, /* a drive_node, not this */
-    DRIVE_PROTOCOL_CANSIMPLE = 1,
-    DRIVE_PROTOCOL_MIT = 2
-};
 
 /* Half widths of the MIT fields, as set in the motor. */
 struct vendor_ranges {
@@ -31,12 +26,13 @@ struct vendor_ranges {
 };
 
 struct vendor_drive_config {
-    enum drive_protocol protocol;
-    uint8_t node_id;    /* of the latch board: 1 or 2 */
-    uint8_t drive_id;   /* CANSimple node, or MIT motor id */
-    uint16_t answer_id; /* MIT: identifier of the answers */
-    double units_per_m; /* turns or radians of the motor per metre of spring, > 0 */
-    double zero_units;  /* reading at the unloaded spring */
+    enum device_protocol protocol; /* DEVICE_CANSIMPLE or DEVICE_MIT */
+    uint8_t node_id;               /* of the latch board, 1..127 */
+    uint8_t drive_id;              /* CANSimple node, or MIT motor id */
+    uint16_t answer_id;            /* MIT: identifier of the answers */
+    double units_per_m;            /* turns or radians of the motor per metre of spring, > 0 */
+    double zero_units;             /* reading at the unloaded spring */
+    bool inverted;                 /* and it falls with compression */
     double stroke_m;
     struct vendor_ranges ranges; /* MIT */
     uint32_t watchdog_ms;        /* without a command for so long: idle; 0 = off */

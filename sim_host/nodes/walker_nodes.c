@@ -7,35 +7,47 @@
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
-static bool is_vendor(const struct walker_nodes *nodes)
+static bool is_vendor(const struct walker_nodes *nodes, enum side side)
 {
-    return nodes->drives.protocol != DRIVE_PROTOCOL_CIA402;
+    return nodes->device.leg[side].protocol != DEVICE_CIA402;
+}
+
+static int init_vendor_drive(struct walker_nodes *nodes, enum side side, struct can_bus bus,
+                             uint64_t now_ns)
+{
+    const struct device_leg *leg = &nodes->device.leg[side];
+    const bool mit = leg->protocol == DEVICE_MIT;
+    const struct vendor_drive_config vendor = {
+        .protocol = (enum device_protocol)leg->protocol,
+        .node_id = (uint8_t)(leg->latch == DEVICE_LATCH_BOARD ? leg->latch_node
+                                                              : NODE_DRIVE_LEFT + (int)side),
+        .drive_id = (uint8_t)leg->drive_node,
+        .answer_id = (uint16_t)leg->answer_id,
+        .units_per_m = (double)(mit ? leg->rad_per_m : leg->turns_per_m),
+        .zero_units = (double)(mit ? leg->zero_rad : leg->zero_turns),
+        .inverted = leg->direction < 0,
+        .stroke_m = nodes->plant.config.sea[side].stroke_max_m,
+        .ranges = {(double)leg->position_range_rad, (double)leg->velocity_range_rad_s,
+                   (double)leg->torque_range_Nm},
+        .watchdog_ms = FOREIGN_WATCHDOG_MS,
+    };
+    return vendor_drive_init(&nodes->vendor[side], &vendor, bus, now_ns);
 }
 
 static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus bus,
                       uint64_t now_ns)
 {
     const struct sea_params *sea = &nodes->plant.config.sea[side];
-    if (is_vendor(nodes)) {
-        const struct vendor_drive_config vendor = {
-            .protocol = nodes->drives.protocol,
-            .node_id = (uint8_t)(NODE_DRIVE_LEFT + (int)side),
-            .drive_id = side == SIDE_LEFT ? VENDOR_DRIVE_ID_LEFT : VENDOR_DRIVE_ID_RIGHT,
-            .answer_id = side == SIDE_LEFT ? MIT_ANSWER_ID_LEFT : MIT_ANSWER_ID_RIGHT,
-            .units_per_m = nodes->drives.units_per_m,
-            .zero_units = nodes->drives.zero_units,
-            .stroke_m = sea->stroke_max_m,
-            .ranges = nodes->drives.ranges,
-            .watchdog_ms = FOREIGN_WATCHDOG_MS,
-        };
-        return vendor_drive_init(&nodes->vendor[side], &vendor, bus, now_ns);
+    const struct device_leg *leg = &nodes->device.leg[side];
+    if (is_vendor(nodes, side)) {
+        return init_vendor_drive(nodes, side, bus, now_ns);
     }
     const struct drive_node_config drive = {
         .side = side,
-        .node_id = (uint8_t)(NODE_DRIVE_LEFT + (int)side),
+        .node_id = (uint8_t)leg->drive_node,
         .counts_per_m = (uint32_t)sea->counts_per_m,
-        .zero_counts = nodes->drives.zero_counts,
-        .inverted = nodes->drives.inverted,
+        .zero_counts = leg->zero_counts,
+        .inverted = leg->direction < 0,
         .stroke_m = sea->stroke_max_m,
         .max_speed_m_per_s = sea->speed_limit_m_s,
         .rated_force_N = sea->rated_force_N,
@@ -50,7 +62,7 @@ static int init_side(struct walker_nodes *nodes, enum side side,
 {
     const struct leg_sensor_node_config sensor = {
         .side = side,
-        .node_id = (uint8_t)(NODE_SENSOR_LEFT + (int)side),
+        .node_id = (uint8_t)nodes->device.leg[side].leg_sensor_node,
         .ankle_is_lever = nodes->plant.config.sensors[side].ankle_is_lever,
     };
     const int first = side == SIDE_LEFT ? WALKER_DRIVE_LEFT : WALKER_DRIVE_RIGHT;
@@ -61,11 +73,11 @@ static int init_side(struct walker_nodes *nodes, enum side side,
 }
 
 int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
-                      const struct walker_drives *drives, const struct can_bus bus[WALKER_NODES],
-                      uint64_t now_ns, char *message)
+                      const struct device_description *device,
+                      const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message)
 {
     memset(nodes, 0, sizeof *nodes);
-    nodes->drives = *drives;
+    nodes->device = *device;
     if (plant_init(&nodes->plant, plant, message) != PLANT_OK) {
         return -1;
     }
@@ -89,7 +101,7 @@ bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *mess
                           uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_vendor(nodes)) {
+        if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_receive(&nodes->vendor[side], message, now_ns);
         } else {
             (void)drive_node_receive(&nodes->drive[side], message, now_ns);
@@ -102,7 +114,7 @@ bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *mess
 void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_vendor(nodes)) {
+        if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_process(&nodes->vendor[side], now_ns);
         } else {
             nodes->drive[side].now_ns = now_ns;
@@ -118,7 +130,7 @@ bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64
     if (node == WALKER_SENSOR_LEFT || node == WALKER_SENSOR_RIGHT) {
         return leg_sensor_node_poll(&nodes->sensor[side], now_ns);
     }
-    if (is_vendor(nodes)) {
+    if (is_vendor(nodes, side)) {
         vendor_drive_poll(&nodes->vendor[side], now_ns);
         return false;
     }
@@ -129,7 +141,7 @@ void walker_nodes_advance(struct walker_nodes *nodes)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct drive_axis_command axis;
-        if (is_vendor(nodes)) {
+        if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_command(&nodes->vendor[side], &axis);
         } else {
             drive_node_command(&nodes->drive[side], TICK_NS, &axis);
@@ -158,7 +170,7 @@ void walker_nodes_measure(struct walker_nodes *nodes)
             .dc_link_V = out.dc_link_V,
             .latch_holds = out.latch == SEA_LATCH_CLOSED,
         };
-        if (is_vendor(nodes)) {
+        if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_measure(&nodes->vendor[side], &feedback);
         } else {
             drive_node_measure(&nodes->drive[side], &feedback);
@@ -212,7 +224,7 @@ unsigned walker_nodes_ids(const struct walker_nodes *nodes, uint16_t *ids)
 {
     unsigned count = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_vendor(nodes)) {
+        if (is_vendor(nodes, (enum side)side)) {
             count = add_device(ids, count, &nodes->vendor[side].latch_board);
             count = vendor_drive_ids(&nodes->vendor[side], ids, count);
         } else {
@@ -227,8 +239,9 @@ uint32_t walker_nodes_sdo_requests(const struct walker_nodes *nodes)
 {
     uint32_t requests = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        requests += is_vendor(nodes) ? nodes->vendor[side].latch_board.counters.sdo_requests
-                                     : nodes->drive[side].device.counters.sdo_requests;
+        requests += is_vendor(nodes, (enum side)side)
+                        ? nodes->vendor[side].latch_board.counters.sdo_requests
+                        : nodes->drive[side].device.counters.sdo_requests;
         requests += nodes->sensor[side].device.counters.sdo_requests;
     }
     return requests;

@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
+#include "hal/devices/device_description.h"
 #include "sim_host/nodes/drive_node.h"
 #include "sim_host/nodes/leg_sensor_node.h"
 #include "sim_host/nodes/vendor_drive.h"
@@ -29,41 +30,24 @@ enum walker_node {
     WALKER_SENSOR_RIGHT = 3
 };
 
-/* Which protocol the drives speak, and for those of a maker's own protocol, how. */
-struct walker_drives {
-    enum drive_protocol protocol;
-    double units_per_m; /* maker's protocol: turns or radians of the motor per metre of spring */
-    double zero_units;
-    int32_t zero_counts; /* CiA 402: count at the unloaded spring */
-    bool inverted;       /* and counts fall with compression */
-    struct vendor_ranges ranges;
-};
-
-/* Identifiers of the makers' protocols, clear of CANopen's. */
-enum {
-    VENDOR_DRIVE_ID_LEFT = 1,
-    VENDOR_DRIVE_ID_RIGHT = 2,
-    MIT_ANSWER_ID_LEFT = 0x11,
-    MIT_ANSWER_ID_RIGHT = 0x12,
-    FOREIGN_WATCHDOG_MS = 50
-};
+enum { FOREIGN_WATCHDOG_MS = 50 };
 
 struct walker_nodes {
     struct plant plant;
-    struct walker_drives drives;
-    struct drive_node drive[SIDE_COUNT];    /* CiA 402 */
-    struct vendor_drive vendor[SIDE_COUNT]; /* drives of the other protocols */
+    struct device_description device;       /* what is played */
+    struct drive_node drive[SIDE_COUNT];    /* of the legs with a CiA 402 drive */
+    struct vendor_drive vendor[SIDE_COUNT]; /* of those with another protocol */
     struct leg_sensor_node sensor[SIDE_COUNT];
     struct sensor_sample sample[SIDE_COUNT];
     bool swapped; /* fault: left and right sensor exchanged */
 };
 
-/* Builds the plant (its heap is given back by walker_nodes_free), boots the nodes on
+/* The nodes are those of *device (copied), which must be valid. Builds the plant (its heap is given back by walker_nodes_free), boots the nodes on
  * their busses and measures for the first SYNC. Returns 0, or -1 with the reason in message
  * (PLANT_ERROR_MAX bytes); then nothing is held. *nodes must not move afterwards. */
 int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
-                      const struct walker_drives *drives, const struct can_bus bus[WALKER_NODES],
-                      uint64_t now_ns, char *message);
+                      const struct device_description *device,
+                      const struct can_bus bus[WALKER_NODES], uint64_t now_ns, char *message);
 void walker_nodes_free(struct walker_nodes *nodes);
 
 /* Gives one frame to all nodes: for an interface they share. True for a SYNC. */

@@ -40,7 +40,7 @@ enum sea_release {
     SEA_RELEASE_COMMAND = 3               /* as soon as armed: timed by the controller */
 };
 
-/* Everything a SEA can be. sea_preset() fills all of it; subject files override. */
+/* Everything a SEA can be. sea_preset() fills all of it; device files override. */
 struct sea_params {
     double spring_N_per_m;
     bool ideal_motor;      /* true: position = clamped target at once, force unlimited */

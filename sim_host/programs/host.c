@@ -29,7 +29,7 @@ static int open_bus(struct host *host)
             filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
         }
     }
-    if (host->subject.protocol != DRIVE_PROTOCOL_CIA402) {
+    if (!host_task_configures(&host->subject)) {
         count = 0; /* their identifiers are no frames of the table: hear everything */
     }
     int error =
@@ -59,7 +59,7 @@ static struct can_bus recorded_bus(struct host *host)
 {
     const struct can_bus bus = socketcan_bus_interface(&host->socket);
     const struct snapshot_source source = {&host->rig.task, &host->rig.cia402};
-    if (host->subject.protocol != DRIVE_PROTOCOL_CIA402) {
+    if (!host_task_configures(&host->subject)) {
         return bus;
     }
     black_box_start(&host->black_box, version_build_id(), params_guard_crc(&host->params));

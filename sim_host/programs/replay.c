@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "firmware/version.h"
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/walk_options.h"
@@ -74,6 +75,16 @@ static int report_unheard(const struct replay *replay, const char *path)
     return EXIT_BAD;
 }
 
+static void report_identity(const struct replay *replay)
+{
+    const uint32_t own = version_build_id();
+    printf("recorded by build %08x, parameter CRC %08x", replay->build_id, replay->parameter_crc);
+    if (replay->build_id != own) {
+        printf(" (this is another build: %08x)", own);
+    }
+    putchar('\n');
+}
+
 static int report(const struct replay *replay, enum replay_verdict verdict, const char *path,
                   bool quiet)
 {
@@ -96,8 +107,12 @@ static int report(const struct replay *replay, enum replay_verdict verdict, cons
                        replay->foreign_frames == 1 ? "" : "s");
             }
             if (replay->build_id != 0) {
-                printf("recorded by build %08x, parameter CRC %08x\n", replay->build_id,
-                       replay->parameter_crc);
+                report_identity(replay);
+            }
+            if (replay->all_ticks > replay->digest_tick) {
+                printf("the inputs of the last %llu ticks were not judged: no digest of the "
+                       "controller follows them\n",
+                       (unsigned long long)(replay->all_ticks - replay->digest_tick));
             }
             if (replay->snapshots > 0) {
                 printf("from the middle of a walk, by %u snapshot%s\n", replay->snapshots,

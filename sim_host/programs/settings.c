@@ -18,8 +18,8 @@ struct options {
 enum { KEY_AUTOSTART = 0x200 };
 
 static const struct argp_option option_list[] = {
-    {"autostart", KEY_AUTOSTART, 0, 0, "assist without being asked over the bus (on a bench only)",
-     2},
+    {"autostart", KEY_AUTOSTART, 0, 0,
+     "assist after power-on without being asked over the bus (on a bench only)", 2},
     {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -76,10 +76,14 @@ static int write_settings(const struct options *options)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
-    if (subject.protocol != DRIVE_PROTOCOL_CIA402 ||
+    if (!host_task_configures(&subject) ||
         host_task_init(&rig, &subject, &params, (struct can_bus){&no_bus, NULL}, speed_rad_s,
                        false) != CONTROL_PARAMS_OK) {
         program_complain("the firmware speaks to CiA 402 drives only");
+        return EXIT_USAGE;
+    }
+    if (options->autostart && !control_params_test_mode(&params)) {
+        program_complain("--autostart is for a bench: a person (engage_steps above 0) is asked");
         return EXIT_USAGE;
     }
     if (settings_image_of_task(&rig, speed_rad_s, options->autostart, image) != 0) {
@@ -88,12 +92,12 @@ static int write_settings(const struct options *options)
     }
     if (output_file_open(&out, options->out_path, message, sizeof message) != 0) {
         program_complain("%s", message);
-        return EXIT_BAD;
+        return EXIT_USAGE;
     }
     (void)fwrite(image, 1, sizeof image, out.stream); /* the stream keeps its error */
     if (output_file_commit(&out, message, sizeof message) != 0) {
         program_complain("%s", message);
-        return EXIT_BAD;
+        return EXIT_USAGE;
     }
     return EXIT_GOOD;
 }
@@ -105,9 +109,9 @@ int afo_settings(int argc, char **argv)
         option_list,
         take,
         "FILE.bin",
-        "Writes a subject's settings as the orthosis keeps them: both banks of its parameter "
-        "memory, 8 KiB from 0x0807E000 on (make flash SUBJECT=FILE).\v"
-        "Exit status: 0 written, 1 not, 2 wrong usage or subject.",
+        "Writes a person's and a device's settings as the orthosis keeps them: both banks of its parameter "
+        "memory, 8 KiB from 0x0807E000 on (make flash PERSON=FILE DEVICE=FILE).\v"
+        "Exit status: 0 written, 1 the firmware would refuse them, 2 wrong usage or files.",
         children,
         0,
         0};

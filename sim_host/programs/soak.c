@@ -260,7 +260,7 @@ static bool expect(bool holds, const char *what)
     return holds;
 }
 
-static bool judge(const struct soak *soak)
+static bool soak_passed(const struct soak *soak)
 {
     const struct soak_watch *watch = &soak->watch;
     bool walks = true, steady = true;
@@ -314,5 +314,5 @@ int afo_soak(int argc, char **argv)
         return EXIT_USAGE;
     }
     run(&soak, &options);
-    return judge(&soak) ? EXIT_GOOD : EXIT_BAD;
+    return soak_passed(&soak) ? EXIT_GOOD : EXIT_BAD;
 }

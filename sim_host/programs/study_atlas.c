@@ -24,7 +24,7 @@ struct options {
 static const struct argp_option option_list[] = {
     {"points", KEY_POINTS, "N", 0, "points a side (basin 128, plane 200)", 0},
     {"r0", KEY_R0, "M", 0, "basin: precompression, metres (0.05)", 0},
-    {"strides", KEY_STRIDES, "N", 0, "basin: strides that count as walking on, to 254 (60)", 0},
+    {"strides", KEY_STRIDES, "N", 0, "basin: steps that count as walking on, to 254 (60)", 0},
     {"mass-ratio", KEY_MASS_RATIO, "X", 0,
      "plane: m/M of the walker (0.01, the paper's; 0.0385 a 70 kg adult's)", 0},
     {"threads", KEY_THREADS, "N", 0, "use so many threads (0: all processors)", 0},
@@ -126,7 +126,7 @@ int afo_study_atlas(int argc, char **argv)
         "basin FILE\nplane FILE",
         "Computes one byte a point into FILE, which is resumed when it is there: interrupt at will.\v"
         "basin: N^3 apexes of the paper's walker, forward speed 0.05 to 2 rad/s, swing angle -0.8 to "
-        "1.2 rad, swing rate -1 to 4 rad/s: whole strides before the fall, or 255. plane: N x N of r0/l "
+        "1.2 rad, swing rate -1 to 4 rad/s: whole steps before the fall, or 255. plane: N x N of r0/l "
         "0.005 to 0.3 and k l/(M g) 3 to 30: 0 falls, 1 to 64 the period, 255 none.\n"
         "Exit status: 0 done, 1 not (the file holds other work, or it was stopped), 2 usage.",
         0,

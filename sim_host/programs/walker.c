@@ -116,8 +116,8 @@ static int prepare(struct session *session)
     for (int i = 0; i < WALKER_NODES; i++) {
         bus[i] = (struct can_bus){&node_ops, session};
     }
-    const struct walker_drives drives = subject_drives(&session->config.subject);
-    if (walker_nodes_init(&session->nodes, &session->config.plant, &drives, bus, 0, message) != 0) {
+    if (walker_nodes_init(&session->nodes, &session->config.plant,
+                          &session->config.subject.device.description, bus, 0, message) != 0) {
         socketcan_bus_close(&session->bus);
         return program_complain("%s", message);
     }

@@ -5,6 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "sim_host/cli/program.h"
+
 enum { DIGITS = 17 }; /* all of a double */
 
 struct cell cell_number(double number)
@@ -309,15 +311,14 @@ int report_close(struct report *report)
     if (report->progress_begun) {
         progress_end(&report->progress);
     }
-    int good = fflush(report->file) == 0 && !ferror(report->file);
-    if (report->file != stdout) {
-        good = fclose(report->file) == 0 && good;
+    if (report->file == stdout) {
+        return program_output_done() == 0;
     }
+    int good = fflush(report->file) == 0 && !ferror(report->file);
+    good = fclose(report->file) == 0 && good;
     if (!good) {
-        if (report->common->out_path != NULL) { /* of standard output main() tells */
-            fprintf(stderr, "afo study: cannot write %s: %s\n", report->common->out_path,
-                    strerror(errno));
-        }
+        fprintf(stderr, "afo study: cannot write %s: %s\n", report->common->out_path,
+                strerror(errno));
     }
     return good;
 }

@@ -19,6 +19,9 @@ struct host_task {
     bool stop_pressed; /* what the task's emergency stop input reads */
 };
 
+/* Whether the controller sets the nodes up: drives of other protocols are set up by their makers' tools. */
+bool host_task_configures(const struct subject *subject);
+
 /* Sets up the task for a subject on a bus; the bus's context must outlive the
  * rig. Do not move the rig afterwards. Returns CONTROL_PARAMS_OK, or what
  * control_task_init says. */

@@ -1,362 +1,100 @@
 #include "sim_host/subjects/subject.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "sim_host/subjects/ini.h"
-#include "sim_host/subjects/law_name.h"
-
-struct subject_key {
-    const char *section;
-    const char *key;
-    double minimum, maximum;
-    size_t offset;
-    const char *meaning;
-};
-
-enum { SUBJECT_KEYS = 22, SUBJECT_KEYS_REQUIRED = 4 };
-
-/* Keys with words for values. */
-enum word_key { WORD_NAME, WORD_PROTOCOL, WORD_ANKLE_KIND, WORD_KEYS };
-
-/* What a file says, and which keys it has said already. */
-struct reading {
-    struct subject *subject;
-    bool given[SUBJECT_KEYS];
-    bool word_given[WORD_KEYS];
-};
-
-/* The first SUBJECT_KEYS_REQUIRED have no default: a body is nobody's guess. */
-#define KEY(section, key, minimum, maximum, field, meaning)                      \
-    {                                                                            \
-        section, key, minimum, maximum, offsetof(struct subject, field), meaning \
-    }
-static const struct subject_key subject_keys[SUBJECT_KEYS] = {
-    KEY("walker", "M", 0.1, 200.0, torso_mass_kg, "mass at the hip, kg"),
-    KEY("walker", "m", 0.0001, 30.0, leg_mass_kg, "mass in the middle of each leg, kg"),
-    KEY("walker", "l", 0.1, 1.5, leg_length_m, "leg length, m"),
-    KEY("walker", "k", 1.0, 100000.0, spring_N_per_m, "ankle spring, N/m"),
-    KEY("walker", "g", 1.0, 20.0, gravity_m_s2, "gravity, m/s^2"),
-    KEY("sea", "stroke_max_m", 0.001, 0.6, stroke_max_m, "longest compression, m"),
-    KEY("sea", "speed_max_m_s", 0.001, 10.0, speed_max_m_s, "motor speed limit, m/s of spring"),
-    KEY("sea", "force_max_N", 0.1, 50000.0, force_max_N, "motor force limit, N"),
-    /* Coarser than 30000 the position loop hunts too much for the hand to let go. */
-    KEY("sea", "counts_per_m", 30000.0, 1.0e8, counts_per_m, "motor counts per metre of spring"),
-    KEY("drive", "rated_force_N", 0.1, 50000.0, rated_force_N,
-        "CiA 402: force of the spring at the motor's rated torque, N"),
-    KEY("drive", "zero_counts", -1.0e9, 1.0e9, zero_counts,
-        "CiA 402: count at the unloaded spring"),
-    KEY("drive", "direction", -1.0, 1.0, direction,
-        "CiA 402: 1 when counts rise with compression, else -1"),
-    KEY("drive", "turns_per_m", 0.1, 100000.0, turns_per_m,
-        "CANSimple: motor turns per metre of spring"),
-    KEY("drive", "rad_per_m", 0.1, 100000.0, rad_per_m,
-        "MIT: motor angle per metre of spring, rad/m"),
-    KEY("drive", "zero_rad", -100.0, 100.0, zero_rad,
-        "MIT: motor angle at the unloaded spring, rad"),
-    KEY("drive", "position_range_rad", 0.1, 1000.0, position_range_rad,
-        "MIT: position field, +- rad"),
-    KEY("drive", "velocity_range_rad_s", 0.1, 1000.0, velocity_range_rad_s,
-        "MIT: velocity field, +- rad/s"),
-    KEY("drive", "torque_range_Nm", 0.1, 1000.0, torque_range_Nm, "MIT: torque field, +- Nm"),
-    KEY("drive", "kp_Nm_rad", 0.0, 500.0, kp_Nm_rad, "MIT: position gain, Nm/rad"),
-    KEY("drive", "kd_Nms_rad", 0.0, 5.0, kd_Nms_rad, "MIT: velocity gain, Nm s/rad"),
-    KEY("ankle", "lever_m", 0.01, 0.5, ankle_lever_m, "lever of an ankle joint, m"),
-    KEY("ankle", "neutral_rad", -1.0, 1.0, ankle_neutral_rad, "plantarflexion at extension 0, rad"),
-};
-#undef KEY
+#include "hal/bus/frame_table.h"
 
 void subject_default(struct subject *subject)
 {
-    *subject = (struct subject){
-        .name = "paper's walker",
-        .torso_mass_kg = 1.0,
-        .leg_mass_kg = 0.01,
-        .leg_length_m = 1.0,
-        .spring_N_per_m = 100.0,
-        .gravity_m_s2 = 9.80665,
-        .stroke_max_m = 0.35,
-        .speed_max_m_s = 1.9,
-        .force_max_N = 90.0,
-        .counts_per_m = 13107200.0,
-        .ankle_lever_m = 0.12,
-        .direction = 1.0,
-        .turns_per_m = 200.0, /* a 5 mm screw */
-        .rad_per_m = 50.0,    /* a drum of 20 mm radius; AK80-9 ranges */
-        .zero_rad = -12.0,
-        .position_range_rad = 12.5,
-        .velocity_range_rad_s = 50.0,
-        .torque_range_Nm = 18.0,
-        .kp_Nm_rad = 400.0,
-        .kd_Nms_rad = 2.0,
-    };
+    person_default(&subject->person);
+    device_file_default(&subject->device);
 }
 
-static int parse_number(const char *key, const char *value, double minimum, double maximum,
-                        const char *meaning, double *result, char *message, size_t size)
+/* What a description can say and the controller cannot do. */
+static const char *unsupported(const struct device_file *file)
 {
-    char *end = NULL;
-    errno = 0;
-    const double number = strtod(value, &end);
-    if (end == value || *end != '\0' || errno == ERANGE || !isfinite(number)) {
-        snprintf(message, size, "key \"%s\" (%s): \"%.40s\" is not a number", key, meaning, value);
-        return -1;
+    const struct device_leg *left = &file->description.leg[SIDE_LEFT];
+    const struct device_leg *right = &file->description.leg[SIDE_RIGHT];
+    if (left->protocol != right->protocol || !device_leg_is_driven(left)) {
+        return "both legs have a drive of one protocol";
     }
-    if (number < minimum || number > maximum) {
-        snprintf(message, size, "key \"%s\" (%s): %.40s is out of range, allowed is %g to %g", key,
-                 meaning, value, minimum, maximum);
-        return -1;
-    }
-    *result = number;
-    return 0;
-}
-
-/* Parameters that are numbers of something, or of a kind, and so have no halves. */
-static int check_whole(const char *key, double value, char *message, size_t size)
-{
-    static const char *const keys[] = {"body", "law", "engage_steps", "engage_ramp_steps"};
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        if (strcmp(key, keys[i]) == 0 && value != floor(value)) {
-            snprintf(message, size, "key \"%s\": %g is not a whole number", key, value);
-            return -1;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct device_leg *own = &file->description.leg[leg];
+        const bool cia402 = own->protocol == DEVICE_CIA402;
+        if (own->leg_sensor_node != NODE_SENSOR_LEFT + leg || own->ankle_sensor_node != 0 ||
+            (cia402 && own->drive_node != NODE_DRIVE_LEFT + leg) ||
+            (!cia402 && own->latch_node != NODE_DRIVE_LEFT + leg)) {
+            return "drives or their latch boards are nodes 1 and 2, sensors nodes 3 and 4";
         }
+        if (own->latch != (cia402 ? DEVICE_LATCH_DRIVE : DEVICE_LATCH_BOARD) ||
+            own->latch_object != 0) {
+            return "a CiA 402 drive has its latch at its output, another one on a board";
+        }
+    }
+    return file->plant_keys > 0 ? "no key of a [plant] section is known" : NULL;
+}
+
+static int check_supported(const struct device_file *file, const char *path, char *message)
+{
+    const char *reason = unsupported(file);
+    if (reason != NULL) {
+        snprintf(message, SUBJECT_MESSAGE_MAX, "%.300s: not yet: so far %s", path, reason);
+        return -1;
     }
     return 0;
 }
 
-static int set_control_key(struct subject *subject, const char *key, const char *value,
-                           char *message, size_t size)
+int subject_read(struct subject *subject, const char *person_path, const char *device_path,
+                 char *message)
 {
-    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
-        const struct control_param_descriptor *d = &control_param_descriptors[i];
-        if (strcmp(key, d->name) == 0) {
-            enum law_mode law;
-            if (subject->control_overridden[i]) {
-                snprintf(message, size, "key \"%s\" (%s) is given twice", key, d->meaning);
-                return -1;
-            }
-            subject->control_overridden[i] = true;
-            if (strcmp(key, "law") == 0 && law_from_name(value, &law) == 0) {
-                subject->control_override[i] = (double)law;
-                return 0;
-            }
-            if (strcmp(key, "law") == 0 && isalpha((unsigned char)value[0])) {
-                char reason[SUBJECT_MESSAGE_MAX / 2];
-                law_name_refuse(value, reason, sizeof reason);
-                snprintf(message, size, "key \"law\" (%s): %s", d->meaning, reason);
-                return -1;
-            }
-            if (parse_number(key, value, (double)d->minimum, (double)d->maximum, d->meaning,
-                             &subject->control_override[i], message, size) != 0) {
-                return -1;
-            }
-            return check_whole(key, subject->control_override[i], message, size);
-        }
-    }
-    snprintf(message, size, "unknown key \"%s\" in section [controller]", key);
-    return -1;
-}
-
-static int set_protocol(struct subject *subject, const char *value, char *message, size_t size)
-{
-    static const char *const names[] = {"cia402", "cansimple", "mit"};
-    for (int i = 0; i < 3; i++) {
-        if (strcmp(value, names[i]) == 0) {
-            subject->protocol = (enum drive_protocol)i;
-            return 0;
-        }
-    }
-    snprintf(message, size,
-             "key \"protocol\": \"%.40s\" is unknown, allowed is cia402, cansimple or mit", value);
-    return -1;
-}
-
-static int set_ankle_kind(struct subject *subject, const char *value, char *message, size_t size)
-{
-    if (strcmp(value, "linear") == 0) {
-        subject->ankle = ANKLE_LINEAR;
-        return 0;
-    }
-    if (strcmp(value, "lever") == 0) {
-        subject->ankle = ANKLE_LEVER;
-        return 0;
-    }
-    snprintf(message, size, "key \"kind\": \"%.40s\" is unknown, allowed is linear or lever",
-             value);
-    return -1;
-}
-
-static int set_word(struct reading *reading, enum word_key word, const char *value, char *message,
-                    size_t size)
-{
-    struct subject *subject = reading->subject;
-    if (reading->word_given[word]) {
-        snprintf(message, size, "this key is given twice");
-        return -1;
-    }
-    reading->word_given[word] = true;
-    switch (word) {
-    case WORD_PROTOCOL:
-        return set_protocol(subject, value, message, size);
-    case WORD_ANKLE_KIND:
-        return set_ankle_kind(subject, value, message, size);
-    default:
-        snprintf(subject->name, sizeof subject->name, "%.*s", SUBJECT_NAME_MAX - 1, value);
-        return 0;
-    }
-}
-
-static int set_key(void *context, const char *section, const char *key, const char *value, int line,
-                   char *message, size_t size)
-{
-    static const struct {
-        const char *section, *key;
-    } words[WORD_KEYS] = {{"subject", "name"}, {"drive", "protocol"}, {"ankle", "kind"}};
-    struct reading *reading = (struct reading *)context;
-    struct subject *subject = reading->subject;
-    (void)line;
-    if (strcmp(section, "controller") == 0) {
-        return set_control_key(subject, key, value, message, size);
-    }
-    for (int i = 0; i < WORD_KEYS; i++) {
-        if (strcmp(section, words[i].section) == 0 && strcmp(key, words[i].key) == 0) {
-            return set_word(reading, (enum word_key)i, value, message, size);
-        }
-    }
-    for (int i = 0; i < SUBJECT_KEYS; i++) {
-        const struct subject_key *k = &subject_keys[i];
-        if (strcmp(section, k->section) == 0 && strcmp(key, k->key) == 0) {
-            if (reading->given[i]) {
-                snprintf(message, size, "key \"%s\" (%s) is given twice", key, k->meaning);
-                return -1;
-            }
-            reading->given[i] = true;
-            return parse_number(key, value, k->minimum, k->maximum, k->meaning,
-                                (double *)((char *)subject + k->offset), message, size);
-        }
-    }
-    if (section[0] == '\0') {
-        snprintf(message, size, "key \"%.40s\" stands before the first [section]", key);
-        return -1;
-    }
-    snprintf(message, size, "unknown key \"%.40s\" in section [%.40s]", key, section);
-    return -1;
-}
-
-static int refuse(char *message, const char *path, const char *reason)
-{
-    snprintf(message, SUBJECT_MESSAGE_MAX, "%s: %s", path, reason);
-    return -1;
-}
-
-/* A [drive] key of another protocol would do nothing, and be believed. */
-static int check_drive_keys(const struct reading *reading, const char *path, char *message)
-{
-    static const char *const owners[] = {"CiA 402", "CANSimple", "MIT"};
-    const char *own = owners[reading->subject->protocol];
-    for (int i = 0; i < SUBJECT_KEYS; i++) {
-        const struct subject_key *k = &subject_keys[i];
-        if (reading->given[i] && strcmp(k->section, "drive") == 0 &&
-            strncmp(k->meaning, own, strlen(own)) != 0) {
-            snprintf(message, SUBJECT_MESSAGE_MAX,
-                     "%s: key \"%s\" (%s) does nothing with this subject's protocol, %s", path,
-                     k->key, k->meaning, own);
-            return -1;
-        }
-    }
-    return 0;
-}
-
-/* The motor's stroke must fit the field it is commanded in: beyond, every target would
- * silently be the last that fits. */
-static int check_fit(const struct subject *subject, const char *path, char *message)
-{
-    const double stroke_m = subject_stroke_m(subject);
-    if (subject->protocol == DRIVE_PROTOCOL_MIT) {
-        const double end_rad = subject->zero_rad + stroke_m * subject->rad_per_m;
-        if (fabs(subject->zero_rad) > subject->position_range_rad ||
-            fabs(end_rad) > subject->position_range_rad) {
-            snprintf(
-                message, SUBJECT_MESSAGE_MAX,
-                "%s: the motor's angle from \"zero_rad\", %g rad, to %g rad at the full stroke "
-                "of %g m lies outside \"position_range_rad\", %g rad",
-                path, subject->zero_rad, end_rad, stroke_m, subject->position_range_rad);
-            return -1;
-        }
-    }
-    if (fabs(subject->direction) != 1.0) {
-        return refuse(message, path, "key \"direction\" is 1 or -1");
-    }
-    if (subject->zero_counts != floor(subject->zero_counts)) {
-        return refuse(message, path, "key \"zero_counts\" is a whole number");
-    }
-    if (fabs(subject->zero_counts) + stroke_m * subject->counts_per_m > 2.0e9) {
-        return refuse(message, path,
-                      "\"zero_counts\" and the stroke in \"counts_per_m\" exceed 32 bits");
-    }
-    return 0;
-}
-
-int subject_read(struct subject *subject, const char *path, char *message)
-{
-    struct reading reading = {.subject = subject};
     subject_default(subject);
-    subject->stroke_max_m = 0.0; /* not the paper's walker's: by this body's scale */
-    subject->speed_max_m_s = 0.0;
-    subject->force_max_N = 0.0;
-    snprintf(subject->name, sizeof subject->name, "%.*s", SUBJECT_NAME_MAX - 1, path);
-    if (ini_read(path, set_key, &reading, message, SUBJECT_MESSAGE_MAX) != 0) {
+    if (person_path != NULL && person_read(&subject->person, person_path, message) != 0) {
         return -1;
     }
-    for (int i = 0; i < SUBJECT_KEYS_REQUIRED; i++) {
-        if (!reading.given[i]) {
-            snprintf(message, SUBJECT_MESSAGE_MAX,
-                     "%s: section [%s] lacks key \"%s\" (%s), allowed is %g to %g", path,
-                     subject_keys[i].section, subject_keys[i].key, subject_keys[i].meaning,
-                     subject_keys[i].minimum, subject_keys[i].maximum);
-            return -1;
-        }
+    if (device_path == NULL) {
+        return 0;
     }
-    if (subject->leg_mass_kg > subject->torso_mass_kg) {
-        snprintf(message, SUBJECT_MESSAGE_MAX, "%s: key \"m\" (%g kg) is above key \"M\" (%g kg)",
-                 path, subject->leg_mass_kg, subject->torso_mass_kg);
-        return -1;
-    }
-    return check_drive_keys(&reading, path, message) == 0 && check_fit(subject, path, message) == 0
-               ? 0
+    return device_file_read(&subject->device, device_path, message) == 0
+               ? check_supported(&subject->device, device_path, message)
                : -1;
 }
 
-struct gait_walker subject_gait_walker(const struct subject *subject)
+/* Of the legs that have a drive, the smaller number. */
+static double smallest(const struct subject *subject, enum device_leg_key key)
 {
-    return (struct gait_walker){subject->torso_mass_kg, subject->leg_mass_kg, subject->leg_length_m,
-                                subject->spring_N_per_m, subject->gravity_m_s2};
+    double result = HUGE_VAL;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (device_leg_is_driven(&subject->device.description.leg[leg])) {
+            result = fmin(result, device_file_number(&subject->device, (enum side)leg, key));
+        }
+    }
+    return result;
+}
+
+double subject_spring_N_per_m(const struct subject *subject)
+{
+    return smallest(subject, DEVICE_LEG_spring_N_per_m);
 }
 
 double subject_stroke_m(const struct subject *subject)
 {
-    return subject->stroke_max_m > 0.0 ? subject->stroke_max_m : 0.35 * subject->leg_length_m;
+    return smallest(subject, DEVICE_LEG_stroke_max_m);
 }
 
-double subject_rated_force_N(const struct subject *subject)
+double subject_speed_max_m_s(const struct subject *subject)
 {
-    return subject->rated_force_N > 0.0 ? subject->rated_force_N
-                                        : 0.35 * subject->leg_length_m * subject->spring_N_per_m;
+    return smallest(subject, DEVICE_LEG_speed_max_m_s);
 }
 
-struct walker_drives subject_drives(const struct subject *subject)
+double subject_force_max_N(const struct subject *subject)
 {
-    const bool mit = subject->protocol == DRIVE_PROTOCOL_MIT;
-    return (struct walker_drives){.protocol = subject->protocol,
-                                  .units_per_m = mit ? subject->rad_per_m : subject->turns_per_m,
-                                  .zero_counts = (int32_t)subject->zero_counts,
-                                  .inverted = subject->direction < 0.0,
-                                  .zero_units = mit ? subject->zero_rad : 0.0,
-                                  .ranges = {subject->position_range_rad,
-                                             subject->velocity_range_rad_s,
-                                             subject->torque_range_Nm}};
+    return smallest(subject, DEVICE_LEG_force_max_N);
+}
+
+struct gait_walker subject_gait_walker(const struct subject *subject)
+{
+    const struct person *person = &subject->person;
+    return (struct gait_walker){person->torso_mass_kg, person->leg_mass_kg, person->leg_length_m,
+                                subject_spring_N_per_m(subject), person->gravity_m_s2};
 }

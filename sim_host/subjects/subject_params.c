@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "sim_host/devices/device_text.h"
 #include "sim_host/gait/gait_curve.h"
 #include "sim_host/gait/laws_table.h"
 #include "sim_host/subjects/subject.h"
@@ -20,17 +21,19 @@
  * where gaits are computed: GAIT_CURVE_FLOOR to GAIT_CURVE_CEILING leg lengths. */
 static int check_spring(const struct subject *subject, double length_scale, char *message)
 {
-    const double l = subject->leg_length_m;
+    const double l = subject->person.leg_length_m;
+    const double spring_N_per_m = subject_spring_N_per_m(subject);
     if (0.005 * length_scale >= GAIT_CURVE_FLOOR * l &&
         0.3 * length_scale <= GAIT_CURVE_CEILING * l) {
         return 0;
     }
-    const double paper_like = subject->spring_N_per_m * length_scale * length_scale / (l * l);
+    const double paper_like = spring_N_per_m * length_scale * length_scale / (l * l);
     const double stiffest = 0.005 / GAIT_CURVE_FLOOR, softest = 0.3 / GAIT_CURVE_CEILING;
-    snprintf(message, SUBJECT_MESSAGE_MAX,
-             "key \"k\" (ankle spring, N/m): %g does not suit this body, allowed is %.3g to %.3g",
-             subject->spring_N_per_m, paper_like * softest * softest,
-             paper_like * stiffest * stiffest);
+    snprintf(
+        message, SUBJECT_MESSAGE_MAX,
+        "the device's key \"spring_N_per_m\" (ankle spring, N/m): %g does not suit this body, allowed is "
+        "%.3g to %.3g",
+        spring_N_per_m, paper_like * softest * softest, paper_like * stiffest * stiffest);
     return -1;
 }
 
@@ -145,16 +148,6 @@ static double smaller(double a, double b)
     return a < b ? a : b;
 }
 
-static bool overridden(const struct subject *subject, size_t offset)
-{
-    for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
-        if (control_param_descriptors[i].offset == offset) {
-            return subject->control_overridden[i];
-        }
-    }
-    return false;
-}
-
 /* Puts what control_params_validate found into words. */
 static void explain(const struct control_params *params, int verdict, char *message)
 {
@@ -195,40 +188,48 @@ static void explain(const struct control_params *params, int verdict, char *mess
     }
 }
 
+static int check_person(const struct subject *subject, char *message)
+{
+    struct device_refusal refusal;
+    if (device_check_person(&subject->device.description, &refusal) == DEVICE_OK) {
+        return 0;
+    }
+    device_refusal_text(&refusal, message, SUBJECT_MESSAGE_MAX);
+    return -1;
+}
+
 int subject_control_params(const struct subject *subject, struct control_params *params,
                            char *message)
 {
-    const double l = subject->leg_length_m;
-    const double g = subject->gravity_m_s2;
-    const double weight_N = subject->torso_mass_kg * g;
+    const double l = subject->person.leg_length_m;
+    const double g = subject->person.gravity_m_s2;
+    const double spring_N_per_m = subject_spring_N_per_m(subject);
+    const double weight_N = subject->person.torso_mass_kg * g;
     const double time_scale = sqrt(l / g) / sqrt(PAPER_LENGTH_M / PAPER_GRAVITY_M_S2);
     /* Same spring energy in units of M g l. */
-    const double length_scale =
-        l * sqrt(PAPER_SPRING_RATIO / (subject->spring_N_per_m * l / weight_N));
+    const double length_scale = l * sqrt(PAPER_SPRING_RATIO / (spring_N_per_m * l / weight_N));
     const double stroke = subject_stroke_m(subject);
-    const double speed = subject->speed_max_m_s > 0.0 ? subject->speed_max_m_s : 0.6 * sqrt(g * l);
-    const double force =
-        subject->force_max_N > 0.0 ? subject->force_max_N : 2.5 * subject->spring_N_per_m * stroke;
+    const double speed = subject_speed_max_m_s(subject);
+    const double force = subject_force_max_N(subject);
 
     *params = (struct control_params){
-        .torso_mass_kg = (real)subject->torso_mass_kg,
-        .leg_mass_kg = (real)subject->leg_mass_kg,
+        .torso_mass_kg = (real)subject->person.torso_mass_kg,
+        .leg_mass_kg = (real)subject->person.leg_mass_kg,
         .leg_length_m = (real)l,
-        .spring_stiffness_n_m = (real)subject->spring_N_per_m,
+        .spring_stiffness_n_m = (real)spring_N_per_m,
         .gravity_m_s2 = (real)g,
         .law = (real)LAW_PROPORTIONAL,
         .kp_m_s_rad = (real)(PAPER_KP * length_scale * time_scale),
         .start_r0_m = (real)(0.05 * length_scale),
         .speed_ramp_rad_s = (real)(0.005 / time_scale),
         .r0_min_m = (real)(0.005 * length_scale),
-        .r0_max_m =
-            (real)smaller(0.3 * length_scale, smaller(stroke, force / subject->spring_N_per_m)),
+        .r0_max_m = (real)smaller(0.3 * length_scale, smaller(stroke, force / spring_N_per_m)),
         .r0_change_max_m = (real)(0.05 * length_scale),
         .open_loop_r0_m = (real)(0.05 * length_scale),
         .open_loop_ramp_m = (real)(0.0005 * length_scale),
         .apex_window_s = (real)(0.08 * time_scale),
         .angle_hysteresis_rad = REAL(0.01),
-        .sensor_latency_s = REAL(0.0001), /* an absolute encoder that samples at SYNC */
+        .sensor_latency_s = subject->device.description.leg[SIDE_LEFT].leg_latency_s,
         .sea_speed_max_m_s = (real)(0.8 * speed),
         .sea_acceleration_m_s2 = (real)(g),
         .sea_tolerance_m = (real)(0.001 * l),
@@ -248,13 +249,13 @@ int subject_control_params(const struct subject *subject, struct control_params 
     params->branch = branch_of(subject, length_scale, (double)params->kp_m_s_rad, &kp);
     params->kp_m_s_rad = (real)kp;
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
-        if (subject->control_overridden[i]) {
+        if (subject->person.control_overridden[i]) {
             *(real *)((char *)params + control_param_descriptors[i].offset) =
-                (real)subject->control_override[i];
+                (real)subject->person.control_override[i];
         }
     }
     if (law_of(params->law) != NULL && law_of(params->law)->keeps_within_reach &&
-        !overridden(subject, offsetof(struct control_params, r0_change_max_m))) {
+        !person_overrides(&subject->person, offsetof(struct control_params, r0_change_max_m))) {
         params->r0_change_max_m =
             params->r0_max_m; /* what the motor can do limits it, step by step */
     }
@@ -270,5 +271,5 @@ int subject_control_params(const struct subject *subject, struct control_params 
         explain(params, verdict, message);
         return -1;
     }
-    return 0;
+    return params->body == (real)BODY_PERSON ? check_person(subject, message) : 0;
 }

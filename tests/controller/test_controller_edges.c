@@ -319,6 +319,29 @@ START_TEST(the_wait_for_a_person_s_step_ends_with_the_timeout)
 }
 END_TEST
 
+/* Drives are not left enabled behind a request that no walk follows: a bench, where a spring is
+ * loaded, waits 10 s, a person has a minute to set off. Then it takes a new request. */
+START_TEST(a_request_that_no_walk_follows_is_given_up)
+{
+    const int limit_s = _i == 0 ? 10 : 60;
+    params.engage_steps = _i == 0 ? 0.0f : 4.0f;
+    engage();
+    ck_assert_int_eq(output.state, SUPERVISOR_ENGAGING);
+    run_powered(limit_s * 1000 - 80);
+    ck_assert_int_eq(output.state, SUPERVISOR_ENGAGING);
+    run_powered(100);
+    ck_assert_int_eq(output.state, SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(output.fault, SUPERVISOR_FAULT_NONE);
+    run_powered(2000);
+    ck_assert_int_eq(output.state, SUPERVISOR_STANDBY);
+    input.walk_requested = false;
+    run_powered(10);
+    input.walk_requested = true;
+    run_powered(100);
+    ck_assert_int_eq(output.state, SUPERVISOR_ENGAGING);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("controller edges");
@@ -336,6 +359,7 @@ int main(void)
     tcase_add_loop_test(tests, a_silent_drive_unloads_by_itself, 0, 2);
     tcase_add_loop_test(tests, only_a_compass_leg_that_steps_twice_is_a_fault, 0, 2);
     tcase_add_loop_test(tests, the_wait_for_a_person_s_step_ends_with_the_timeout, 0, 4);
+    tcase_add_loop_test(tests, a_request_that_no_walk_follows_is_given_up, 0, 2);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -47,7 +47,9 @@ static void run(unsigned ticks)
 
 static void start(void)
 {
-    ck_assert_int_eq(subject_read(&subject, "sim_host/subjects/paper.ini", message), 0);
+    ck_assert_int_eq(subject_read(&subject, "sim_host/persons/paper.ini",
+                                  "sim_host/devices/virtual.ini", message),
+                     0);
     ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
     ck_assert_msg(loop_configure(&config, &subject, &params, 0.8, SENSORS_17BIT, 7, message) == 0,
                   "%s", message);

@@ -28,13 +28,14 @@ def test_the_settings_go_where_the_store_looks():
 
 def test_the_image_holds_two_banks_and_the_store_s_magic(tmp_path):
     out = tmp_path / "settings.bin"
-    result = subprocess.run([str(ROOT / "build/afo"), "settings", "--subject", "sim_host/subjects/adult70.ini", "--speed",
+    result = subprocess.run([str(ROOT / "build/afo"), "settings", "--person", "sim_host/persons/adult70.ini", "--device",
+                             "sim_host/devices/virtual-adult.ini", "--speed",
                              "1.0", str(out)], cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     image = out.read_bytes()
     assert len(image) == 8192
     assert image[:4] == b"PAFO" and image[4096:] == b"\xff" * 4096
-    assert subprocess.run([str(ROOT / "build/afo"), "settings", "--subject", "sim_host/subjects/paper-mit.ini", str(out)],
+    assert subprocess.run([str(ROOT / "build/afo"), "settings", "--device", "sim_host/devices/ak80.ini", str(out)],
                           cwd=ROOT, capture_output=True).returncode == 2
 
 
@@ -46,9 +47,25 @@ def test_the_crash_record_lies_where_every_build_looks_for_it():
         assert [line.split()[0] for line in text.splitlines() if line.endswith(" crash_record")] == ["2000ff00"]
 
 
+def test_a_person_is_always_asked(tmp_path):
+    person = tmp_path / "person.ini"
+    text = (ROOT / "sim_host/persons/adult70.ini").read_text()
+    person.write_text(text)
+    out = tmp_path / "settings.bin"
+    command = [str(ROOT / "build/afo"), "settings", "--person", str(person), "--device",
+               "sim_host/devices/virtual-adult.ini", str(out)]
+    assert subprocess.run([*command, "--autostart"], cwd=ROOT, capture_output=True).returncode == 0
+    person.write_text(text + "\n[prescription]\nengage_steps = 4\n")
+    out.unlink()
+    result = subprocess.run([*command, "--autostart"], cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 2 and "engage_steps" in result.stderr, result.stderr
+    assert not out.exists()
+    assert subprocess.run(command, cwd=ROOT, capture_output=True).returncode == 0
+
+
 def test_both_programmers_write_settings_and_image():
-    text = make("flash", "SUBJECT=sim_host/subjects/paper.ini", path="/usr/bin:/bin").stdout
-    assert "afo settings --subject 'sim_host/subjects/paper.ini'" in text
+    text = make("flash", "PERSON=sim_host/persons/paper.ini", "DEVICE=sim_host/devices/virtual.ini", path="/usr/bin:/bin").stdout
+    assert "afo settings --person 'sim_host/persons/paper.ini' --device 'sim_host/devices/virtual.ini'" in text
     assert "settings.bin 0x0807E000 verify" in text and "st-flash write build/arm/settings.bin 0x0807E000" in text
     assert "settings" not in make("flash", path="/usr/bin:/bin").stdout.split("command -v")[-1]
 

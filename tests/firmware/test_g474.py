@@ -20,7 +20,7 @@ CYCLES_PER_INSTRUCTION = 4
 pytestmark = pytest.mark.skipif(not ENGINE, reason="the Unicorn engine is not in build/venv (scripts/setup test)")
 
 # enum crash_cause in hal/storage/crash_record.h, enum supervisor_state in controller/supervisor/supervisor.h
-CRASH_NONE, CRASH_NMI, CRASH_CLOCK_FAILED, CRASH_WATCHDOG, CRASH_LOST_WRITE = 0, 1, 8, 9, 10
+CRASH_NONE, CRASH_NMI, CRASH_CLOCK_FAILED, CRASH_WATCHDOG, CRASH_LOST_WRITE = 0, 1, 8, 9, 11
 STATE_FAULT = 6
 
 

@@ -348,6 +348,26 @@ START_TEST(without_a_bus_the_drives_get_no_power)
 }
 END_TEST
 
+/* Settings that ask for a walk are obeyed at power-on alone: behind any other reset (a dip of the
+ * supply, a pin, a debugger) nobody may expect the drives to move. The setting itself is kept. */
+START_TEST(a_reset_is_no_request_to_walk)
+{
+    keep(0.6f, 1);
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 1);
+    run(3);
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 0);
+    ck_assert_uint_eq(orthosis.walk_at_start, 1);
+    memset(&streak, 0x77, sizeof streak); /* the memory was without power */
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 1);
+    config.streak = NULL; /* nothing tells a reset from power-on */
+    orthosis_init(&orthosis, &config);
+    ck_assert_uint_eq(orthosis.task.node.objects.walk_requested, 0);
+}
+END_TEST
+
 /* The number of the tick wraps after 49 days: that is no start. */
 START_TEST(the_wrap_of_the_tick_is_no_start)
 {
@@ -455,6 +475,7 @@ int main(void)
     tcase_add_test(tests, it_is_fed_while_settings_are_saved_and_forgotten);
     tcase_add_test(tests, no_real_tick_no_feed_while_settings_are_saved);
     tcase_add_test(tests, a_bus_that_is_off_is_asked_back_now_and_then);
+    tcase_add_test(tests, a_reset_is_no_request_to_walk);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

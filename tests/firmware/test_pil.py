@@ -62,7 +62,7 @@ def test_the_predictive_law_within_its_budget_bit_for_bit(speed, steps):
 
 
 def test_the_adult_too():
-    walk = pil("--steps", "20", "--subject", "sim_host/subjects/adult70.ini")
+    walk = pil("--steps", "20", "--person", "sim_host/persons/adult70.ini", "--device", "sim_host/devices/virtual-adult.ini")
     assert walk["steps"] >= 20 and walk["differences"] == 0
     assert walk["worst_tick_instructions"] <= TICK_INSTRUCTIONS
 

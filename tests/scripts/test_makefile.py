@@ -150,17 +150,19 @@ def furnish(tree):
     for name in ("sim_host/install.mk", "scripts/man-page", "scripts/compile-commands"):
         (tree / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, tree / name)
-    (tree / "sim_host/subjects").mkdir()
-    (tree / "sim_host/subjects/somebody.ini").write_text("[walker]\n")
+    for name in ("persons/somebody.ini", "devices/something.ini"):
+        (tree / "sim_host" / name).parent.mkdir()
+        (tree / "sim_host" / name).write_text("[person]\n")
     (tree / "sim_host/programs/say.c").write_text(SAY_LIKE_AFO)
 
 
-def test_install_puts_program_manual_and_subjects_below_the_prefix(tree, tmp_path_factory):
+def test_install_puts_program_manual_persons_and_devices_below_the_prefix(tree, tmp_path_factory):
     furnish(tree)
     place = tmp_path_factory.mktemp("staged")
     make(tree, "install", "PREFIX=/opt/some", f"DESTDIR={place}")
     files = sorted(path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file())
-    assert files == ["opt/some/bin/afo", "opt/some/share/afo/subjects/somebody.ini", "opt/some/share/man/man1/afo.1"]
+    assert files == ["opt/some/bin/afo", "opt/some/share/afo/devices/something.ini", "opt/some/share/afo/persons/somebody.ini",
+                     "opt/some/share/man/man1/afo.1"]
     assert subprocess.check_output([place / "opt/some/bin/afo", "--version"], text=True).startswith("afo 1.2.3")
     manual = (place / "opt/some/share/man/man1/afo.1").read_text()
     assert "1.2.3" in manual.splitlines()[0]

@@ -35,7 +35,10 @@ enum supervisor_state supervisor_rule(enum supervisor_state state, unsigned cond
         if (HAS(FAULT) || !HAS(WALK_REQUESTED)) {
             return SUPERVISOR_UNLOADING;
         }
-        return HAS(ENABLED) && HAS(STEADY) ? SUPERVISOR_WALKING : state;
+        if (HAS(ENABLED) && HAS(STEADY)) {
+            return SUPERVISOR_WALKING;
+        }
+        return HAS(TIMEOUT) ? SUPERVISOR_UNLOADING : state;
     case SUPERVISOR_WALKING:
         return HAS(FAULT) || !HAS(WALK_REQUESTED) || !HAS(STEPPING) || !HAS(REGULAR)
                    ? SUPERVISOR_UNLOADING
@@ -110,6 +113,9 @@ static const char *judge(int from, int to, unsigned conditions)
     }
     if (from == SUPERVISOR_UNLOADING && to == from && (HAS(TIMEOUT) || HAS(UNLOADED))) {
         return "unloads for ever";
+    }
+    if (from == SUPERVISOR_ENGAGING && to == from && HAS(TIMEOUT)) {
+        return "engages for ever";
     }
     return NULL;
 }

@@ -25,6 +25,36 @@ def run(*arguments, command="sim", program=AFO, cwd=ROOT):
                           capture_output=True, text=True, timeout=LIMIT_S)
 
 
+def file_of(room, name):
+    """A person's or a device's file that is shipped."""
+    return ROOT / "sim_host" / room / f"{name}.ini"
+
+
+def who(person="paper", device="virtual"):
+    """The options for a shipped person with a shipped device on."""
+    return ("--person", file_of("persons", person), "--device", file_of("devices", device))
+
+
+ADULT = who("adult70", "virtual-adult")
+
+
+def with_lines(path, original, lines, section="both"):
+    """A person's or a device's file: `original` with further lines of a section; a key given there is replaced."""
+    keys = [line.split("=")[0].strip() for line in lines]
+    kept = [line for line in original.read_text(encoding="utf-8").splitlines() if line.split("=")[0].strip() not in keys]
+    path.write_text("\n".join([*kept, f"[{section}]", *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+def converted(folder, text):
+    """The options for an old subject file of that text, parted by the program."""
+    paths = [folder / name for name in ("old.ini", "person.ini", "device.ini")]
+    paths[0].write_text(text, encoding="utf-8")
+    done = run("convert", *paths, command="device")
+    assert done.returncode == 0, done.stderr
+    return ("--person", paths[1], "--device", paths[2])
+
+
 @functools.lru_cache(maxsize=None)
 def walk(*arguments):
     """(exit status, the JSON object) of a run; the same run is made once only."""

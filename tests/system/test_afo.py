@@ -9,10 +9,12 @@ import pytest
 
 from afo import AFO, ROOT, run
 
-COMMANDS = ("sim", "study", "faults", "soak", "replay", "walker", "host", "blackbox", "update", "settings", "eds", "pil", "g474", "slcan")
+COMMANDS = ("sim", "study", "faults", "soak", "replay", "walker", "host", "blackbox", "update", "settings", "device", "eds", "pil", "g474", "slcan")
 STUDIES = ("fixed-point", "continue", "doublings", "bifurcation", "basin", "gain", "noise", "map", "atlas", "laws",
            "observe", "observer-gains", "table")
-ALL = [(name,) for name in COMMANDS if name != "study"] + [("study", name) for name in STUDIES]
+DEVICE_COMMANDS = ("check", "show", "keys", "convert")
+ALL = ([(name,) for name in COMMANDS if name not in ("study", "device")] + [("study", name) for name in STUDIES] +
+       [("device", name) for name in DEVICE_COMMANDS])
 
 
 def afo(*words, **options):
@@ -27,6 +29,7 @@ def listed(text):
 def test_the_lists_are_whole():
     assert listed(afo("help").stdout) == list(COMMANDS)
     assert listed(afo("study", "help").stdout) == list(STUDIES)
+    assert listed(afo("device", "help").stdout) == list(DEVICE_COMMANDS)
     for words in (("help",), ("--help",)):
         done = afo(*words)
         assert done.returncode == 0 and not done.stderr
@@ -83,7 +86,7 @@ def test_a_mistyped_name_is_answered_by_the_nearest(words, said):
 
 
 def test_the_value_of_an_option_is_not_taken_for_one():
-    done = afo("sim", "--subject", "--nowhere", "--steps", 3)
+    done = afo("sim", "--person", "--nowhere", "--steps", 3)
     assert done.returncode == 2 and "no option" not in done.stderr and "--nowhere" in done.stderr
     done = afo("sim", "--law", "person", "--steps", 0)  # the law of a recorded person is a name as others are
     assert done.returncode == 2 and "--law" not in done.stderr and "--steps" in done.stderr
@@ -99,14 +102,14 @@ def test_a_fault_that_does_not_exist_is_answered_by_the_list():
     assert few.returncode == 2 and "  push (with more --runs)\n" in few.stderr
 
 
-def test_a_law_in_a_subject_file_that_is_none_is_answered_by_the_list(tmp_path):
-    subject = tmp_path / "somebody.ini"
-    subject.write_text((ROOT / "sim_host/subjects/paper.ini").read_text() + "\n[controller]\nlaw = predictve\n")
-    done = afo("sim", "--subject", subject)
+def test_a_law_in_a_person_file_that_is_none_is_answered_by_the_list(tmp_path):
+    person = tmp_path / "somebody.ini"
+    person.write_text((ROOT / "sim_host/persons/paper.ini").read_text() + "\n[prescription]\nlaw = predictve\n")
+    done = afo("sim", "--person", person)
     assert done.returncode == 2
     assert "allowed is proportional, open-loop, dlqr, deadbeat, predictive or person; nearest: predictive" in done.stderr
-    subject.write_text(subject.read_text().replace("predictve", "predictive"))
-    assert run("--subject", subject, "--steps", 3, "--quiet").returncode == 0
+    person.write_text(person.read_text().replace("predictve", "predictive"))
+    assert run("--person", person, "--steps", 3, "--quiet").returncode == 0
 
 
 def test_a_table_has_its_whole_experiment_beside_it(tmp_path):

@@ -3,11 +3,9 @@ import math
 
 import pytest
 
-from afo import ROOT, walk
+from afo import ADULT, walk, who
 from reference_walker import PAPER_GAIT, Walker, orbit
 
-PAPER = "sim_host/subjects/paper.ini"
-ADULT = "sim_host/subjects/adult70.ini"
 ADULT_LEG_M = 0.93
 HELD_STEPS = 20
 
@@ -41,7 +39,7 @@ def test_closed_loop_reaches_and_holds_the_speed(speed):
 def test_the_adult_walks_at_the_same_dimensionless_speeds(speed):
     scaled = speed / math.sqrt(ADULT_LEG_M)
     status, result = walk("--speed", f"{scaled:.6f}", "--steps", 400, "--sensors", "ideal",
-                          "--subject", ADULT)
+                          *ADULT)
     assert_holds_speed(status, result, scaled)
 
 
@@ -141,9 +139,7 @@ def test_the_report_of_the_bus_and_time_is_plausible():
     assert 0.6 < result["simulated_s"] / 400 < 1.2
 
 
-def test_shipped_subjects():
-    for name in (PAPER, ADULT):
-        assert (ROOT / name).is_file()
+def test_the_shipped_paper_walker_is_the_default():
     _, default = walk("--speed", 0.45, "--steps", 20, "--sensors", "ideal")
-    _, paper = walk("--speed", 0.45, "--steps", 20, "--sensors", "ideal", "--subject", PAPER)
+    _, paper = walk("--speed", 0.45, "--steps", 20, "--sensors", "ideal", *who())
     assert default["apex_speed_rad_s"] == paper["apex_speed_rad_s"]

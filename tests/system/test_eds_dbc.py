@@ -167,18 +167,19 @@ def test_no_pdo_promises_to_answer_remote_requests(name):
 
 
 def test_every_default_is_what_the_node_says(tmp_path):
-    """Uploaded from the running programs before anybody sets them up, for two subjects with other drives."""
+    """Uploaded from the running programs before anybody sets them up, for two devices with other drives."""
     eds = "hal/canopen/eds"
     python = ROOT / "build" / "venv" / "bin" / "python"
     nodes = " ".join(f"{number} {eds}/{name}.eds" for name, number in NODES.items() if number != 16)
     script = f"""
         status=0
-        for subject in sim_host/subjects/{{paper,adult70}}.ini; do
-            {BUILD}/afo walker --subject $subject --can vcan0 --silence 60000 --quiet & walker=$!
+        for who in paper:virtual adult70:virtual-adult; do
+            who="--person sim_host/persons/${{who%:*}}.ini --device sim_host/devices/${{who#*:}}.ini"
+            {BUILD}/afo walker $who --can vcan0 --silence 60000 --quiet & walker=$!
             sleep 0.5
             {python} tests/system/peer_eds.py {nodes} || status=$?
             kill -TERM $walker; wait $walker
-            {BUILD}/afo host --subject $subject --can vcan0 --quiet & host=$!
+            {BUILD}/afo host $who --can vcan0 --quiet & host=$!
             sleep 0.5
             {python} tests/system/peer_eds.py 16 {eds}/controller.eds || status=$?
             kill -TERM $host; wait $host

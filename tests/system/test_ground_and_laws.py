@@ -7,6 +7,8 @@ import subprocess
 
 import pytest
 
+from afo import converted, file_of, with_lines
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / os.environ.get("BUILD", "build") / "afo"
 
@@ -40,15 +42,15 @@ def test_a_jump_of_the_command_through_the_chain():
     assert all(abs(v - 0.8) < 0.008 for v in up["apex_speed_rad_s"][40:])
 
 
-def test_nobody_gets_faster_than_asked_unless_the_subject_file_says_so(tmp_path):
+def test_nobody_gets_faster_than_asked_unless_it_is_prescribed(tmp_path):
     """A push on level ground: at 0.4 rad/s it takes the walk itself to about 0.48. Told by the command column, too."""
-    subject = tmp_path / "subject.ini"
+    person = tmp_path / "person.ini"
     fastest, aimed = {}, {}
     for allowed in (0, 0.8):
-        subject.write_text("[walker]\nM = 1\nm = 0.01\nl = 1\nk = 100\ng = 9.80665\n[controller]\nlaw = predictive\n"
-                           f"terrain_speed_rad_s = {allowed}\n", encoding="utf-8")
+        with_lines(person, file_of("persons", "paper"), ["law = predictive", f"terrain_speed_rad_s = {allowed}"],
+                   "prescription")
         table = tmp_path / "walk.csv"
-        fastest[allowed] = max(walk("--subject", subject, "--speed", 0.4, "--push", "0.05@20", "--steps", 50,
+        fastest[allowed] = max(walk("--person", person, "--speed", 0.4, "--push", "0.05@20", "--steps", 50,
                                     "--csv", table)["apex_speed_rad_s"][10:])
         with table.open(encoding="utf-8", newline="") as file:
             aimed[allowed] = [float(row["target_speed_rad_s"]) for row in list(csv.DictReader(file))[10:]]
@@ -56,33 +58,29 @@ def test_nobody_gets_faster_than_asked_unless_the_subject_file_says_so(tmp_path)
     assert fastest[0.8] > 0.6 and max(aimed[0.8]) > 0.6
 
 
-def test_the_laws_can_be_named_in_the_subject_file(tmp_path):
-    subject = tmp_path / "subject.ini"
-    body = "[walker]\nM = 1\nm = 0.01\nl = 1\nk = 100\ng = 9.80665\n"
-    subject.write_text(body + "[controller]\nlaw = predictive\n", encoding="utf-8")
+def test_the_laws_can_be_prescribed(tmp_path):
+    person = with_lines(tmp_path / "person.ini", file_of("persons", "paper"), ["law = predictive"], "prescription")
     options = ("--speed", 0.5, "--steps", 20)
-    by_file = walk("--subject", subject, *options)["r0_m"]
+    by_file = walk("--person", person, *options)["r0_m"]
     assert by_file == pytest.approx(walk("--law", "predictive", *options)["r0_m"], abs=1e-5)
     assert by_file != pytest.approx(walk(*options)["r0_m"], abs=1e-3)
-    subject.write_text(body + "[controller]\nlaw = magic\n", encoding="utf-8")
-    assert "law" in walk("--subject", subject, status=2).stderr
+    with_lines(person, file_of("persons", "paper"), ["law = magic"], "prescription")
+    assert "law" in walk("--person", person, status=2).stderr
 
 
 # M, m, l, k: light and heavy legs, an adult, a child, soft and stiff ankles
-SUBJECTS = {"light legs": (1, 0.005, 1, 100), "m/M = 0.1": (1, 0.1, 1, 100), "m/M = 0.2": (1, 0.2, 1, 100),
+WALKERS = {"light legs": (1, 0.005, 1, 100), "m/M = 0.1": (1, 0.1, 1, 100), "m/M = 0.2": (1, 0.2, 1, 100),
             "adult": (65, 2.5, 0.93, 7000), "adult, heavy legs": (65, 13, 0.93, 7000),
             "child": (22, 1.0, 0.55, 3500), "tall": (110, 5, 1.05, 9000), "stiff": (1, 0.05, 1, 200)}
 
 
-@pytest.mark.parametrize("name", SUBJECTS)
-def test_equation_16_has_a_gain_that_holds_this_subject(name, tmp_path):
-    mass, leg, length, stiffness = SUBJECTS[name]
-    subject = tmp_path / "subject.ini"
-    subject.write_text(f"[walker]\nM = {mass}\nm = {leg}\nl = {length}\nk = {stiffness}\ng = 9.80665\n",
-                       encoding="utf-8")
+@pytest.mark.parametrize("name", WALKERS)
+def test_equation_16_has_a_gain_that_holds_this_walker(name, tmp_path):
+    mass, leg, length, stiffness = WALKERS[name]
+    walker = converted(tmp_path, f"[walker]\nM = {mass}\nm = {leg}\nl = {length}\nk = {stiffness}\ng = 9.80665\n")
     for share in (0.4, 0.6, 0.75):  # of the paper's walker's speed
         speed = round(share * length ** -0.5, 4)
-        held = walk("--subject", subject, "--speed", speed, "--steps", 200, "--sensors", "ideal")
+        held = walk(*walker, "--speed", speed, "--steps", 200, "--sensors", "ideal")
         assert not held["fell"], (share, held["fault"])
         assert held["apex_speed_rad_s"][-1] == pytest.approx(speed, rel=0.003)
 

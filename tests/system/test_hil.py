@@ -21,25 +21,25 @@ def test_twenty_steps_over_vcan_equal_the_in_process_walk(tmp_path):
 
 def test_the_other_drive_protocols_walk_over_vcan(tmp_path):
     """The plant's own apex speeds beside what the controller measured; nothing lost, nobody fallen."""
-    subjects = ("paper-cansimple", "paper-mit")
+    devices = ("odrive", "ak80")
     script = "".join(f"""
-        subject=sim_host/subjects/{subject}.ini
-        "{BUILD}/afo" walker --can vcan0 --subject $subject --silence 60000 --json >{tmp_path}/{subject}.walker & walker=$!
+        device=sim_host/devices/{device}.ini
+        "{BUILD}/afo" walker --can vcan0 --device $device --silence 60000 --json >{tmp_path}/{device}.walker & walker=$!
         sleep 0.3
-        "{BUILD}/afo" host --can vcan0 --subject $subject --speed 0.45 --steps 3 --answer-timeout 60000 --json \\
-            >{tmp_path}/{subject}.host || exit
-        kill -TERM $walker; wait $walker || exit""" for subject in subjects)
+        "{BUILD}/afo" host --can vcan0 --device $device --speed 0.45 --steps 3 --answer-timeout 60000 --json \\
+            >{tmp_path}/{device}.host || exit
+        kill -TERM $walker; wait $walker || exit""" for device in devices)
     done = subprocess.run(["scripts/vcan-guest", "--timeout", "150", "--", "bash", "-c", script], cwd=ROOT,
                           capture_output=True, text=True, timeout=200)
     assert done.returncode == 0, done.stdout + done.stderr
-    for subject in subjects:
-        host = json.loads((tmp_path / f"{subject}.host").read_text())
-        walker = json.loads((tmp_path / f"{subject}.walker").read_text())
-        assert host["steps"] == 3 and host["fault"] == 0 and host["lost_cycles"] == 0, (subject, host)
-        assert walker["falls"] == 0 and walker["clock_ticks"] == 0, (subject, walker)
+    for device in devices:
+        host = json.loads((tmp_path / f"{device}.host").read_text())
+        walker = json.loads((tmp_path / f"{device}.walker").read_text())
+        assert host["steps"] == 3 and host["fault"] == 0 and host["lost_cycles"] == 0, (device, host)
+        assert walker["falls"] == 0 and walker["clock_ticks"] == 0, (device, walker)
         speed = walker["apex_speed_rad_s"]
-        assert len(speed) == 3 and speed[0] < speed[1] < speed[2] < 0.45, (subject, speed)
-        assert abs(host["measured_speed_rad_s"] / speed[-1] - 1) < 0.002, (subject, host, speed)
+        assert len(speed) == 3 and speed[0] < speed[1] < speed[2] < 0.45, (device, speed)
+        assert abs(host["measured_speed_rad_s"] / speed[-1] - 1) < 0.002, (device, host, speed)
 
 
 def log_of(path, ticks, steps, changes=None):

@@ -77,19 +77,19 @@ def test_a_hangup_or_a_reader_that_went_away_unloads_and_ends(tmp_path):
 
 
 def test_a_node_that_is_refused_ends_a_walk_of_so_many_steps(tmp_path):
-    """The drives count half as finely as the host's subject says. With --auto-reset it waits until they were
+    """The drives count half as finely as the host's device file says. With --auto-reset it waits until they were
     exchanged, and walks."""
-    text = (ROOT / "sim_host" / "subjects" / "paper.ini").read_text()
+    text = (ROOT / "sim_host" / "devices" / "virtual.ini").read_text()
     finer = re.sub(r"(?m)^counts_per_m *= *13107200", "counts_per_m = 26214400", text)
     assert finer != text
     (tmp_path / "finer.ini").write_text(finer)
     status = in_guest(tmp_path, f"""
-        begin refused --subject finer.ini --steps 1000; ended
-        begin exchanged --subject finer.ini --steps 2 --auto-reset
+        begin refused --device finer.ini --steps 1000; ended
+        begin exchanged --device finer.ini --steps 2 --auto-reset
         until grep -q refused exchanged.err; do sleep 0.05; done
         sleep 1
         kill -KILL $walker; wait $walker 2>/dev/null
-        "{BUILD}/afo" walker --can vcan0 --subject finer.ini --silence 60000 --quiet & walker=$!
+        "{BUILD}/afo" walker --can vcan0 --device finer.ini --silence 60000 --quiet & walker=$!
         ended""")
     assert status == {"refused": "1", "exchanged": "0"}
     for name in status:

@@ -5,48 +5,42 @@ import subprocess
 
 import pytest
 
-from afo import AFO, ROOT, run, walk
+from afo import AFO, ROOT, file_of, run, walk, who, with_lines
 
-SUBJECTS = ROOT / "sim_host" / "subjects"
+PAPERS_DEVICES = ["virtual", "odrive", "ak80"]
 
 
-@pytest.mark.parametrize("subject", ["paper.ini", "paper-cansimple.ini", "paper-mit.ini"])
-def test_the_walk_works_on_each_drive_protocol(subject):
-    status, report = walk("--subject", SUBJECTS / subject, "--sensors", "ideal", "--speed", "0.6",
-                          "--steps", "120")
+@pytest.mark.parametrize("device", PAPERS_DEVICES)
+def test_the_walk_works_on_each_drive_protocol(device):
+    status, report = walk(*who(device=device), "--sensors", "ideal", "--speed", "0.6", "--steps", "120")
     assert status == 0 and report["fell"] is False and report["fault"] is None
     last = report["apex_speed_rad_s"][-20:]
     assert abs(sum(last) / len(last) / 0.6 - 1) < 0.002
     assert max(last) - min(last) < 0.005 * 0.6
 
 
-def subject_with(path, base, lines):
-    """A subject file: `base` with further lines of its [drive]; a key given there is replaced."""
-    keys = [line.split("=")[0].strip() for line in lines]
-    kept = [line for line in (SUBJECTS / base).read_text().splitlines() if line.split("=")[0].strip() not in keys]
-    path.write_text("\n".join([*kept, "[drive]", *lines]) + "\n")
-    return path
+def device_with(path, base, lines):
+    return with_lines(path, file_of("devices", base), lines)
 
 
 def test_a_drive_that_counts_backwards_from_elsewhere_walks_the_same_walk(tmp_path):
     options = ("--speed", "0.6", "--steps", "12", "--quiet", "--csv")
-    mirrored = subject_with(tmp_path / "mirrored.ini", "paper.ini",
-                            ["zero_counts = -123456", "direction = -1", "rated_force_N = 35"])
+    mirrored = device_with(tmp_path / "mirrored.ini", "virtual", ["zero_counts = -123456", "direction = -1"])
     assert run(*options, tmp_path / "a.csv").returncode == 0
-    assert run("--subject", mirrored, *options, tmp_path / "b.csv").returncode == 0
+    assert run("--device", mirrored, *options, tmp_path / "b.csv").returncode == 0
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
 @pytest.mark.parametrize("base, lines, message", [
-    ("paper-mit.ini", ["zero_rad = 5"], "22.5 rad at the full stroke"),
-    ("paper-mit.ini", ["zero_rad = -12.6"], "outside \"position_range_rad\", 12.5 rad"),
-    ("paper-mit.ini", ["direction = -1"], "does nothing with this subject's protocol, MIT"),
-    ("paper.ini", ["rad_per_m = 60"], "does nothing with this subject's protocol, CiA 402"),
-    ("paper.ini", ["direction = 0"], "1 or -1"),
-    ("paper.ini", ["zero_counts = 0.5"], "a whole number"),
+    ("ak80", ["zero_rad = 5"], "\"zero_rad\" (motor angle at the unloaded spring): 5 rad and the stroke leave"),
+    ("ak80", ["zero_rad = -12.6"], "position_range_rad, the field it is commanded in, 12.5 rad"),
+    ("ak80", ["zero_counts = 3"], "does nothing with this leg's protocol"),
+    ("virtual", ["rad_per_m = 60"], "does nothing with this leg's protocol"),
+    ("virtual", ["direction = 0"], "1 or -1"),
+    ("virtual", ["zero_counts = 0.5"], "not a whole number"),
 ])
 def test_a_drive_that_cannot_fit_is_refused(tmp_path, base, lines, message):
-    done = run("--subject", subject_with(tmp_path / "no.ini", base, lines), "--steps", "2")
+    done = run("--device", device_with(tmp_path / "no.ini", base, lines), "--steps", "2")
     assert done.returncode == 2 and message in done.stderr and "no.ini" in done.stderr, done.stderr
 
 
@@ -198,6 +192,29 @@ def test_a_lost_frame_is_found(log, tmp_path):
     shorter = tmp_path / "shorter.log"
     shorter.write_text("\n".join(lines[:index] + lines[index + 1:]) + "\n")
     assert replay(shorter).returncode == 1
+
+
+@pytest.mark.parametrize("share", (0.3, 0.5, 0.7, 0.9))
+def test_a_lost_target_is_found_where_it_was(log, tmp_path, share):
+    """Also where the targets before and behind it are the same as it."""
+    lines = log.read_text().splitlines()
+    index = next(i for i in range(int(share * len(lines)), len(lines)) if " 201#" in lines[i])
+    tick = sum(" 080#" in line for line in lines[:index])
+    shorter = tmp_path / "shorter.log"
+    shorter.write_text("\n".join(lines[:index] + lines[index + 1:]) + "\n")
+    done = replay(shorter)
+    assert done.returncode == 1, done.stdout
+    told = [int(number) for number in re.findall(r"tick (\d+)", done.stdout)]
+    assert told and abs(told[0] - tick) <= 3, (tick, done.stdout)
+
+
+def test_the_ticks_that_no_digest_covers_are_told(log, tmp_path):
+    lines = log.read_text().splitlines()
+    last = max(i for i, line in enumerate(lines) if " 190#" in line or " 290#" in line)
+    done = replay(log)
+    left = re.search(r"inputs of the last (\d+) ticks .* no digest", done.stdout)
+    syncs = sum(" 080#" in line for line in lines[last:])
+    assert (int(left[1]) if left else 0) in range(syncs, syncs + 3), (syncs, done.stdout)
 
 
 def test_other_settings_than_the_recorded_ones_are_found(log):

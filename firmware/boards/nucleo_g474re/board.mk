@@ -32,11 +32,11 @@ SETTINGS_AT_nucleo_g474re := 0x0807E000
 define FLASH_nucleo_g474re
 $(Q)if command -v $(OPENOCD) >/dev/null; then \
         $(OPENOCD) $(OPENOCD_nucleo_g474re) \
-                $(if $(SUBJECT),-c 'program $(SETTINGS_BIN) $(SETTINGS_AT_nucleo_g474re) verify') \
+                $(if $(PERSON)$(DEVICE),-c 'program $(SETTINGS_BIN) $(SETTINGS_AT_nucleo_g474re) verify') \
                 -c 'program $(call IMAGE,nucleo_g474re).elf verify reset exit' || \
         { echo 'flash: not written; is the board plugged in at its ST-Link?' >&2; exit 1; }; \
 elif command -v st-flash >/dev/null; then \
-        $(if $(SUBJECT),st-flash write $(SETTINGS_BIN) $(SETTINGS_AT_nucleo_g474re) &&) \
+        $(if $(PERSON)$(DEVICE),st-flash write $(SETTINGS_BIN) $(SETTINGS_AT_nucleo_g474re) &&) \
         st-flash --reset write $(call IMAGE,nucleo_g474re).bin 0x08000000; \
 else echo 'flash: neither openocd nor st-flash is here (scripts/setup flash)' >&2; exit 1; fi
 endef

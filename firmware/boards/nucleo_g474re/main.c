@@ -82,19 +82,23 @@ uint32_t board_time_ms(void)
     return ports_run ? tim2_clock_now_ms(&timer) : 0u;
 }
 
-/* Notes a reset by the watchdog, which leaves no record itself; a record that nobody has
- * seen yet is kept. Returns true when the last run did not end well. */
+/* Notes a reset by the watchdog or by a dip of the supply, which leave no record themselves; a
+ * record that nobody has seen yet is kept. Returns true when the last run did not end well. */
 static bool restarted(uint32_t reset_flags)
 {
-    if ((reset_flags & RCC_CSR_IWDGRSTF) != 0u) {
+    const enum crash_cause cause = crash_cause_of_reset((reset_flags & RCC_CSR_IWDGRSTF) != 0u,
+                                                        (reset_flags & RCC_CSR_BORRSTF) != 0u,
+                                                        crash_streak_is_kept(&crash_streak));
+
+    if (cause == CRASH_WATCHDOG) {
         crash_streak_add(&crash_streak);
-        if (!crash_record_is_valid(&crash_record)) {
-            crash_record_begin(&crash_record);
-            crash_record.cause = CRASH_WATCHDOG;
-            crash_record.build_id = version_build_id();
-            crash_record.detail = reset_flags;
-            crash_record_seal(&crash_record);
-        }
+    }
+    if (cause != CRASH_NONE && !crash_record_is_valid(&crash_record)) {
+        crash_record_begin(&crash_record);
+        crash_record.cause = cause;
+        crash_record.build_id = version_build_id();
+        crash_record.detail = reset_flags;
+        crash_record_seal(&crash_record);
     }
     return crash_record_is_valid(&crash_record);
 }

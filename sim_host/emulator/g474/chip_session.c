@@ -227,7 +227,8 @@ bool chip_session_is_safe(const struct chip_session *session)
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct sea_output sea;
         plant_sea_output(&session->loop->nodes.plant, (enum side)side, &sea);
-        safe = safe && fabs(sea.position_m) <= 0.005 * session->loop->config.subject.leg_length_m;
+        safe = safe &&
+               fabs(sea.position_m) <= 0.005 * session->loop->config.subject.person.leg_length_m;
     }
     return safe;
 }

@@ -157,7 +157,8 @@ static void print(const struct study *study, int e, int kind, int v, FILE *csv)
 
 static void print_rises(const struct laws_options *options)
 {
-    const double unit = laws_speed_unit(options), leg_mm = 1e3 * options->subject.leg_length_m;
+    const double unit = laws_speed_unit(options),
+                 leg_mm = 1e3 * options->subject.person.leg_length_m;
     for (int v = 0; v < SPEEDS; v++) {
         struct ground_rise rise;
         ground_rise_survived(&options->setup, speeds[v] * unit, &rise);

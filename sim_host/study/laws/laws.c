@@ -32,7 +32,8 @@ void laws_draw_apex(const struct laws_options *options, struct rng *rng, double 
 
 double laws_speed_unit(const struct laws_options *options)
 {
-    return __builtin_sqrt(options->subject.gravity_m_s2 / 9.80665 / options->subject.leg_length_m);
+    return __builtin_sqrt(options->subject.person.gravity_m_s2 / 9.80665 /
+                          options->subject.person.leg_length_m);
 }
 
 /* Of the running study. Nobody knows how many parts it will have: a walk may end early. */

@@ -10,7 +10,7 @@
 #include "sim_host/cli/program.h"
 #include "sim_host/study/laws/laws.h"
 #include "sim_host/study/pool.h"
-#include "sim_host/subjects/nearest.h"
+#include "sim_host/text/nearest.h"
 
 enum {
     KEY_LAW = 0x500,
@@ -21,6 +21,8 @@ enum {
     KEY_SEED,
     KEY_OUT,
     KEY_TERRAIN_SPEED,
+    KEY_PERSON,
+    KEY_DEVICE,
     KEY_SUBJECT
 };
 
@@ -59,7 +61,9 @@ static const struct argp_option option_list[] = {
      "what the predictive law may want on uneven ground; 0: nothing above the command (0.8)", 0},
     {"seed", KEY_SEED, "N", 0, "of all random numbers (1)", 0},
     {"out", KEY_OUT, "DIRECTORY", 0, "write laws-STUDY.csv there, too", 0},
-    {"subject", KEY_SUBJECT, "FILE", 0, "subject file (INI; default: the paper's walker)", 0},
+    {"person", KEY_PERSON, "FILE", 0, "person file (INI; default: the paper's walker)", 0},
+    {"device", KEY_DEVICE, "FILE", 0, "device file (INI; default: the virtual device)", 0},
+    {"subject", KEY_SUBJECT, "FILE", OPTION_HIDDEN, 0, 0},
     {0}};
 
 struct input {
@@ -119,7 +123,15 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         options->out_directory = text;
         return 0;
     case KEY_SUBJECT:
-        if (subject_read(&options->subject, text, message) != 0) {
+        option_refuse_subject(state, text);
+        return 0;
+    case KEY_PERSON:
+        if (person_read(&options->subject.person, text, message) != 0) {
+            argp_failure(state, 2, 0, "%s", message);
+        }
+        return 0;
+    case KEY_DEVICE:
+        if (device_file_read(&options->subject.device, text, message) != 0) {
             argp_failure(state, 2, 0, "%s", message);
         }
         return 0;

@@ -102,8 +102,8 @@ int laws_push(const struct laws_options *options)
     const struct subject *body = &options->subject;
     study->options = *options;
     study->options.chain = true;
-    study->unit_Ns = (body->torso_mass_kg + 2.0 * body->leg_mass_kg) *
-                     sqrt(body->gravity_m_s2 * body->leg_length_m);
+    study->unit_Ns = (body->person.torso_mass_kg + 2.0 * body->person.leg_mass_kg) *
+                     sqrt(body->person.gravity_m_s2 * body->person.leg_length_m);
     FILE *csv =
         laws_csv(&study->options, "push",
                  "law,speed_rad_s,direction,phase,share_of_m_sqrt_gl,impulse_Ns", &file, &failed);

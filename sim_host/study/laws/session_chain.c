@@ -75,7 +75,7 @@ static int start_chain(const struct laws_options *options, const struct session_
     if (config->heights) {
         for (int i = 0; i <= SESSION_STEPS_MAX; i++) {
             const double rise = i == 0 ? 0.0 : session_ground_rise(ground, config);
-            heights_m[i] = (i > 0 ? heights_m[i - 1] : 0.0) + rise * body->leg_length_m;
+            heights_m[i] = (i > 0 ? heights_m[i - 1] : 0.0) + rise * body->person.leg_length_m;
         }
         loop_config.plant.heights_m = heights_m;
         loop_config.plant.heights_count = SESSION_STEPS_MAX + 1;

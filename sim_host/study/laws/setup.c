@@ -9,8 +9,8 @@ int law_setup_init(struct law_setup *setup, const struct subject *subject, enum 
     setup->params.law = (real)law;
     setup->params.speed_ramp_rad_s = REAL(1.0);
     setup->params.terrain_speed_rad_s =
-        (real)(LAWS_TERRAIN_SPEED *
-               __builtin_sqrt(subject->gravity_m_s2 / 9.80665 / subject->leg_length_m));
+        (real)(LAWS_TERRAIN_SPEED * __builtin_sqrt(subject->person.gravity_m_s2 / 9.80665 /
+                                                   subject->person.leg_length_m));
     setup->params.r0_change_max_m = setup->params.r0_max_m;
     setup->truth = subject_gait_walker(subject);
     setup->accuracy = LAWS_COARSE;

@@ -57,7 +57,7 @@ static void compute(void *context, int i)
 
 static void print(const struct timing *timing, FILE *csv)
 {
-    const struct subject *body = &timing->options->subject;
+    const struct person *body = &timing->options->subject.person;
     const double weight_N = (body->torso_mass_kg + 2.0 * body->leg_mass_kg) * body->gravity_m_s2;
     printf(
         "  speed  release   r0 (m)  step (m)  step (s)  J/m     cost of  largest   basin of 3 laws, %%:\n"

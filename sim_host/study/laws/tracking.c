@@ -33,17 +33,19 @@ static void evaluate(const struct tracking *tracking, const struct tracking_case
     const int first = walk->steps > LAST ? walk->steps - LAST : 0;
     double energy_J = 0.0, way_m = 0.0, least = 1e9, most = 0.0;
     r->fell = walk->fell;
+    const double spring_N_per_m = subject_spring_N_per_m(&item->truth);
     r->steps = walk->steps;
     r->fallbacks = walk->fallbacks;
     for (int k = first; k < walk->steps; k++) {
         const struct session_step *step = &walk->step[k];
         least = step->speed_rad_s < least ? step->speed_rad_s : least;
         most = step->speed_rad_s > most ? step->speed_rad_s : most;
-        energy_J += 0.5 * item->truth.spring_N_per_m * step->r0_m * step->r0_m;
+        energy_J += 0.5 * spring_N_per_m * step->r0_m * step->r0_m;
         way_m += step->step_length_m;
     }
-    const double weight_N = (item->truth.torso_mass_kg + 2.0 * item->truth.leg_mass_kg) *
-                            tracking->options->subject.gravity_m_s2;
+    const double weight_N =
+        (item->truth.person.torso_mass_kg + 2.0 * item->truth.person.leg_mass_kg) *
+        tracking->options->subject.person.gravity_m_s2;
     r->speed_share = session_mean_speed(walk, LAST) / speed;
     r->spread = (most - least) / speed;
     r->energy_J_per_m = way_m > 0.0 ? energy_J / way_m : 0.0;
@@ -166,6 +168,14 @@ int laws_slope(const struct laws_options *options)
     return status;
 }
 
+static void scale_springs(struct subject *truth, double factor)
+{
+    const double spring_N_per_m = factor * subject_spring_N_per_m(truth);
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        device_file_set(&truth->device, (enum side)leg, DEVICE_LEG_spring_N_per_m, spring_N_per_m);
+    }
+}
+
 int laws_mismatch(const struct laws_options *options)
 {
     static const char *const names[] = {"M", "m", "l", "k"};
@@ -176,9 +186,14 @@ int laws_mismatch(const struct laws_options *options)
     for (int i = 0; i < 8; i++) {
         struct tracking_case *item = add(tracking);
         const double factor = i % 2 == 0 ? 0.9 : 1.1;
-        double *const field[] = {&item->truth.torso_mass_kg, &item->truth.leg_mass_kg,
-                                 &item->truth.leg_length_m, &item->truth.spring_N_per_m};
-        *field[i / 2] *= factor;
+        struct person *person = &item->truth.person;
+        double *const field[] = {&person->torso_mass_kg, &person->leg_mass_kg,
+                                 &person->leg_length_m};
+        if (i / 2 < 3) {
+            *field[i / 2] *= factor;
+        } else {
+            scale_springs(&item->truth, factor);
+        }
         snprintf(item->label, sizeof item->label, "%s %+.0f %%", names[i / 2],
                  100.0 * (factor - 1.0));
     }

@@ -77,8 +77,8 @@ static void print_header(void)
         "speed against the plant's. \"plain\": the difference of the two samples around the\n"
         "crossing; \"butterw.\": of the same through a second-order 10 Hz low-pass. Delays: mean\n"
         "time from the event until the controller reports it. Law: RMS spread of the apex speed\n"
-        "on the ideal return map with this scatter of the measured speed, over %d strides, or\n"
-        "the strides until it falls.\n\n",
+        "on the ideal return map with this scatter of the measured speed, over %d steps, or\n"
+        "the steps until it falls.\n\n",
         MAP_STRIDES);
     printf("                               observer          plain  butterw.   swing at apex"
            "      delay, ms             law: spread of the speed\n"

@@ -189,7 +189,7 @@ void command_explain(const char *what, enum orbit_status status, const struct or
     if (status == ORBIT_FAULT) {
         fprintf(
             stderr,
-            " (%s, in stride %d from stance rate %g rad/s, swing angle %g rad, swing rate %g rad/s)",
+            " (%s, in step %d from stance rate %g rad/s, swing angle %g rad, swing rate %g rad/s)",
             stride_fault_name(orbit->fault), orbit->fault_step + 1, orbit->x[0], orbit->x[1],
             orbit->x[2]);
     }

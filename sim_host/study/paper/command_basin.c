@@ -32,7 +32,7 @@ static const struct argp_option table[] = {
     {"box", 'X', "6 NUMBERS", 0, "with --volume: low,high of stance rate, swing angle, swing rate",
      0},
     {"points", 'n', "N", 0, "points along each axis (100)", 0},
-    {"strides", 's', "N", 0, "at most so many strides from each state (200)", 0},
+    {"strides", 's', "N", 0, "at most so many steps from each state (200)", 0},
     {"volume", 'V', 0, 0, "the whole three-dimensional basin, slice by slice of stance rate", 0},
     {0},
 };

@@ -19,9 +19,9 @@ static const struct argp_option table[] = {
     {"from", 'f', "M", 0, "first r0 (0.05)", 0},
     {"to", 't', "M", 0, "last r0 (0.3)", 0},
     {"points", 'n', "N", 0, "so many r0 (500)", 0},
-    {"transient", 'T', "N", 0, "strides walked before looking (1000)", 0},
-    {"keep", 'k' + 1000, "N", 0, "strides kept of each walk (100)", 0},
-    {"lyapunov", 'L', "N", 0, "largest Lyapunov exponent over N strides (0: none)", 0},
+    {"transient", 'T', "N", 0, "steps walked before looking (1000)", 0},
+    {"keep", 'k' + 1000, "N", 0, "steps kept of each walk (100)", 0},
+    {"lyapunov", 'L', "N", 0, "largest Lyapunov exponent over N steps (0: none)", 0},
     {"kp", 'K', "GAIN", 0, "gain of the step law (0)", 0},
     {0},
 };

@@ -19,7 +19,7 @@ static const struct argp_option table[] = {
     {"from", 'f', "VALUE", 0, "where to start", 0},
     {"to", 't', "VALUE", 0, "where to end", 0},
     {"branch", 'b', "long|short", 0, "period-1 gaits to start from (long)", 0},
-    {"period", 'p', "N", 0, "strides until the gait repeats (1)", 0},
+    {"period", 'p', "N", 0, "steps until the gait repeats (1)", 0},
     {"r0", 'r', "M", 0, "push-off, when another parameter is followed (0.05)", 0},
     {"kp", 'K', "GAIN", 0, "gain of the step law (0)", 0},
     {"step", 's', "LENGTH", 0, "longest step along the branch; the range is 1 (0.02)", 0},

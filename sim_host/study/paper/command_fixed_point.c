@@ -14,7 +14,7 @@ struct options {
 static const struct argp_option table[] = {
     {"r0", 'r', "M", 0, "push-off: the spring's rest length (0.05)", 0},
     {"branch", 'b', "long|short", 0, "which of the two period-1 gaits (long)", 0},
-    {"period", 'p', "N", 0, "strides until the gait repeats (1)", 0},
+    {"period", 'p', "N", 0, "steps until the gait repeats (1)", 0},
     {"kp", 'K', "GAIN", 0, "gain of the step law, m per rad/s (0: no law)", 0},
     {"guess", 'x', "A,B,C", 0, "Newton starts from this stance rate, swing angle, swing rate", 0},
     {0},
@@ -142,8 +142,12 @@ int command_fixed_point(int argc, char **argv)
     struct problem problem = {.period = 1};
     struct orbit orbit = {.residual = 0.0};
     struct report report;
-    command_parse(table, parse, "Finds a periodic gait and tells its eigenvalues and measures.",
-                  argc, argv, &options);
+    command_parse(
+        table, parse,
+        "Finds a periodic gait and tells its eigenvalues and measures.\v"
+        "x: at the apex the stance rate (rad/s), swing angle (rad) and swing rate (rad/s). times_s: apex to "
+        "heel strike, double support, lift-off to apex. eigenvalues: [real, imaginary] each.",
+        argc, argv, &options);
     const int status = find(&options, &problem, &orbit);
     if (status != EXIT_FOUND) {
         return status;

@@ -17,7 +17,7 @@ static const struct argp_option table[] = {
      "start: stance rate, swing angle, swing rate (the gait of the branch)", 0},
     {"branch", 'b', "long|short", 0, "gait to start from without --state (long)", 0},
     {"kp", 'K', "GAIN", 0, "gain of the step law (0)", 0},
-    {"steps", 'n', "N", 0, "so many strides (20)", 0},
+    {"steps", 'n', "N", 0, "so many steps (20)", 0},
     {"samples", 's', "N", 0, "print the motion, N points a phase, not the apexes", 0},
     {0},
 };

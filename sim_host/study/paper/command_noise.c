@@ -21,7 +21,7 @@ static const struct argp_option table[] = {
     {"error", 'e', "SHARE,...", 0,
      "errors of the measured speed, RMS, shares of it (0.0003,0.001,0.003,0.01)", 0},
     {"walkers", 'n', "N", 0, "so many walkers for each (1000)", 0},
-    {"strides", 's', "N", 0, "at most so many strides of each (300)", 0},
+    {"strides", 's', "N", 0, "at most so many steps of each (300)", 0},
     {"seed", 'S', "N", 0, "of the random numbers (1)", 0},
     {0},
 };
@@ -128,7 +128,7 @@ int command_noise(int argc, char **argv)
     memcpy(options.errors, errors, sizeof errors);
     command_parse(table, parse,
                   "Many walkers under the step law, each measured apex speed with an error: how "
-                  "many fall, after how many strides, and how far the speed spreads.",
+                  "many fall, after how many steps, and how far the speed spreads.",
                   argc, argv, &options);
     const double l = options.common.params.leg_length_m;
     if (isnan(options.r0)) {

@@ -34,7 +34,7 @@ static void start(void)
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
 }
 
-static void take(const struct can_msg *message)
+static void deliver(const struct can_msg *message)
 {
     const uint8_t *data = message->data;
     if (message->id == FRAME_TELEMETRY && data[6] <= STEPS) {
@@ -53,7 +53,7 @@ static void tick(const struct can_bus *tool)
     struct can_msg message;
     loop_tick(&loop);
     while (can_bus_receive(tool, &message, NULL) == CAN_OK) {
-        take(&message);
+        deliver(&message);
     }
 }
 

@@ -22,7 +22,9 @@ static void prepare(double force_max_N)
 {
     char message[SUBJECT_MESSAGE_MAX];
     subject_default(&subject);
-    subject.force_max_N = force_max_N;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        device_file_set(&subject.device, (enum side)leg, DEVICE_LEG_force_max_N, force_max_N);
+    }
     ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
     params.law = (real)LAW_PREDICTIVE;
     const struct walker_params body = walker_paper_params();
@@ -138,8 +140,8 @@ START_TEST(the_motor_can_hold_the_spring)
         bool searched;
         const double from_m = 0.9 * (double)params.r0_max_m;
         const double r0_m = answer(&params, &apex, from_m, 1.0, &waited, &searched);
-        greatest_N = fmax(greatest_N, subject.spring_N_per_m * r0_m);
-        ck_assert(subject.spring_N_per_m * r0_m <= force_max_N[_i] * (1.0 + 1e-6));
+        greatest_N = fmax(greatest_N, subject_spring_N_per_m(&subject) * r0_m);
+        ck_assert(subject_spring_N_per_m(&subject) * r0_m <= force_max_N[_i] * (1.0 + 1e-6));
     }
     ck_assert(_i == 0 || greatest_N > 0.95 * force_max_N[_i]); /* it would push harder */
 }

@@ -1,5 +1,5 @@
 /* The master configures a drive that others' rules define (sim_host/nodes), and
- * refuses one that is not what the subject says. */
+ * refuses one that is not what the device file says. */
 #include "hal/bus/frame_table.h"
 #include "hal/devices/node_setup.h"
 #include "sim_host/bus/sim_bus.h"

@@ -57,6 +57,36 @@ START_TEST(an_acknowledged_record_counts_but_is_not_reported_again)
 }
 END_TEST
 
+/* RM0440, reset flags: power-on sets the brown-out flag, too. Only memory that was kept tells a dip
+ * of the supply from a start in the morning. */
+START_TEST(a_dip_of_the_supply_is_told_from_power_on)
+{
+    static const struct {
+        bool watchdog, supply, kept;
+        enum crash_cause cause;
+    } cases[] = {{false, true, false, CRASH_NONE},    {false, true, true, CRASH_SUPPLY},
+                 {false, false, true, CRASH_NONE},    {false, false, false, CRASH_NONE},
+                 {true, false, true, CRASH_WATCHDOG}, {true, true, true, CRASH_WATCHDOG},
+                 {true, false, false, CRASH_WATCHDOG}};
+    ck_assert_int_eq(crash_cause_of_reset(cases[_i].watchdog, cases[_i].supply, cases[_i].kept),
+                     cases[_i].cause);
+}
+END_TEST
+
+START_TEST(memory_is_known_to_be_kept)
+{
+    struct crash_streak streak;
+    memset(&streak, 0x5A, sizeof streak);
+    ck_assert(!crash_streak_is_kept(&streak));
+    crash_streak_end(&streak);
+    ck_assert(crash_streak_is_kept(&streak));
+    crash_streak_add(&streak);
+    ck_assert(crash_streak_is_kept(&streak));
+    streak.length ^= 0x10u;
+    ck_assert(!crash_streak_is_kept(&streak));
+}
+END_TEST
+
 START_TEST(any_flipped_bit_spoils_the_record)
 {
     memset(&record, 0, sizeof record);
@@ -119,6 +149,8 @@ int main(void)
     tcase_add_test(tcase, any_flipped_bit_spoils_the_record);
     tcase_add_test(tcase, a_streak_counts_until_it_ends);
     tcase_add_test(tcase, a_new_record_begins_empty_but_for_what_it_counts);
+    tcase_add_loop_test(tcase, a_dip_of_the_supply_is_told_from_power_on, 0, 7);
+    tcase_add_test(tcase, memory_is_known_to_be_kept);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }

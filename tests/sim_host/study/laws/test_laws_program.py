@@ -84,7 +84,7 @@ def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
 @pytest.mark.parametrize("arguments", [
     [], ["nonsense"], ["jumps", "--law", "magic"], ["jumps", "--sensors", "3bit"],
     ["jumps", "--samples", "0"], ["jumps", "basin"],
-    ["jumps", "--subject", "/no/such/file"], ["limits", "--chain"], ["ground-limit", "--chain"],
+    ["jumps", "--person", "/no/such/file"], ["limits", "--chain"], ["ground-limit", "--chain"],
     ["ground", "--law", "dlqr", "--terrain-speed", "0.5"], ["ground", "--terrain-speed", "-1"]])
 def test_usage_errors(arguments):
     assert laws(*arguments, status=2).stderr

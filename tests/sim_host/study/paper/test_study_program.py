@@ -244,7 +244,7 @@ def test_what_is_not_found_is_told_with_what_to_try():
     none = run("fixed-point", "--r0", 0.05, "--period", 3, status=1)
     assert "period 3" in none.stderr
     fallen = run("fixed-point", "--guess=-5,0,0", status=1)
-    assert "stride 1" in fallen.stderr
+    assert "step 1" in fallen.stderr
     end = run("continue", "--m", 0.2, "--from", 0.05, "--to", 0.002, status=1)
     assert "could not be followed further, at r0 = 0.004" in end.stderr
     assert "lift-off past the apex" in end.stderr and "smaller --step" in end.stderr

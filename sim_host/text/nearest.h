@@ -1,6 +1,6 @@
 /* A mistyped name and the names that are allowed: which one was meant. */
-#ifndef SIM_HOST_SUBJECTS_NEAREST_H
-#define SIM_HOST_SUBJECTS_NEAREST_H
+#ifndef SIM_HOST_TEXT_NEAREST_H
+#define SIM_HOST_TEXT_NEAREST_H
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
-/* The laws' names, as subject files and command lines spell them: those of law_table.h. */
-#ifndef SIM_HOST_SUBJECTS_LAW_NAME_H
-#define SIM_HOST_SUBJECTS_LAW_NAME_H
+/* The laws' names, as person files and command lines spell them: those of law_table.h. */
+#ifndef SIM_HOST_PERSONS_LAW_NAME_H
+#define SIM_HOST_PERSONS_LAW_NAME_H
 
 #include <stddef.h>
 

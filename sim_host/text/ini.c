@@ -1,4 +1,4 @@
-#include "sim_host/subjects/ini.h"
+#include "sim_host/text/ini.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -4,8 +4,8 @@
  * Written here and not taken from a library because the walk must build on a
  * machine that has a C compiler and make and nothing else.
  */
-#ifndef SIM_HOST_SUBJECTS_INI_H
-#define SIM_HOST_SUBJECTS_INI_H
+#ifndef SIM_HOST_TEXT_INI_H
+#define SIM_HOST_TEXT_INI_H
 
 #include <stddef.h>
 

@@ -1,8 +1,8 @@
-#include "sim_host/subjects/law_name.h"
+#include "sim_host/persons/law_name.h"
 
 #include <string.h>
 
-#include "sim_host/subjects/nearest.h"
+#include "sim_host/text/nearest.h"
 
 #define ENTRY(value, number, id, name) {name, value},
 const struct law_name law_names[LAW_NAMES] = {LAW_TABLE(ENTRY)};

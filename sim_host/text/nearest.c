@@ -1,4 +1,4 @@
-#include "sim_host/subjects/nearest.h"
+#include "sim_host/text/nearest.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,0 +1,199 @@
+/* afo device: what a device file says, whether it fits, and how an old subject file becomes two. */
+#include <stdio.h>
+#include <string.h>
+
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/option.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/devices/device_text.h"
+#include "sim_host/programs/commands.h"
+#include "sim_host/subjects/old_subject.h"
+
+enum { FILES_MAX = 3 };
+
+struct arguments {
+    int files, least, most;
+    const char *path[FILES_MAX];
+};
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    struct arguments *arguments = (struct arguments *)state->input;
+    switch (key) {
+    case ARGP_KEY_ARG:
+        if (arguments->files == arguments->most) {
+            argp_error(state, "one file too many: \"%s\"", text);
+        }
+        arguments->path[arguments->files++] = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (arguments->files < arguments->least) {
+            argp_error(state, "a file is missing");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static void read_arguments(struct arguments *arguments, int argc, char **argv, const char *usage,
+                           const char *doc)
+{
+    const struct argp parser = {0, take, usage, doc, 0, 0, 0};
+    option_parse(&parser, argc, argv, arguments);
+}
+
+static int read_device(const char *path, struct device_file *file)
+{
+    char message[DEVICE_MESSAGE_MAX] = "";
+    if (path == NULL) {
+        device_file_default(file);
+        return 0;
+    }
+    return device_file_read(file, path, message) == 0 ? 0 : program_complain("%s", message);
+}
+
+/* ---- check ------------------------------------------------------------------- */
+
+/* What a device that fits still cannot do. */
+static void print_limits(const struct device_description *device)
+{
+    struct device_refusal refusal;
+    char reason[DEVICE_MESSAGE_MAX];
+    if (device_check_person(device, &refusal) != DEVICE_OK) {
+        device_refusal_text(&refusal, reason, sizeof reason);
+        printf("  %s\n", reason);
+    }
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct device_leg *own = &device->leg[leg];
+        if (!device_leg_is_driven(own)) {
+            printf("  %s: no drive, sensors only\n", device_leg_name(leg));
+        } else if (own->unload == DEVICE_UNLOAD_NONE) {
+            printf("  %s: not safe on link loss: nothing is declared that unloads the spring\n",
+                   device_leg_name(leg));
+        }
+    }
+}
+
+static int check(int argc, char **argv)
+{
+    struct arguments arguments = {.least = 1, .most = 1};
+    struct device_file file;
+    read_arguments(&arguments, argc, argv, "DEVICE.ini",
+                   "Checks a device file, and says what the device cannot do.\v"
+                   "Exit status: 0 it fits, 1 not, 2 wrong usage.");
+    if (read_device(arguments.path[0], &file) != 0) {
+        return EXIT_BAD;
+    }
+    printf("%s: fits\n", file.name);
+    print_limits(&file.description);
+    return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
+}
+
+/* ---- show and keys -------------------------------------------------------------- */
+
+static int show(int argc, char **argv)
+{
+    struct arguments arguments = {.most = 1};
+    struct device_file file;
+    read_arguments(&arguments, argc, argv, "[DEVICE.ini]",
+                   "Prints a device file with all of its keys and what they mean; without a file "
+                   "the virtual device.\v"
+                   "Exit status: 0 printed, 1 the file is refused, 2 wrong usage.");
+    if (read_device(arguments.path[0], &file) != 0) {
+        return EXIT_BAD;
+    }
+    device_file_write(stdout, &file);
+    return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
+}
+
+static void print_key(unsigned index, unsigned key, const struct device_key *row)
+{
+    char fallback[DEVICE_VALUE_TEXT_MAX] = "has to be said";
+    if (row->fallback != DEVICE_ASKED) {
+        device_value_text(row, (double)row->fallback, fallback, sizeof fallback);
+    }
+    printf("%-22s 0x%04X:%02X  ", row->name, index, key + 1);
+    if (row->type == DEVICE_FLOAT || row->type == DEVICE_INT) {
+        printf("%g to %g%s%s", (double)row->minimum, (double)row->maximum,
+               row->unit[0] != '\0' ? " " : "", row->unit);
+    } else {
+        printf("%s", row->type == DEVICE_OBJECT ? "an object, as 0x2101:00" : row->unit);
+    }
+    printf("; %s\n    %s\n", fallback, row->meaning);
+}
+
+static int keys(int argc, char **argv)
+{
+    struct arguments arguments = {0};
+    read_arguments(&arguments, argc, argv, "",
+                   "Lists the keys of device files: name, object of the controller's node (left "
+                   "leg; the right one's is 0x2052), range, and what holds without it.");
+    for (unsigned key = 0; key < DEVICE_COMMON_COUNT; key++) {
+        print_key(DEVICE_INDEX_COMMON, key, &device_common_keys[key]);
+    }
+    for (unsigned key = 0; key < DEVICE_LEG_COUNT; key++) {
+        print_key(DEVICE_INDEX_LEFT, key, &device_leg_keys[key]);
+    }
+    return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
+}
+
+/* ---- convert ---------------------------------------------------------------------- */
+
+static int write_both(const char *const *path, const struct person *person,
+                      const struct device_file *device)
+{
+    static struct output_file out[2];
+    char message[OUTPUT_PATH_MAX + DEVICE_MESSAGE_MAX] = "";
+    int result = output_file_open(&out[0], path[0], message, sizeof message);
+    result = result == 0 ? output_file_open(&out[1], path[1], message, sizeof message) : result;
+    if (result == 0) {
+        person_write(out[0].stream, person);
+        device_file_write(out[1].stream, device);
+        result = output_file_commit(&out[0], message, sizeof message);
+    }
+    result = result == 0 ? output_file_commit(&out[1], message, sizeof message) : result;
+    output_file_discard(&out[0]);
+    output_file_discard(&out[1]);
+    return result == 0 ? EXIT_GOOD : (program_complain("%s", message), EXIT_BAD);
+}
+
+static int convert(int argc, char **argv)
+{
+    struct arguments arguments = {.least = 3, .most = 3};
+    struct old_subject subject;
+    struct person person;
+    struct device_file device;
+    struct device_refusal refusal;
+    char message[OLD_SUBJECT_MESSAGE_MAX] = "";
+    read_arguments(&arguments, argc, argv, "OLD.ini PERSON.ini DEVICE.ini",
+                   "Parts a subject file, as there was one for person and device together, into a "
+                   "person file and a device file.\v"
+                   "Exit status: 0 written, 1 not, 2 wrong usage.");
+    if (old_subject_read(&subject, arguments.path[0], message) != 0) {
+        program_complain("%s", message);
+        return EXIT_BAD;
+    }
+    old_subject_part(&subject, &person, &device);
+    if (device_check(&device.description, &refusal) != DEVICE_OK) {
+        device_refusal_text(&refusal, message, sizeof message);
+        program_complain("%s: %s", arguments.path[0], message);
+        return EXIT_BAD;
+    }
+    return write_both(arguments.path + 1, &person, &device);
+}
+
+int afo_device(int argc, char **argv)
+{
+    static const struct program_command table[] = {
+        {"check", check, "whether a device file fits, and what the device cannot do"},
+        {"show", show, "a device file with all of its keys"},
+        {"keys", keys, "the keys of device files, with ranges"},
+        {"convert", convert, "an old subject file into a person file and a device file"},
+    };
+    static const struct program_commands commands = {
+        "device command", "Device files: what hangs on the bus, leg by leg.", table,
+        sizeof table / sizeof table[0]};
+    return program_dispatch(&commands, argc, argv);
+}
