@@ -58,6 +58,7 @@ const struct co_entry controller_object_table[] = {
            "Frames refused by the queue"),
     CO_ANY(OWNER, counters.rx_overflow, 0x2020, 11, CO_UNSIGNED32, RO, "Frames lost on receive"),
     CO_ANY(OWNER, counters.bus_off_count, 0x2020, 12, CO_UNSIGNED32, RO, "Times bus-off"),
+    CO_ANY(OWNER, counters.worst_cycles, 0x2020, 13, CO_UNSIGNED32, RO, "Worst tick cycles"),
     CO_ANY(OWNER, drive_count, 0x2021, 0, CO_UNSIGNED8, FIXED, "Drives"),
     CO_ANY(OWNER, drive_temperature_0_1_degC[SIDE_LEFT], 0x2021, 1, CO_INTEGER16, RO,
            "Left drive temperature 0.1 degC"),

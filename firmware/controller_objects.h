@@ -27,6 +27,7 @@ struct controller_counters {
     uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
+    uint32_t worst_cycles; /* of the processor in a tick; 0 where nobody counts them */
 };
 
 /* Values of the dictionary's entries 0x2000 and above. */

@@ -82,6 +82,13 @@ flash: $(call IMAGE,$(BOARD)).elf $(call IMAGE,$(BOARD)).bin $(if $(PERSON)$(DEV
 debug: $(call IMAGE,$(BOARD)).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still while it is halted
 	$(or $(DEBUG_$(BOARD)),$(Q)echo 'debug: $(BOARD) has no debugger; BOARD is one of: $(foreach b,$(BOARDS),$(if $(value DEBUG_$(b)),$(b)))' >&2; exit 1)
 
+# The second build shares nothing with the first but sources and compiler.
+.PHONY: release
+release: firmware ## images, hashes and bill of materials in one folder, built twice with the same bytes
+	$(Q)rm -rf $(BUILD)/again
+	$(Q)$(MAKE) --no-print-directory BUILD=$(BUILD)/again firmware >/dev/null
+	$(Q)scripts/release --build $(BUILD) --version '$(VERSION)' --build-id $(BUILD_ID) --again $(BUILD)/again
+
 TEST_NEEDS += firmware
 
 budgets: firmware programs ## what the image takes of flash, RAM, stack and instructions
