@@ -91,6 +91,12 @@ def test_a_program_that_is_not_whole_does_not_run_and_says_so(fault, starts):
     assert "the program is not whole (CRC)" in end["serial"]
 
 
+def test_ram_that_has_failed_is_noticed_before_the_program_runs():
+    """One bit of 32 KiB stays 1."""
+    end = g474("--fault", "stuck-ram")
+    assert end["starts"] == 1 and "the RAM has failed" in end["serial"]
+
+
 def test_the_sealed_header_is_what_an_independent_reading_finds():
     image = (ROOT / "build/arm/afo-nucleo-g474re.bin").read_bytes()[0x2000:]
     magic, hardware, version, _, length, _, _, crc = struct.unpack_from("<8I", image, 0x200)

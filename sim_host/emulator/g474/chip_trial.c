@@ -212,6 +212,7 @@ static void bring_fault(struct chip_session *session)
         lose_writes(session);
         break;
     case CHIP_FAULT_HALF_WRITTEN:
+    case CHIP_FAULT_STUCK_RAM:
         chip_bridge_stop_comparing(bridge);
         break;
     case CHIP_FAULT_DAMAGED_PROGRAM:
