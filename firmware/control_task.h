@@ -19,7 +19,9 @@
 #include "controller/controller.h"
 #include "firmware/bring_up.h"
 #include "firmware/controller_node.h"
+#include "firmware/drive_audit.h"
 #include "firmware/drive_watch.h"
+#include "firmware/tool_watch.h"
 #include "hal/bus/can_bus.h"
 #include "hal/canopen/network.h"
 #include "hal/devices/leg_sensors.h"
@@ -53,6 +55,8 @@ struct control_task {
     struct network network;
     struct bring_up bring_up; /* of the network's nodes */
     struct drive_watch watch;
+    struct tool_watch tools;
+    struct drive_audit audit;
     struct leg_sensors sensors;
     struct controller_node node; /* commands, parameters and telemetry over CAN */
     struct controller controller;
@@ -101,7 +105,7 @@ static inline void control_task_show_missed(struct control_task *task, uint32_t 
 bool control_task_cycle_complete(const struct control_task *task);
 
 /* Notes how many cycles of the processor a tick took, interrupts included and sleep left out; the
- * most is shown at 0x2020:13. Loop only; O(1). */
+ * most is shown at 0x2020:26. Loop only; O(1). */
 void control_task_show_cycles(struct control_task *task, uint32_t cycles);
 
 /* True when the last tick had more to do than others: a gait event, a step, a node's set-up. What

@@ -36,16 +36,21 @@ static void default_objects(struct controller_objects *objects, const struct con
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
     objects->command_count = 4;
-    objects->state_count = 4;
+    objects->state_count = 6;
     objects->step_count = 5;
     objects->record_count = 4;
     objects->param_count = CONTROL_PARAM_COUNT;
-    objects->counter_count = 13;
+    objects->counter_count = 26;
     objects->drive_count = 5;
+    objects->tool_count = 3;
     objects->identity_count = 3;
     objects->setup_count = 6;
     objects->crash_count = 3;
     objects->black_box_count = 3;
+    objects->commissioning_count = 15;
+    objects->measured_count = 10;
+    objects->sample_count = 6;
+    objects->motion_seconds = objects->motion_frequency_Hz = 1.0f;
     objects->params = *params;
     objects->build_id = version_build_id();
     put_text(objects->version, sizeof objects->version, version_text());
@@ -156,7 +161,8 @@ void controller_node_update(struct controller_node *node, const struct controlle
     if (output->new_zero) {
         adopt_zero(node, &controller->zeroing.mean);
     }
-    if (!is_busy(controller)) { /* telegrams can wait for the next */
+    /* Telegrams can wait for the next tick. While the drives are cut off there is no heartbeat, either. */
+    if (!is_busy(controller) && !output->cut_off) {
         co_device_process(&node->device, now_ns);
     }
 }

@@ -6,6 +6,7 @@
 
 #include <stdint.h>
 
+#include "controller/actuation/push_watch.h"
 #include "controller/control_params.h"
 #include "hal/canopen/co_od.h"
 #include "hal/canopen/co_pdo_objects.h"
@@ -21,13 +22,20 @@ struct controller_counters {
         send_failures; /* ticks with command frames that the bus did not take; those that a full queue
                                gave up later are in tx_refused */
     uint32_t error_frames;
-    uint32_t foreign_frames; /* received, nobody's */
-    uint32_t late_answers;   /* operational legs, answers missing when their tick was processed */
-    uint32_t forced_stops;   /* NMT stops: a drive stayed enabled, or a foreign node spoke */
-    uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
+    uint32_t foreign_frames;  /* received, nobody's */
+    uint32_t late_answers;    /* operational legs, answers missing when their tick was processed */
+    uint32_t forced_stops;    /* NMT stops: a drive stayed enabled, or a foreign node spoke */
+    uint32_t foreign_uploads; /* SDO requests of others to drives and sensors that read */
+    uint32_t foreign_downloads; /* ... and that write: a fault, once the node is set up */
+    uint32_t audits_unanswered; /* read-backs of the drives' objects that were not answered */
+    uint32_t missed_ticks; /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
     uint32_t worst_cycles; /* of the processor in a tick; 0 where nobody counts them */
+    /* The controller's: pushes by what became of them (enum push_outcome; [0] is not used), and ticks
+     * in which a motor was far behind its reference. */
+    uint32_t pushes[SIDE_COUNT][PUSH_OUTCOMES];
+    uint32_t behind_ticks[SIDE_COUNT];
 };
 
 /* Values of the dictionary's entries 0x2000 and above. */
@@ -42,7 +50,8 @@ struct controller_objects {
     /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
     uint8_t state;
     uint8_t fault;
-    uint8_t zeroing;       /* enum zeroing_state */
+    uint8_t zeroing;               /* enum zeroing_state */
+    uint8_t last_push[SIDE_COUNT]; /* enum push_outcome of the last stance */
     uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
     /* 0x2002: last step as in TPDO1 */
     uint16_t step_measured;  /* 0.1 mrad/s */
@@ -63,6 +72,10 @@ struct controller_objects {
     int16_t drive_temperature_0_1_degC[SIDE_COUNT];
     uint16_t drive_supply_10_mV[SIDE_COUNT];
     uint8_t drive_warnings; /* bit 0 left, bit 1 right */
+    /* 0x2022: the object of a drive or sensor that somebody else wrote last; node 0 = none yet */
+    uint8_t tool_count, tool_node, tool_sub;
+    uint16_t
+        tool_index; /* 0: by a segment or a block of a transfer that the controller did not hear begin */
     /* 0x2030: identity */
     char version[32];
     uint32_t build_id;
@@ -75,6 +88,21 @@ struct controller_objects {
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
     uint32_t black_box_reason;
     struct co_domain black_box_image; /* while it is frozen */
+    /* 0x2060: commissioning, what a tool asks for (controller/signals.h) and what became of it
+     * (controller/commissioning/motion.h) */
+    uint8_t commissioning_count, motion_order, motion_renewal, motion_kind, motion_side;
+    float motion_share, motion_seconds, motion_frequency_Hz;
+    uint8_t motion_phase, motion_outcome, motion_outcome_order;
+    float motion_share_allowed, motion_bandwidth_Hz, motion_last_frequency_Hz;
+    uint16_t motion_release_ms, motion_unload_ms; /* 65535: it did not */
+    /* 0x2061: what is measured now, before the zero offsets of 0x2010; 0x2062: the forces, each with
+     * the motor's position at its SYNC */
+    uint8_t measured_count, sample_count;
+    float measured_motor_m[SIDE_COUNT], measured_ankle_m[SIDE_COUNT];
+    float measured_angle_rad[SIDE_COUNT];
+    uint8_t measured_latch[SIDE_COUNT], measured_drive[SIDE_COUNT];
+    float sample_force_N[SIDE_COUNT], sample_motor_m[SIDE_COUNT];
+    uint8_t sample_number[SIDE_COUNT];
     /* 0x2031: why a node was refused at start */
     uint8_t refused_node, refused_sub, refused_verdict;
     uint16_t refused_index;

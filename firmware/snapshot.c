@@ -34,10 +34,17 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.objects.input_digest)        \
     X(node.objects.params_crc)          \
     X(node.objects.desired_speed_rad_s) \
+    X(node.objects.motion_share)        \
+    X(node.objects.motion_seconds)      \
+    X(node.objects.motion_frequency_Hz) \
     X(tick)                             \
     X(node.objects.walk_requested)      \
     X(node.objects.reset_requested)     \
     X(node.objects.zero_requested)      \
+    X(node.objects.motion_order)        \
+    X(node.objects.motion_renewal)      \
+    X(node.objects.motion_kind)         \
+    X(node.objects.motion_side)         \
     X(node.objects.state)               \
     X(node.objects.fault)               \
     X(node.rules.powered)               \
@@ -49,6 +56,8 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.comm.tpdo[1].waiting)        \
     X(bring_up.configured)              \
     X(watch.disobeys)                   \
+    X(tools)                            \
+    X(audit.memory)                     \
     X(emergency_stop)
 
 #define FIELD_SIZE(field) +sizeof(((struct control_task *)0)->field)

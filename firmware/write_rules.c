@@ -17,7 +17,9 @@ enum {
     INDEX_COUNTERS = 0x2020,
     INDEX_DRIVES = 0x2021,
     INDEX_CRASH = 0x2032,
-    INDEX_BLACK_BOX = 0x2040
+    INDEX_BLACK_BOX = 0x2040,
+    INDEX_COMMISSIONING = 0x2060,
+    INDEX_FORCE_SAMPLES = 0x2062
 };
 
 /* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
@@ -186,11 +188,13 @@ void write_rules_written(void *context, const struct co_entry *entry)
 }
 
 /* Counters are fetched now; the image may be read while nothing writes it any more. */
-void write_rules_reading(void *context, const struct co_entry *entry)
+uint32_t write_rules_reading(void *context, const struct co_entry *entry)
 {
     struct write_rules *rules = (struct write_rules *)context;
     struct controller_objects *objects = rules->objects;
-    const bool is_shown = entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES;
+    const bool is_shown =
+        entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES ||
+        (entry->index >= INDEX_COMMISSIONING && entry->index <= INDEX_FORCE_SAMPLES);
     if (is_shown && rules->show_counters != NULL) {
         rules->show_counters(rules->show_context);
     }
@@ -198,7 +202,7 @@ void write_rules_reading(void *context, const struct co_entry *entry)
         show_program(rules);
     }
     if (entry->index != INDEX_BLACK_BOX || rules->black_box == NULL) {
-        return;
+        return CO_ABORT_NONE;
     }
     const struct black_box_header *header = &rules->black_box->header;
     objects->black_box_state = (uint8_t)header->state;
@@ -206,6 +210,7 @@ void write_rules_reading(void *context, const struct co_entry *entry)
     objects->black_box_image.bytes = (const uint8_t *)rules->black_box;
     objects->black_box_image.length =
         header->state == (uint32_t)BLACK_BOX_FROZEN ? sizeof *rules->black_box : 0;
+    return CO_ABORT_NONE;
 }
 
 void write_rules_show_attached(const struct write_rules *rules)

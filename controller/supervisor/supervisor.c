@@ -3,19 +3,25 @@
 #define IN(state) ((uint16_t)(1u << SUPERVISOR_##state))
 #define IF(condition) ((uint16_t)SUPERVISOR_IF_##condition)
 #define ASSISTING ((uint16_t)(IN(ENGAGING) | IN(WALKING)))
+#define COMMISSIONING ((uint16_t)IN(COMMISSIONING))
 
 const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS] = {
     /* stop rules */
     {ASSISTING, IF(FAULT), 0, SUPERVISOR_UNLOADING},
+    {COMMISSIONING, IF(FAULT), 0, SUPERVISOR_UNLOADING},
     {IN(SELF_TEST) | IN(STANDBY), IF(FAULT), 0, SUPERVISOR_FAULT},
     {IN(UNLOADING), IF(LATCHED) | IF(UNLOADED), 0, SUPERVISOR_FAULT},
     {ASSISTING, 0, IF(WALK_REQUESTED), SUPERVISOR_UNLOADING},
     {IN(WALKING), 0, IF(STEPPING), SUPERVISOR_UNLOADING},
     {IN(WALKING), 0, IF(REGULAR), SUPERVISOR_UNLOADING},
+    {COMMISSIONING, 0, IF(MOTION_REQUESTED), SUPERVISOR_UNLOADING},
+    {COMMISSIONING, IF(WALK_REQUESTED), 0, SUPERVISOR_UNLOADING},
     /* state rules */
     {IN(UNLOADING), IF(UNLOADED), 0, SUPERVISOR_STANDBY},
     {IN(INIT), IF(NODES), IF(FAULT), SUPERVISOR_SELF_TEST},
     {IN(SELF_TEST), IF(PLAUSIBLE), 0, SUPERVISOR_STANDBY},
+    {IN(STANDBY), IF(MOTION_REQUESTED) | IF(PLAUSIBLE), IF(WALK_REQUESTED),
+     SUPERVISOR_COMMISSIONING},
     {IN(STANDBY), IF(WALK_REQUESTED) | IF(PLAUSIBLE), 0, SUPERVISOR_ENGAGING},
     {IN(ENGAGING), IF(ENABLED) | IF(STEADY), 0, SUPERVISOR_WALKING},
     {IN(FAULT), IF(RESET) | IF(STANDSTILL), IF(FAULT), SUPERVISOR_INIT},
@@ -106,6 +112,8 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "value not finite",
                                                          "spring not unloaded in time",
                                                          "restarted by itself",
-                                                         "foreign node on the bus"};
+                                                         "foreign node on the bus",
+                                                         "a tool wrote to a drive or sensor",
+                                                         "a drive's setting has changed"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }

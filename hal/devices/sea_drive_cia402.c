@@ -245,6 +245,9 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg
     }
     const uint16_t controlword = next_controlword(axis, command);
     const bool armed = command->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
+    if (command->repeat) {
+        axis->sender.ticks_since_sent = SLOW_PDO_TICKS;
+    }
     return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
 }
 

@@ -64,6 +64,7 @@ static int init_side(struct walker_nodes *nodes, enum side side,
         .side = side,
         .node_id = (uint8_t)nodes->device.leg[side].leg_sensor_node,
         .ankle_is_lever = nodes->plant.config.sensors[side].ankle_is_lever,
+        .has_foot_switch = nodes->plant.config.foot_switch[side].present,
     };
     const int first = side == SIDE_LEFT ? WALKER_DRIVE_LEFT : WALKER_DRIVE_RIGHT;
     return init_drive(nodes, side, bus[first], now_ns) == 0 &&
@@ -184,6 +185,7 @@ void walker_nodes_measure(struct walker_nodes *nodes)
         leg_sensor_node_measure(&nodes->sensor[side], sample->leg_angle_rad,
                                 lever ? (double)sample->ankle_counts * lever_count_rad
                                       : sample->ankle_extension_m);
+        leg_sensor_node_measure_foot(&nodes->sensor[side], nodes->plant.foot[side]);
     }
 }
 

@@ -71,7 +71,21 @@ START_TEST(other_traffic_costs_nothing)
 {
     ck_assert_int_eq(queue_of(0x7FF), -1);
     ck_assert_int_eq(queue_of(FRAME_TELEMETRY), -1);
-    ck_assert_int_eq(queue_of(FRAME_SDO_REQUEST_DRIVE_LEFT), -1);
+    ck_assert_int_eq(queue_of(FRAME_SDO_REQUEST_DRIVE_LEFT - 1), -1);
+    ck_assert_int_eq(queue_of(FRAME_SDO_REQUEST_SENSOR_RIGHT + 1), -1);
+}
+END_TEST
+
+START_TEST(a_tool_that_asks_the_nodes_is_heard)
+{
+    unsigned requests = 0;
+    for (uint32_t id = 0; id <= CAN_ID_STANDARD_MAX; id++) {
+        if (frame_is_node_request(id)) {
+            requests++;
+            ck_assert_int_eq(queue_of(id), 1);
+        }
+    }
+    ck_assert_uint_eq(requests, 4);
 }
 END_TEST
 
@@ -82,6 +96,7 @@ int main(void)
     tcase_add_test(tests, what_others_send_is_heard);
     tcase_add_test(tests, a_second_master_is_heard);
     tcase_add_test(tests, other_traffic_costs_nothing);
+    tcase_add_test(tests, a_tool_that_asks_the_nodes_is_heard);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -39,14 +39,6 @@ def test_the_image_holds_two_banks_and_the_store_s_magic(tmp_path):
                           cwd=ROOT, capture_output=True).returncode == 2
 
 
-def test_the_crash_record_lies_where_every_build_looks_for_it():
-    """Its address is a promise to images of other builds, like the layout that its magic names."""
-    for image in ("afo-nucleo-g474re", "afo-mps2-an386"):
-        text = subprocess.run(["arm-none-eabi-nm", str(ROOT / "build/arm" / f"{image}.elf")], capture_output=True, text=True,
-                              check=True).stdout
-        assert [line.split()[0] for line in text.splitlines() if line.endswith(" crash_record")] == ["2000ff00"]
-
-
 def test_a_person_is_always_asked(tmp_path):
     person = tmp_path / "person.ini"
     text = (ROOT / "sim_host/persons/adult70.ini").read_text()
@@ -61,6 +53,14 @@ def test_a_person_is_always_asked(tmp_path):
     assert result.returncode == 2 and "engage_steps" in result.stderr, result.stderr
     assert not out.exists()
     assert subprocess.run(command, cwd=ROOT, capture_output=True).returncode == 0
+
+
+def test_the_crash_record_lies_where_every_build_looks_for_it():
+    """Its address is a promise to images of other builds, like the layout that its magic names."""
+    for image in ("afo-nucleo-g474re", "afo-mps2-an386"):
+        text = subprocess.run(["arm-none-eabi-nm", str(ROOT / "build/arm" / f"{image}.elf")], capture_output=True, text=True,
+                              check=True).stdout
+        assert [line.split()[0] for line in text.splitlines() if line.endswith(" crash_record")] == ["2000ff00"]
 
 
 def test_both_programmers_write_settings_and_image():
