@@ -25,7 +25,7 @@ IMAGE_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,
 # How much each room may take of the flash for its speed. What a tick runs through is worth some;
 # what runs once a step, on request or at start-up is not. The measure is `make budgets`.
 ROOMS_SMALL := model/% controller/laws/% hal/canopen/%
-ROOMS_FAST := controller/estimator/% firmware/% hal/devices/% hal/storage/% hal/port_cortex_m/%
+ROOMS_FAST := controller/estimator/% firmware/% hal/bus/% hal/devices/% hal/storage/% hal/port_cortex_m/% hal/port_fdcan/%
 ROOMS_FASTEST := controller/%
 IMAGE_OPT = $(if $(filter $(ROOMS_SMALL),$(1)),-Os,$(if $(filter $(ROOMS_FAST),$(1)),-O2,$(if $(filter $(ROOMS_FASTEST),$(1)),-O3,-Os)))
 

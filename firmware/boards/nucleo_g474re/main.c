@@ -177,7 +177,10 @@ static void show_state(struct signs_line *line, uint8_t *told)
 {
     const uint8_t fault = (uint8_t)orthosis.task.output.fault;
 
-    signs_light(signs_flash(board_time_ms(), (uint32_t)orthosis.task.output.state + 1u));
+    /* Now and then is enough; an odd tick, for telegrams come at even ones. */
+    if (orthosis.task.tick % 16u == 1u) {
+        signs_light(signs_flash(board_time_ms(), (uint32_t)orthosis.task.output.state + 1u));
+    }
     if (fault != *told) {
         *told = fault;
         signs_line_begin(line, "afo fault", fault);
@@ -232,7 +235,8 @@ int main(void)
     uint32_t slept = 0;
     cycle_counter_start();
     for (;;) {
-        if (clock_take_tick(&clock)) {
+        const bool ticked = clock_take_tick(&clock);
+        if (ticked) {
             note_cycles(&slept);
             control_task_show_missed(&orthosis.task, clock_missed_ticks(&clock));
             orthosis_start_cycle(&orthosis);
@@ -245,7 +249,9 @@ int main(void)
                 cortex_m4_reset();
             }
         }
-        (void)orthosis_poll(&orthosis);
+        if (ticked || fdcan_has_received(&can)) { /* a frame that left needs nobody */
+            (void)orthosis_poll(&orthosis);
+        }
         slept += idle_until_interrupt(&can, &timer);
     }
 }
