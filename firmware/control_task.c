@@ -348,3 +348,10 @@ bool control_task_was_busy(const struct control_task *task)
            event[GAIT_LIFT_OFF].happened || observer->apex.work.busy ||
            task->bring_up.setup.under_way;
 }
+
+void control_task_show_cycles(struct control_task *task, uint32_t cycles)
+{
+    struct controller_counters *counters = &task->node.objects.counters;
+
+    counters->worst_cycles = cycles > counters->worst_cycles ? cycles : counters->worst_cycles;
+}

@@ -91,6 +91,7 @@ const struct co_entry controller_object_table[] = {
            "Left pushes that dragged in swing"),
     CO_ANY(OWNER, counters.pushes[SIDE_RIGHT][PUSH_DRAGS], 0x2020, 27, CO_UNSIGNED32, RO,
            "Right pushes that dragged in swing"),
+    CO_ANY(OWNER, counters.worst_cycles, 0x2020, 28, CO_UNSIGNED32, RO, "Worst tick cycles"),
     CO_ANY(OWNER, drive_count, 0x2021, 0, CO_UNSIGNED8, FIXED, "Drives"),
     CO_ANY(OWNER, drive_temperature_0_1_degC[SIDE_LEFT], 0x2021, 1, CO_INTEGER16, RO,
            "Left drive temperature 0.1 degC"),

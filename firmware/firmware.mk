@@ -25,8 +25,8 @@ IMAGE_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,
 # How much each room may take of the flash for its speed. What a tick runs through is worth some;
 # what runs once a step, on request or at start-up is not. The measure is `make budgets`.
 ROOMS_SMALL := model/% controller/laws/% hal/canopen/%
-ROOMS_FAST := controller/estimator/% firmware/% hal/devices/% hal/storage/% hal/port_cortex_m/%
-ROOMS_FASTEST := controller/%
+ROOMS_FAST := controller/estimator/% hal/bus/% hal/devices/% hal/port_cortex_m/%
+ROOMS_FASTEST := controller/% firmware/% hal/storage/% hal/port_fdcan/%
 IMAGE_OPT = $(if $(filter $(ROOMS_SMALL),$(1)),-Os,$(if $(filter $(ROOMS_FAST),$(1)),-O2,$(if $(filter $(ROOMS_FASTEST),$(1)),-O3,-Os)))
 
 IMAGE_SRC := $(SRC_MODEL) $(SRC_CONTROLLER) $(filter-out hal/port_%,$(SRC_HAL)) $(SRC_FIRMWARE)
@@ -81,6 +81,13 @@ flash: $(call IMAGE,$(BOARD)).elf $(call IMAGE,$(BOARD)).bin $(if $(PERSON)$(DEV
 
 debug: $(call IMAGE,$(BOARD)).elf ## gdb on a NUCLEO-G474RE; watchdog and clock stand still while it is halted
 	$(or $(DEBUG_$(BOARD)),$(Q)echo 'debug: $(BOARD) has no debugger; BOARD is one of: $(foreach b,$(BOARDS),$(if $(value DEBUG_$(b)),$(b)))' >&2; exit 1)
+
+# The second build shares nothing with the first but sources and compiler.
+.PHONY: release
+release: firmware ## images, hashes and bill of materials in one folder, built twice with the same bytes
+	$(Q)rm -rf $(BUILD)/again
+	$(Q)$(MAKE) --no-print-directory BUILD=$(BUILD)/again firmware >/dev/null
+	$(Q)scripts/release --build $(BUILD) --version '$(VERSION)' --build-id $(BUILD_ID) --again $(BUILD)/again
 
 TEST_NEEDS += firmware
 

@@ -194,7 +194,12 @@ static void look_after_program(struct orthosis *orthosis)
 {
     struct program_scan *scan = &orthosis->program_scan;
 
-    if (control_task_was_busy(&orthosis->task)) {
+    const uint32_t block = orthosis->recorder.box->header.next_sequence;
+    const bool opened = block != orthosis->seen_block;
+
+    orthosis->seen_block = block;
+    if (opened || orthosis->recorder.frames > (uint32_t)ORTHOSIS_QUIET_FRAMES ||
+        control_task_was_busy(&orthosis->task)) {
         return;
     }
     program_scan_go_on(scan, &orthosis->program->memory, ORTHOSIS_PROGRAM_WORDS);

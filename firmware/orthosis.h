@@ -23,7 +23,10 @@
 #include "hal/watchdog.h"
 
 /* Words of the program that a tick looks at: 260 instructions, 64 KiB in 9 s. */
-enum { ORTHOSIS_PROGRAM_WORDS = 1 };
+enum {
+    ORTHOSIS_PROGRAM_WORDS = 1,
+    ORTHOSIS_QUIET_FRAMES = 7 /* with more, nothing is looked at */
+};
 
 struct orthosis_config {
     struct can_bus bus;
@@ -55,6 +58,7 @@ struct orthosis {
     const struct program_slots *program;
     struct program_scan program_scan;
     bool program_damaged;
+    uint32_t seen_block; /* of the black box: a tick that opened one has done enough */
     struct program_update update;
     uint64_t fed_ns;                    /* the watchdog, while settings are saved or forgotten */
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */

@@ -32,6 +32,8 @@ enum pil_input {
     PIL_DO_HANG = 1 << 9,
     PIL_DO_OVERFLOW_STACK = 1 << 10,
     PIL_DO_ASSERT = 1 << 11,
+    PIL_DO_EXECUTE_RAM = 1 << 13,
+    PIL_DO_WRITE_PROGRAM = 1 << 14,
     PIL_DO_STALL_SUPERVISOR = 1 << 12 /* all goes on but the supervisor */
 };
 

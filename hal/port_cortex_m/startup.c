@@ -1,6 +1,8 @@
 /* From reset to main: stacks with guards, floating point, memory. */
 #include "hal/port_cortex_m/cortex_m4.h"
 
+/* The linker script's: 128 KiB of RAM and 256 KiB with the program, aligned to their size. */
+extern const uint32_t ram_memory[], program_memory[];
 extern uint32_t data_load[], data_start[], data_end[], bss_start[], bss_end[];
 
 enum {
@@ -12,7 +14,14 @@ enum {
     MPU_ON = 1,
     MPU_SIZE_32 = 4 << 1,
     MPU_SIZE_256 = 7 << 1,
-    MPU_NO_ACCESS_NO_EXECUTE = 1 << 28
+    MPU_SIZE_128K = 16 << 1,
+    MPU_SIZE_256K = 17 << 1,
+    /* TEX 0, C, S: memory of the chip, without the write buffer (B3.5.9, table of attributes). */
+    MPU_MEMORY = 1 << 17 | 1 << 18,
+    MPU_READ_AND_WRITE = 3 << 24,
+    MPU_READ_ONLY = 6 << 24,
+    MPU_NO_EXECUTE = 1 << 28,
+    MPU_NO_ACCESS_NO_EXECUTE = MPU_NO_EXECUTE
 };
 #define STACK_PATTERN 0xA5A5A5A5u
 #define AIRCR_RESET 0x05FA0004u
@@ -24,12 +33,18 @@ static void guard(uint32_t region, const uint32_t *bottom)
     MPU_RASR = MPU_NO_ACCESS_NO_EXECUTE | MPU_SIZE_32 | MPU_ON;
 }
 
+/* RAM is never executed, the program never written. The region with the highest number counts
+ * where two overlap (B3.5.3): the guards come behind. */
 static void protect(void)
 {
-    guard(0, thread_stack_bottom);
-    guard(1, handler_stack_bottom);
+    MPU_RBAR = (uint32_t)(uintptr_t)ram_memory | MPU_REGION_VALID | 0u;
+    MPU_RASR = MPU_NO_EXECUTE | MPU_READ_AND_WRITE | MPU_MEMORY | MPU_SIZE_128K | MPU_ON;
+    MPU_RBAR = (uint32_t)(uintptr_t)program_memory | MPU_REGION_VALID | 1u;
+    MPU_RASR = MPU_READ_ONLY | MPU_MEMORY | MPU_SIZE_256K | MPU_ON;
+    guard(2, thread_stack_bottom);
+    guard(3, handler_stack_bottom);
     /* Address 0 is the vector table, or its alias: data accesses there are null pointers. */
-    MPU_RBAR = 0u | MPU_REGION_VALID | 2u;
+    MPU_RBAR = 0u | MPU_REGION_VALID | 4u;
     MPU_RASR = MPU_NO_ACCESS_NO_EXECUTE | MPU_SIZE_256 | MPU_ON;
     MPU_CTRL = MPU_ON_WITH_DEFAULT_MAP;
     SCB_SHCSR |= SHCSR_FAULTS_ENABLED;

@@ -75,14 +75,15 @@ static const struct fifo fifos[FIFO_COUNT] = {
 };
 
 /* Address of the oldest element, 0 when the FIFO is empty; *index for the
- * acknowledgement. */
-static uint32_t oldest(const struct fifo *fifo, uint32_t *index)
+ * acknowledgement. Adds how many wait to *waiting. */
+static uint32_t oldest(const struct fifo *fifo, uint32_t *index, uint32_t *waiting)
 {
     uint32_t status = get(fifo->status);
 
     if ((status & FDCAN_FIFO_FILL_MASK) == 0U) {
         return 0;
     }
+    *waiting += status & FDCAN_FIFO_FILL_MASK;
     *index = (status >> FDCAN_FIFO_GET_POS) & FDCAN_FIFO_GET_MASK;
     return FDCAN1_RAM_BASE + fifo->ram + *index * fifo->element_bytes;
 }
@@ -98,7 +99,7 @@ static void read_element(uint32_t address, bool is_event, struct can_msg *messag
     uint32_t word0 = mmio_read(address), word1 = mmio_read(address + 4U);
     uint32_t length = (word1 >> FDCAN_E1_DLC_POS) & FDCAN_E1_DLC_MASK;
 
-    memset(message, 0, sizeof *message);
+    *message = (struct can_msg){0};
     message->id = (word0 >> FDCAN_E0_STANDARD_ID_POS) & (uint32_t)CAN_ID_STANDARD_MAX;
     message->length = (uint8_t)(length > CAN_FRAME_DATA_MAX ? CAN_FRAME_DATA_MAX : length);
     if (is_event) {
@@ -128,12 +129,12 @@ static void receive_all(struct fdcan *can)
     /* A FIFO cannot refill more often than this while the interrupt runs. */
     for (int guard = 0; guard < 4 * FIFO_COUNT * (int)FDCAN_FIFO_DEPTH; guard++) {
         uint32_t now_bits = get(FDCAN_TSCV) & FDCAN_E1_TIME_MASK;
-        uint32_t best_age = 0, best_index = 0, best_address = 0;
+        uint32_t best_age = 0, best_index = 0, best_address = 0, waiting = 0;
         int best = -1;
         struct can_msg message;
 
         for (int i = 0; i < FIFO_COUNT; i++) {
-            uint32_t index = 0, address = oldest(&fifos[i], &index);
+            uint32_t index = 0, address = oldest(&fifos[i], &index, &waiting);
             if (address != 0U && (best < 0 || age_in_bits(address, now_bits) > best_age)) {
                 best = i;
                 best_age = age_in_bits(address, now_bits);
@@ -151,6 +152,10 @@ static void receive_all(struct fdcan *can)
         }
         ring_put(can, &message,
                  can->config.now_ns(can->config.now_context) - (uint64_t)best_age * NS_PER_BIT);
+        if (waiting ==
+            1U) { /* what has come since interrupts again: the flags were cleared before */
+            return;
+        }
     }
 }
 
@@ -194,17 +199,11 @@ static void queue_remove(struct fdcan *can, uint32_t place)
 static void load_buffer(struct fdcan *can, uint32_t buffer, const struct can_msg *message)
 {
     uint32_t address = FDCAN1_RAM_BASE + FDCAN_RAM_TX + buffer * FDCAN_ELEMENT_BYTES;
-    uint32_t low = 0, high = 0;
-
-    for (uint32_t i = 0; i < 4U; i++) {
-        low |= (uint32_t)message->data[i] << (8U * i);
-        high |= (uint32_t)message->data[i + 4U] << (8U * i);
-    }
     mmio_write(address, message->id << FDCAN_E0_STANDARD_ID_POS);
     mmio_write(address + 4U, ((uint32_t)message->length << FDCAN_E1_DLC_POS) |
                                  (message->id == FRAME_SYNC ? FDCAN_E1_EFC : 0U));
-    mmio_write(address + 8U, low);
-    mmio_write(address + 12U, high);
+    mmio_write(address + 8U, bytes_get_u32(message->data));
+    mmio_write(address + 12U, bytes_get_u32(message->data + 4));
     can->in_buffer[buffer] = *message;
     can->pending |= 1U << buffer;
     mmio_barrier();
@@ -286,9 +285,12 @@ static bool load_directly(struct fdcan *can, const struct can_msg *message)
 /* Buffers whose request is gone were sent or cancelled. */
 static void collect_sent(struct fdcan *can)
 {
-    uint32_t done = can->pending & ~get(FDCAN_TXBRP);
-    uint32_t sent = get(FDCAN_TXBTO);
+    const uint32_t done = can->pending != 0U ? can->pending & ~get(FDCAN_TXBRP) : 0U;
 
+    if (done == 0U) {
+        return;
+    }
+    const uint32_t sent = get(FDCAN_TXBTO);
     for (uint32_t buffer = 0; buffer < FDCAN_TX_BUFFERS; buffer++) {
         uint32_t bit = 1U << buffer;
         if ((done & bit) == 0U) {

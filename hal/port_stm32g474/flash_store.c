@@ -215,6 +215,11 @@ static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t in
                                  : NV_OUT_OF_RANGE;
 }
 
+uint32_t flash_store_option_bytes(void)
+{
+    return mmio_read(FLASH_OPTR);
+}
+
 /* ---- Programs ------------------------------------------------------------------- */
 
 static bool program_read(void *context, uint32_t address, uint8_t *out)

@@ -53,6 +53,9 @@ enum nv_result flash_store_erase_at(struct flash_store *store, uint32_t address)
 enum nv_result flash_store_write_at(struct flash_store *store, uint32_t address,
                                     const uint8_t *word);
 
+/* The option bytes in force (FLASH_OPTR). O(1). */
+uint32_t flash_store_option_bytes(void);
+
 /* The program's slot and the stage for its successor. */
 struct program_slots flash_store_programs(struct flash_store *store);
 

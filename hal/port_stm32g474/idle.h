@@ -7,7 +7,8 @@
 
 /* Sleeps until the next interrupt, unless a received frame or a period of the clock
  * waits for the loop: returns at once then. An interrupt between the look and the sleep
- * ends the sleep. Loop only; returns after TICK_PERIOD_US at the latest. */
-void idle_until_interrupt(const struct fdcan *can, const struct tim2_clock *clock);
+ * ends the sleep. Returns the cycles that the counter went on by in sleep (cycle_counter.h).
+ * Loop only; returns after TICK_PERIOD_US at the latest. */
+uint32_t idle_until_interrupt(const struct fdcan *can, const struct tim2_clock *clock);
 
 #endif

@@ -59,3 +59,39 @@ void signs_wait(uint32_t clock_hz, uint32_t time_ms)
     for (volatile uint32_t poll = 0; poll < polls; poll++) {
     }
 }
+
+void signs_write_hex(uint32_t number)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    char text[9];
+
+    for (uint32_t i = 0; i < 8U; i++) {
+        text[i] = digits[(number >> (28U - 4U * i)) & 0xFU];
+    }
+    text[8] = '\0';
+    signs_write(text);
+}
+
+void signs_line_begin(struct signs_line *line, const char *name, uint32_t number)
+{
+    uint32_t length = 0;
+
+    for (; name[length] != '\0' && length < 10U; length++) {
+        line->text[length] = name[length];
+    }
+    line->text[length++] = ' ';
+    for (uint32_t unit = 1000; unit > 0U; unit /= 10U) {
+        line->text[length++] = (char)('0' + (char)(number / unit % 10U));
+    }
+    line->text[length++] = '\r';
+    line->text[length++] = '\n';
+    line->length = length;
+    line->at = 0;
+}
+
+void signs_line_go_on(struct signs_line *line)
+{
+    if (line->at < line->length && signs_try_put(line->text[line->at])) {
+        line->at++;
+    }
+}

@@ -29,7 +29,7 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         "{\"good\": %s, \"steps\": %u, \"fell\": %s, \"trouble\": \"%s\", \"ticks\": %u, "
         "\"compared_frames\": %llu, \"differences\": %llu, \"first_difference\": \"%s\", "
         "\"findings\": %llu, \"first_finding\": \"%s\", \"worst_tick_instructions\": %u, "
-        "\"worst_tick\": %u, \"sync_late_ns\": %llu, \"sync_late_tick\": %u, \"instructions\": %llu, "
+        "\"told_cycles\": %u, \"worst_tick\": %u, \"sync_late_ns\": %llu, \"sync_late_tick\": %u, \"instructions\": %llu, "
         "\"simulated_s\": %.6f, \"exceptions\": %llu, \"tail_chained\": %llu, \"starts\": %u, "
         "\"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, \"crash_count\": %u, "
         "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
@@ -39,14 +39,14 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         session->fell ? "true" : "false", session->trouble, bridge->ticks,
         (unsigned long long)bridge->compared, (unsigned long long)bridge->differences,
         bridge->first_difference, (unsigned long long)chip->finding_count, chip->findings[0],
-        bridge->worst_instructions, bridge->worst_tick, (unsigned long long)bridge->sync_late_ns,
-        bridge->sync_late_tick, (unsigned long long)chip->instructions,
-        (double)chip_now_ns(chip) / 1e9, (unsigned long long)chip->scs.entries,
-        (unsigned long long)chip->scs.tail_chained, chip->resets, bridge->state,
-        supervisor_fault_name((enum supervisor_fault)bridge->fault), (unsigned)session->crash.cause,
-        (unsigned)session->crash.count, chip->flash_registers.operations,
-        session->cuts.hit ? "true" : "false", session->cuts.tried, session->cuts.bad,
-        (unsigned long long)chip->permit_edges, chip->led_edges, serial, wall_s);
+        bridge->worst_instructions, session->told_cycles, bridge->worst_tick,
+        (unsigned long long)bridge->sync_late_ns, bridge->sync_late_tick,
+        (unsigned long long)chip->instructions, (double)chip_now_ns(chip) / 1e9,
+        (unsigned long long)chip->scs.entries, (unsigned long long)chip->scs.tail_chained,
+        chip->resets, bridge->state, supervisor_fault_name((enum supervisor_fault)bridge->fault),
+        (unsigned)session->crash.cause, (unsigned)session->crash.count,
+        chip->flash_registers.operations, session->cuts.hit ? "true" : "false", session->cuts.tried,
+        session->cuts.bad, (unsigned long long)chip->permit_edges, chip->led_edges, serial, wall_s);
 }
 
 void g474_report_text(const struct chip_session *session, double wall_s)

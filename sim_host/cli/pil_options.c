@@ -8,6 +8,7 @@ static const struct argp_option option_list[] = {
      "recorded walking in the walker's place, to its end", 0},
     {"fault", KEY_FAULT, "NAME", 0,
      "emergency-stop, lost-sensor, lost-drive, hang, stalled-supervisor, hard-fault, "
+     "execute-ram, write-program, "
      "stack-overflow, assertion or bad-parameters",
      0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},

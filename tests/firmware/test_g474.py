@@ -74,12 +74,27 @@ def test_faults_end_in_the_safe_state(fault, latched, crash, starts):
     assert end["differences"] == 0 and end["findings"] == 0
 
 
+def test_the_image_counts_its_own_cycles_and_tells_its_start_and_its_fault():
+    """0x2020:28. The emulator takes one cycle an instruction and 24 an exception, some 12 of them in a tick."""
+    end = g474("--fault", "emergency-stop", "--speed", "0.45", "--fault-step", "2")
+    assert end["worst_tick_instructions"] < end["told_cycles"] < 1.2 * end["worst_tick_instructions"]
+    start, fault = end["serial"].split("|")[:2]
+    assert re.match(r"afo \d+\.\d+\.\d+\S* clock 170 MHz, option bytes FFEFF8AA, reset cause 0C000000, crash 00000000$", start)
+    assert fault == "afo fault 0001" and end["led_edges"] > 10
+
+
 @pytest.mark.parametrize("fault, starts", [("half-written", 1), ("damaged-program", 2)])
 def test_a_program_that_is_not_whole_does_not_run_and_says_so(fault, starts):
     """Half of it erased before the start; one bit changed while it walks. The starter tells on LD2 and the COM port."""
     end = g474("--fault", fault, "--speed", "0.45", "--fault-step", "2")
     assert end["starts"] == starts and end["led_edges"] > 5
     assert "the program is not whole (CRC)" in end["serial"]
+
+
+def test_ram_that_has_failed_is_noticed_before_the_program_runs():
+    """One bit of 32 KiB stays 1."""
+    end = g474("--fault", "stuck-ram")
+    assert end["starts"] == 1 and "the RAM has failed" in end["serial"]
 
 
 def test_the_sealed_header_is_what_an_independent_reading_finds():

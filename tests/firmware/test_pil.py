@@ -105,6 +105,8 @@ def test_one_changed_bit_is_noticed(frame):
     ("stalled-supervisor", "restarted by itself", CRASH_WATCHDOG),
     ("hard-fault", "restarted by itself", CRASH_BUS_FAULT),
     ("stack-overflow", "restarted by itself", CRASH_MEMORY_FAULT),
+    ("execute-ram", "restarted by itself", CRASH_MEMORY_FAULT),
+    ("write-program", "restarted by itself", CRASH_MEMORY_FAULT),
     ("assertion", "restarted by itself", CRASH_ASSERTION),
     ("bad-parameters", "bad parameters", CRASH_NONE),
 ])

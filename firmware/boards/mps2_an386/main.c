@@ -120,6 +120,15 @@ static void provoke(uint32_t inputs)
     if ((inputs & PIL_DO_OVERFLOW_STACK) != 0u) {
         __asm volatile("1: push {r0}\n b 1b\n");
     }
+    if ((inputs & PIL_DO_EXECUTE_RAM) != 0u) {
+        static const uint16_t return_at_once = 0x4770; /* bx lr */
+        volatile uint16_t code[2] = {return_at_once, return_at_once};
+        cortex_m4_barrier();
+        __asm volatile("blx %0" ::"r"((uintptr_t)code | 1u) : "lr", "memory");
+    }
+    if ((inputs & PIL_DO_WRITE_PROGRAM) != 0u) {
+        *(volatile uint32_t *)((uintptr_t)vector_table + 0x1000u) = 0;
+    }
     if ((inputs & PIL_DO_ASSERT) != 0u) {
         cortex_m4_crash(CRASH_ASSERTION, 1234);
     }

@@ -4,11 +4,13 @@
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
+#include "hal/port_cortex_m/cycle_counter.h"
 #include "hal/port_fdcan/fdcan.h"
 #include "hal/port_stm32g474/board_io.h"
 #include "hal/port_stm32g474/clock_tree.h"
 #include "hal/port_stm32g474/flash_store.h"
 #include "hal/port_stm32g474/idle.h"
+#include "hal/port_stm32g474/signs.h"
 #include "hal/port_stm32g474/system_registers.h"
 
 enum { EXCEPTION_NMI = 2, RETRY_MS = 1000 };
@@ -35,14 +37,17 @@ __attribute__((section(".program_header"),
 void fdcan1_handler(void);
 void tim2_handler(void);
 
+/* Each ends with a barrier: scripts/errata.txt, core 2.1.3. */
 void fdcan1_handler(void)
 {
     fdcan_interrupt(&can);
+    cortex_m4_barrier();
 }
 
 void tim2_handler(void)
 {
     tim2_clock_interrupt(&timer);
+    cortex_m4_barrier();
 }
 
 __attribute__((section(".vectors"), used)) const union vector vector_table[16 + IRQ_COUNT] = {
@@ -115,6 +120,11 @@ static _Noreturn void give_up(enum crash_cause cause, uint32_t detail)
         for (volatile uint32_t poll = 0; poll < polls; poll++) {
         }
     }
+    signs_write("afo: no start, cause ");
+    signs_write_hex((uint32_t)cause);
+    signs_write(" detail ");
+    signs_write_hex(detail);
+    signs_write("\r\n");
     cortex_m4_crash(cause, detail);
 }
 
@@ -145,6 +155,52 @@ static void start_ports(void)
     cortex_m4_interrupts_on();
 }
 
+/* One line on the virtual COM port: who starts, on what, and why. */
+static void say_start(uint32_t reset_flags)
+{
+    signs_init(clock_tree_hz());
+    signs_write("afo ");
+    signs_write(version_text());
+    signs_write(" clock ");
+    signs_write(clock_tree_hz() == (uint32_t)CORE_HZ ? "170" : "16");
+    signs_write(" MHz, option bytes ");
+    signs_write_hex(flash_store_option_bytes());
+    signs_write(", reset cause ");
+    signs_write_hex(reset_flags);
+    signs_write(", crash ");
+    signs_write_hex(crash_record_is_valid(&crash_record) ? crash_record.cause : 0u);
+    signs_write("\r\n");
+}
+
+/* LD2 tells the supervisor's state, its number and one; the port each fault that is latched. */
+static void show_state(struct signs_line *line, uint8_t *told)
+{
+    const uint8_t fault = (uint8_t)orthosis.task.output.fault;
+
+    /* Now and then is enough; an odd tick, for telegrams come at even ones. */
+    if (orthosis.task.tick % 16u == 1u) {
+        signs_light(signs_flash(board_time_ms(), (uint32_t)orthosis.task.output.state + 1u));
+    }
+    if (fault != *told) {
+        *told = fault;
+        signs_line_begin(line, "afo fault", fault);
+    }
+    signs_line_go_on(line);
+}
+
+/* A tick has ended: what it took of the processor. */
+static void note_cycles(uint32_t *slept)
+{
+    static uint32_t began;
+    const uint32_t now = cycle_counter();
+
+    if (orthosis.task.now_ns != 0u) { /* the start is no tick */
+        control_task_show_cycles(&orthosis.task, now - began - *slept);
+    }
+    began = now;
+    *slept = 0;
+}
+
 int main(void)
 {
     const uint32_t reset_flags = clock_tree_take_reset_flags();
@@ -165,6 +221,7 @@ int main(void)
         .restarted = restarted(reset_flags),
     };
 
+    say_start(reset_flags);
     if (clocks != CLOCK_TREE_OK) {
         give_up(CRASH_CLOCK_FAILED, (uint32_t) - (int32_t)clocks);
     }
@@ -173,10 +230,17 @@ int main(void)
     start_ports();
     config.bus = fdcan_bus(&can);
     orthosis_init(&orthosis, &config);
+    struct signs_line line = {.length = 0};
+    uint8_t told_fault = 0;
+    uint32_t slept = 0;
+    cycle_counter_start();
     for (;;) {
-        if (clock_take_tick(&clock)) {
+        const bool ticked = clock_take_tick(&clock);
+        if (ticked) {
+            note_cycles(&slept);
             control_task_show_missed(&orthosis.task, clock_missed_ticks(&clock));
             orthosis_start_cycle(&orthosis);
+            show_state(&line, &told_fault);
             if (orthosis_program_is_damaged(&orthosis)) {
                 cortex_m4_crash(CRASH_PROGRAM, 0);
             }
@@ -185,7 +249,9 @@ int main(void)
                 cortex_m4_reset();
             }
         }
-        (void)orthosis_poll(&orthosis);
-        idle_until_interrupt(&can, &timer);
+        if (ticked || fdcan_has_received(&can)) { /* a frame that left needs nobody */
+            (void)orthosis_poll(&orthosis);
+        }
+        slept += idle_until_interrupt(&can, &timer);
     }
 }

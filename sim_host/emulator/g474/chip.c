@@ -72,6 +72,9 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
     struct chip *chip = context;
 
     chip_flash_copy(chip);
+    if (chip->stuck_bit != 0) {
+        *(uint32_t *)(void *)(chip->ram + chip->stuck_at) |= chip->stuck_bit;
+    }
     if (chip->cycles >= chip->due && look_around(chip)) {
         core_stop(&chip->core);
         return;

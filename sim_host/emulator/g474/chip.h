@@ -125,6 +125,7 @@ struct chip {
     uint32_t uart_reg[3]; /* CR1, BRR; when the next character may be put */
     uint64_t uart_ready_ns;
     uint32_t led_edges;
+    uint32_t stuck_at, stuck_bit; /* offset into RAM and bits that stay 1; no bits: none */
     bool hang; /* for tests: the program loops for ever from now on, interrupts go on */
     /* Findings. */
     char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];

@@ -17,7 +17,8 @@ enum {
     STEP_TICKS = 10000,
     RECORD_DELAY_TICKS = 150,
     STANDBY_TICKS = 3000,
-    PORT_C = 2
+    PORT_C = 2,
+    STUCK_AT = 0x5A40
 };
 
 #define BIT(fault) (1u << SUPERVISOR_FAULT_##fault)
@@ -45,6 +46,7 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_LOAD_CUT] = {"load-cut", SUPERVISOR_FAULT_PARAMETERS, BIT(NONE), CRASH_NONE, NULL},
     [CHIP_FAULT_LOST_WRITE] = {"lost-write", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_LOST_WRITE, NULL},
     [CHIP_FAULT_HALF_WRITTEN] = {.name = "half-written", .says = "the program is not whole"},
+    [CHIP_FAULT_STUCK_RAM] = {.name = "stuck-ram", .says = "the RAM has failed"},
     [CHIP_FAULT_UPDATE] = {.name = "update"},
     [CHIP_FAULT_UPDATE_OLDER] = {.name = "update-older"},
     [CHIP_FAULT_UPDATE_OTHER_BOARD] = {.name = "update-other-board"},
@@ -117,6 +119,10 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
         const uint32_t length = chip_session_image_bytes(&session->chip);
         chip_erase(&session->chip, CHIP_STARTER_BYTES + length / 2, length);
     }
+    if (session->fault == CHIP_FAULT_STUCK_RAM) {
+        session->chip.stuck_at = STUCK_AT;
+        session->chip.stuck_bit = 1u << 17;
+    }
     if (session->fault == CHIP_FAULT_LOST_WRITE) {
         mmio_model_lose(session->lose);
     }
@@ -183,10 +189,10 @@ static bool has_walked(const struct chip_session *session, uint64_t last_progres
 
 void chip_session_walk(struct chip_session *session)
 {
-    const bool never = session->fault == CHIP_FAULT_NO_CRYSTAL ||
-                       session->fault == CHIP_FAULT_TORN_SETTINGS || stands(session->fault) ||
-                       session->fault == CHIP_FAULT_LOST_WRITE ||
-                       session->fault == CHIP_FAULT_HALF_WRITTEN;
+    const bool never =
+        session->fault == CHIP_FAULT_NO_CRYSTAL || session->fault == CHIP_FAULT_TORN_SETTINGS ||
+        stands(session->fault) || session->fault == CHIP_FAULT_LOST_WRITE ||
+        session->fault == CHIP_FAULT_HALF_WRITTEN || session->fault == CHIP_FAULT_STUCK_RAM;
     uint64_t last_progress = 0;
     uint32_t seen = 0, waited = 0;
 

@@ -22,6 +22,8 @@ enum {
     PORT_SENSOR_LEFT = LOOP_PORT_FIRST_NODE + 1,
     STORE_CONTROL = 0x1010,
     RESTORE_CONTROL = 0x1011,
+    COUNTERS = 0x2020,
+    COUNTERS_CYCLES = 26,
     IDENTITY = 0x2030,
     IDENTITY_PARAMS = 3,
     AFTER_CUT_TICKS = 700,
@@ -70,6 +72,11 @@ static void fetch_crash(struct chip_session *session)
                               session->trouble, sizeof session->trouble) != 0) {
         session->crash_known = false;
     }
+    struct sdo_upload tool = tool_of(session);
+    uint8_t cycles[4] = {0};
+    size_t length;
+    (void)sdo_upload(&tool, COUNTERS, COUNTERS_CYCLES, cycles, sizeof cycles, &length);
+    session->told_cycles = bytes_get_u32(cycles);
 }
 
 /* Without a crystal nothing may be sent; with it back the image starts again. */
@@ -205,6 +212,7 @@ static void bring_fault(struct chip_session *session)
         lose_writes(session);
         break;
     case CHIP_FAULT_HALF_WRITTEN:
+    case CHIP_FAULT_STUCK_RAM:
         chip_bridge_stop_comparing(bridge);
         break;
     case CHIP_FAULT_DAMAGED_PROGRAM:

@@ -19,6 +19,7 @@ struct values {
     char name[20];
     char label[CO_VALUE_MAX];
     uint32_t refused;
+    struct co_domain program;
 };
 
 #define RW (CO_READ | CO_WRITE)
@@ -32,6 +33,7 @@ static const struct co_entry table[] = {
     CO_STRING(struct values, name, 0x2005, 0, CO_READ | CO_CONST, "name"),
     CO_STRING(struct values, label, 0x2006, 0, RW, "label"),
     CO_ANY(struct values, refused, 0x2007, 0, CO_UNSIGNED32, RW, "refused by the owner"),
+    CO_ANY(struct values, program, 0x2008, 0, CO_DOMAIN, CO_WRITE, "taken by the owner"),
 };
 
 static struct values values;
@@ -55,7 +57,37 @@ static void written(void *context, const struct co_entry *entry)
     written_count++;
 }
 
-static const struct co_access_hooks hooks = {.writing = writing, .written = written};
+static uint8_t taken[32];
+static unsigned taken_count, begun;
+static bool taken_last;
+
+static uint32_t begin(void *context, const struct co_entry *entry, uint32_t total)
+{
+    (void)context;
+    ck_assert_uint_eq(entry->index, 0x2008);
+    begun++;
+    taken_count = 0;
+    taken_last = false;
+    return total > sizeof taken ? CO_ABORT_MEMORY : CO_ABORT_NONE;
+}
+
+static uint32_t take(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                     unsigned length, bool last)
+{
+    (void)context;
+    ck_assert_uint_eq(entry->index, 0x2008);
+    if (bytes[0] == 0xEE) {
+        return CO_ABORT_NOT_STORED;
+    }
+    memcpy(taken + taken_count, bytes, length);
+    taken_count += length;
+    taken_last = last;
+    return CO_ABORT_NONE;
+}
+
+static const struct co_access_hooks hooks = {
+    .writing = writing, .written = written, .begin = begin, .take = take};
+static const struct co_access_hooks only_values = {.writing = writing, .written = written};
 
 static void setup(void)
 {
@@ -63,7 +95,7 @@ static void setup(void)
     strcpy(values.name, "a name of 19 bytes.");
     dictionary = (struct co_dictionary){table, sizeof table / sizeof table[0], &values};
     co_sdo_server_init(&server, &dictionary, 1, &hooks, NULL);
-    written_count = 0;
+    written_count = begun = 0;
 }
 
 /* Sends 8 bytes, expects 8 bytes; both as hex. */
@@ -159,6 +191,45 @@ START_TEST(segmented_download_by_the_figures)
     exchange("2106200041000000", "8006200012000706"); /* 65 bytes: too long */
     exchange("2105200004000000", "8005200002000106"); /* read only, told at once */
     exchange("0061626364656667", "8005200001000405"); /* nothing under way */
+}
+END_TEST
+
+/* A domain goes to its owner segment by segment, and may be longer than any value. */
+START_TEST(a_domain_is_taken_as_it_comes)
+{
+    exchange("210820000a000000", "6008200000000000");
+    exchange("0061626364656667", "2000000000000000");
+    ck_assert_uint_eq(taken_count, 7);
+    ck_assert(!taken_last);
+    exchange("1968696a00000000", "3000000000000000");
+    ck_assert_uint_eq(taken_count, 10);
+    ck_assert(taken_last);
+    ck_assert_mem_eq(taken, "abcdefghij", 10);
+    exchange("2008200000000000", "6008200000000000"); /* no size announced */
+    exchange("0161626364656667", "2000000000000000");
+    ck_assert(taken_last);
+    ck_assert_uint_eq(written_count, 0);
+    ck_assert_uint_eq(begun, 2);
+}
+END_TEST
+
+START_TEST(a_domain_is_refused_by_its_owner_or_by_its_length)
+{
+    exchange("2108200021000000", "8008200005000405"); /* 33 bytes: no memory */
+    exchange("2108200008000000", "6008200000000000");
+    exchange("00ee000000000000", "8008200020000008"); /* not stored */
+    exchange("1061626364656667", "8008200001000405"); /* it is over */
+    exchange("2108200008000000", "6008200000000000");
+    exchange("0161626364656667", "8008200013000706"); /* 7 of 8 came */
+    exchange("2108200008000000", "6008200000000000");
+    exchange("0061626364656667", "2000000000000000");
+    exchange("1061626364656667", "8008200012000706"); /* 14 */
+    exchange("2f08200001000000", "8008200012000706"); /* expedited */
+    exchange("4008200000000000", "8008200001000106"); /* write only */
+    co_sdo_server_init(&server, &dictionary, 1, &only_values, NULL);
+    exchange("210820000a000000", "8008200000000106"); /* nobody takes it */
+    co_sdo_server_init(&server, &dictionary, 1, NULL, NULL);
+    exchange("210820000a000000", "8008200000000106");
 }
 END_TEST
 
@@ -353,6 +424,8 @@ int main(void)
     tcase_add_test(tcase, abort_codes_of_cia_301);
     tcase_add_test(tcase, segmented_upload_by_the_figures);
     tcase_add_test(tcase, segmented_download_by_the_figures);
+    tcase_add_test(tcase, a_domain_is_taken_as_it_comes);
+    tcase_add_test(tcase, a_domain_is_refused_by_its_owner_or_by_its_length);
     tcase_add_test(tcase, a_size_may_be_unknown_or_nothing);
     tcase_add_test(tcase, segmented_downloads_are_refused_like_expedited_ones);
     tcase_add_test(tcase, without_an_owner_the_dictionary_decides);

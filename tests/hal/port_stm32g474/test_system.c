@@ -406,10 +406,12 @@ END_TEST
 
 static struct fdcan can;
 static int sleeps, locked_asleep;
+static uint32_t counter[2]; /* DWT: control, cycles */
 
 static void asleep(void)
 {
     sleeps++;
+    counter[1] += 1000;
     locked_asleep = mmio_model_locked();
 }
 
@@ -418,15 +420,17 @@ START_TEST(the_loop_does_not_sleep_over_what_has_come)
     memset(&can, 0, sizeof can);
     sleeps = 0;
     mmio_model_on_sleep(asleep);
+    mmio_model_map_memory(0xE0001000, sizeof counter, counter);
+    counter[1] = 0xFFFFFFF0;
     can.ring_in = 1; /* an interrupt between the poll and here */
     idle_until_interrupt(&can, &timer);
     ck_assert_int_eq(sleeps, 0);
     can.ring_out = 1;
     timer.waiting = 1;
-    idle_until_interrupt(&can, &timer);
+    ck_assert_uint_eq(idle_until_interrupt(&can, &timer), 0);
     ck_assert_int_eq(sleeps, 0);
     timer.waiting = 0;
-    idle_until_interrupt(&can, &timer);
+    ck_assert_uint_eq(idle_until_interrupt(&can, &timer), 1000); /* over the wrap */
     ck_assert_int_eq(sleeps, 1);
     ck_assert_int_eq(locked_asleep, 1); /* from the look on no interrupt is handled */
     ck_assert_int_eq(mmio_model_locked(), 0);

@@ -1,4 +1,5 @@
-/* What the chip runs first: carries out an ordered update, and starts the program if it is whole.
+/* What the chip runs first: tests the program's RAM, carries out an ordered update, and starts the
+ * program if it is whole.
  *
  * A program that is not whole does not run. Then LD2 blinks (three short, three long), and the
  * virtual COM port says why, again and again. Nothing is sent on the bus: the drives hear nothing
@@ -8,12 +9,28 @@
 #include "hal/port_stm32g474/flash_registers.h"
 #include "hal/port_stm32g474/flash_store.h"
 #include "hal/port_stm32g474/signs.h"
+#include "hal/ram_march.h"
 
 extern uint32_t starter_stack_top[], starter_bss_start[], starter_bss_end[];
 
 enum { UNIT_MS = 150, SHORTS_AND_LONGS = 6 };
 
+#define PROGRAM_RAM 0x20000000u /* link.ld of the program */
+#define PROGRAM_RAM_WORDS (0x8000u / 4u)
+
 static struct flash_store flash;
+
+static uint32_t read_ram(uint32_t address)
+{
+    return *(volatile const uint32_t *)address;
+}
+
+static void write_ram(uint32_t address, uint32_t value)
+{
+    *(volatile uint32_t *)address = value;
+}
+
+static const struct ram_march_access ram_access = {read_ram, write_ram};
 
 void starter_reset(void);
 void starter_nmi(void);
@@ -72,6 +89,9 @@ int main(void)
     struct program_header header;
 
     flash_store_init(&flash);
+    if (ram_march(&ram_access, PROGRAM_RAM, PROGRAM_RAM_WORDS) != 0u) {
+        say("afo: the RAM has failed; this board must not be used\r\n");
+    }
     if (program_slots_is_ordered(&slots)) {
         (void)program_slots_install(&slots);
     }

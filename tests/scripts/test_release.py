@@ -1,0 +1,49 @@
+"""scripts/release: one folder with the images, their hashes and a bill of materials; another image is refused."""
+import json
+import pathlib
+import shutil
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+NAME = "afo-nucleo-g474re"
+
+
+def release(build, *options):
+    return subprocess.run([str(ROOT / "scripts/release"), "--build", str(build), "--version", "1.2.3", "--build-id", "0xABC", *options],
+                          cwd=ROOT, capture_output=True, text=True)
+
+
+def copy_of_the_build(folder):
+    (folder / "arm").mkdir(parents=True)
+    for suffix in ("bin", "elf", "hex", "map"):
+        shutil.copy(ROOT / "build/arm" / f"{NAME}.{suffix}", folder / "arm")
+    return folder
+
+
+def test_the_folder_is_whole_and_its_hashes_are_right(tmp_path):
+    build = copy_of_the_build(tmp_path / "build")
+    result = release(build, "--again", str(copy_of_the_build(tmp_path / "again")))
+    assert result.returncode == 0, result.stderr
+    folder = build / "release/1.2.3"
+    assert {path.name for path in folder.iterdir()} == {f"{NAME}.bin", f"{NAME}.elf", f"{NAME}.hex", f"{NAME}.map", f"{NAME}.update",
+                                                        "bom.json", "SHA256SUMS"}
+    subprocess.run(["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=folder, check=True, capture_output=True)
+    assert (folder / f"{NAME}.update").read_bytes() == (folder / f"{NAME}.bin").read_bytes()[0x2000:]
+    bill = json.loads((folder / "bom.json").read_text())
+    assert bill["metadata"]["component"]["version"] == "1.2.3"
+    names = [component["name"] for component in bill["components"]]
+    assert "controller/controller.c" in names and "libc.a" in names
+
+
+def test_another_image_from_the_same_sources_is_refused(tmp_path):
+    build, again = copy_of_the_build(tmp_path / "build"), copy_of_the_build(tmp_path / "again")
+    image = again / "arm" / f"{NAME}.bin"
+    image.write_bytes(image.read_bytes()[:-1] + b"\0")
+    result = release(build, "--again", str(again))
+    assert result.returncode == 1 and "another image" in result.stderr
+    assert not (build / "release").exists()
+
+
+def test_without_an_image_it_says_what_to_do(tmp_path):
+    result = release(tmp_path)
+    assert result.returncode == 1 and "make firmware" in result.stderr
