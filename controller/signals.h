@@ -86,10 +86,10 @@ struct motion_request {
     enum motion_kind kind;
     enum side side;
     real share;        /* of the largest load, 0..1 */
-    real seconds;      /* above 0, at most MOTION_SECONDS_MAX */
+    real seconds;      /* above 0, at most MOTION_SECONDS_MOST */
     real frequency_Hz; /* MOTION_KIND_CHIRP: the last one, at least 1 */
 };
-#define MOTION_SECONDS_MAX REAL(20.0)
+enum { MOTION_SECONDS_MOST = 20 };
 
 /* Everything one control tick sees. */
 struct controller_input {

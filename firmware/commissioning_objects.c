@@ -25,7 +25,7 @@ static void show_motion(struct controller_objects *objects, const struct motion 
     objects->motion_phase = (uint8_t)motion->phase;
     objects->motion_outcome = (uint8_t)motion->outcome;
     objects->motion_outcome_order = motion->order;
-    objects->motion_share_allowed = motion_share_allowed(motion);
+    objects->motion_allowed_share = motion_share_allowed(motion);
     objects->motion_bandwidth_Hz = motion->bandwidth_Hz;
     objects->motion_last_frequency_Hz = motion->last_frequency_Hz;
     objects->motion_release_ms = ms_of_ticks(motion->release_ticks);

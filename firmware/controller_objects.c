@@ -142,7 +142,7 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, motion_outcome, 0x2060, 9, CO_UNSIGNED8, RO,
            "Outcome 0 none 1 done 2 refused 3 beyond 4 not reached 5 interrupted"),
     CO_ANY(OWNER, motion_outcome_order, 0x2060, 10, CO_UNSIGNED8, RO, "Outcome of this order"),
-    CO_ANY(OWNER, motion_share_allowed, 0x2060, 11, CO_REAL32, RO, "Allowed share"),
+    CO_ANY(OWNER, motion_allowed_share, 0x2060, 11, CO_REAL32, RO, "Allowed share"),
     CO_ANY(OWNER, motion_bandwidth_Hz, 0x2060, 12, CO_REAL32, RO, "Bandwidth Hz"),
     CO_ANY(OWNER, motion_last_frequency_Hz, 0x2060, 13, CO_REAL32, RO, "Frequency reached Hz"),
     CO_ANY(OWNER, motion_release_ms, 0x2060, 14, CO_UNSIGNED16, RO, "Time to the release ms"),

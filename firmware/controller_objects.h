@@ -93,7 +93,7 @@ struct controller_objects {
     uint8_t commissioning_count, motion_order, motion_renewal, motion_kind, motion_side;
     float motion_share, motion_seconds, motion_frequency_Hz;
     uint8_t motion_phase, motion_outcome, motion_outcome_order;
-    float motion_share_allowed, motion_bandwidth_Hz, motion_last_frequency_Hz;
+    float motion_allowed_share, motion_bandwidth_Hz, motion_last_frequency_Hz;
     uint16_t motion_release_ms, motion_unload_ms; /* 65535: it did not */
     /* 0x2061: what is measured now, before the zero offsets of 0x2010; 0x2062: the forces, each with
      * the motor's position at its SYNC */

@@ -1,6 +1,10 @@
 #include "controller/commissioning/motion.h"
 
+#include <assert.h>
+
 #include "model/trig.h"
+
+static_assert(TICKS_OF_MS(1000 * MOTION_SECONDS_MOST) < UINT16_MAX, "a phase is told in 16 bits");
 
 #define FIRST_SHARE REAL(0.05)
 #define SECOND_SHARE REAL(0.2)
@@ -25,8 +29,9 @@ enum {
     RETURN_TICKS = TICKS_OF_MS(500),
     HOLD_TICKS = TICKS_OF_MS(300),
     SETTLE_TICKS = TICKS_OF_MS(500),
-    WAIT_TICKS = TICKS_OF_MS(200), /* what the drives do when they are enabled has died away */
-    FIRST_CYCLES = 2,              /* of an oscillation: they begin from rest */
+    CREEP_TICKS = TICKS_OF_MS(100), /* to zero, from where a motor is when it is enabled */
+    WAIT_TICKS = TICKS_OF_MS(200),  /* what the drives do when they are enabled has died away */
+    FIRST_CYCLES = 2,               /* of an oscillation: they begin from rest */
     HEAVY_SAMPLES = 2 /* force samples in a row: a single one may be the drive's own noise */
 };
 
@@ -88,10 +93,10 @@ static void end(struct motion *motion, enum motion_outcome outcome)
     go_to(motion, MOTION_IDLE);
 }
 
-/* Back to zero, whatever it was doing. The first outcome stays. */
+/* Back to zero, whatever it was doing. */
 static void turn_back(struct motion *motion, enum motion_outcome outcome)
 {
-    motion->outcome = motion->outcome == MOTION_NONE_YET ? outcome : motion->outcome;
+    motion->outcome = outcome;
     motion->armed = motion->cut = false;
     motion->from_m = motion->reference_m[motion->side];
     go_to(motion, MOTION_RETURNS);
@@ -119,7 +124,9 @@ void motion_forget(struct motion *motion, bool by_fault)
     if (by_fault && motion->kind != MOTION_KIND_CUT) {
         motion->proven[SIDE_LEFT] = motion->proven[SIDE_RIGHT] = 0;
     }
-    motion->spent = motion->spent || by_fault;
+    if (by_fault) {
+        motion->spent = true;
+    }
 }
 
 /* As fast as both limits of the reference allow for this size. */
@@ -140,7 +147,7 @@ static bool is_possible(const struct motion *motion, const struct motion_request
     /* Written so that what is not a number is refused, too. */
     return known && request->side < SIDE_COUNT && request->share > REAL(0.0) &&
            request->share <= motion_share_allowed(motion) && request->seconds > REAL(0.0) &&
-           request->seconds <= MOTION_SECONDS_MAX &&
+           request->seconds <= (real)MOTION_SECONDS_MOST &&
            (request->kind != MOTION_KIND_CHIRP || request->frequency_Hz >= FIRST_FREQUENCY_HZ);
 }
 
@@ -242,11 +249,6 @@ static void oscillate(struct motion *motion, real measured_m)
         motion->size_m * REAL(0.5) * (REAL(1.0) - real_cos(motion->cycle_rad));
 }
 
-static uint16_t as_u16(uint32_t ticks)
-{
-    return ticks < UINT16_MAX ? (uint16_t)ticks : (uint16_t)(UINT16_MAX - 1);
-}
-
 /* Nothing is sent to the drives: the reference goes where the motor goes, and a drive that has not
  * unloaded by itself in time is unloaded from there. */
 static void stay_cut(struct motion *motion, const struct control_params *params, real measured_m)
@@ -255,7 +257,7 @@ static void stay_cut(struct motion *motion, const struct control_params *params,
         motion->hold_ticks < MOTION_CUT_TICKS ? motion->hold_ticks : MOTION_CUT_TICKS;
     motion->reference_m[motion->side] = real_clamp(measured_m, REAL(0.0), motion->size_m);
     if (is_there(params, REAL(0.0), measured_m)) {
-        motion->unload_ticks = as_u16(motion->phase_ticks);
+        motion->unload_ticks = (uint16_t)motion->phase_ticks;
         turn_back(motion, MOTION_DONE);
     } else if (motion->phase_ticks >= limit) {
         turn_back(motion, MOTION_DONE); /* that it did not unload is the finding */
@@ -271,7 +273,7 @@ static void hold(struct motion *motion, const struct control_params *params,
         break;
     case MOTION_KIND_RELEASE:
         if (sea->latch != LATCH_CLOSED) {
-            motion->release_ticks = as_u16(motion->phase_ticks);
+            motion->release_ticks = (uint16_t)motion->phase_ticks;
             turn_back(motion, MOTION_DONE);
             return;
         }
@@ -340,12 +342,6 @@ static bool is_beyond(struct motion *motion, const struct control_params *params
     return !motion->cut && (heavy || far);
 }
 
-static bool is_at_zero(const struct motion *motion)
-{
-    return motion->reference_m[SIDE_LEFT] == REAL(0.0) &&
-           motion->reference_m[SIDE_RIGHT] == REAL(0.0);
-}
-
 static void step(struct motion *motion, const struct control_params *params,
                  const struct controller_input *input)
 {
@@ -353,12 +349,13 @@ static void step(struct motion *motion, const struct control_params *params,
     const bool enabled = input->sea[SIDE_LEFT].state == DRIVE_ENABLED &&
                          input->sea[SIDE_RIGHT].state == DRIVE_ENABLED;
     const bool asks_for_end = input->motion.kind == MOTION_KIND_UNLOAD;
-    if (motion->phase != MOTION_RETURNS && (asks_for_end || is_beyond(motion, params, sea))) {
+    const bool under_way = motion->phase != MOTION_IDLE && motion->phase != MOTION_RETURNS;
+    if (under_way && (asks_for_end || is_beyond(motion, params, sea))) {
         turn_back(motion, asks_for_end ? MOTION_INTERRUPTED : MOTION_BEYOND);
     }
     switch (motion->phase) {
     case MOTION_WAITS:
-        if (enabled && motion->phase_ticks >= WAIT_TICKS && is_at_zero(motion)) {
+        if (enabled && motion->phase_ticks >= WAIT_TICKS) {
             go_to(motion, MOTION_LOADS);
         }
         break;
@@ -379,7 +376,7 @@ static void step(struct motion *motion, const struct control_params *params,
 /* A motor that was not quite at zero when it was enabled is not made to jump there. */
 static void creep_to_zero(struct motion *motion, const struct control_params *params)
 {
-    const real step_m = params->sea_tolerance_m / (real)WAIT_TICKS;
+    const real step_m = params->sea_tolerance_m / (real)CREEP_TICKS;
     for (int side = 0; side < SIDE_COUNT; side++) {
         const real reference_m = motion->reference_m[side];
         motion->reference_m[side] -= real_clamp(reference_m, -step_m, step_m);
@@ -398,7 +395,5 @@ void motion_update(struct motion *motion, const struct control_params *params,
         request->kind != MOTION_KIND_UNLOAD) {
         begin(motion, params, request);
     }
-    if (motion->phase != MOTION_IDLE) {
-        step(motion, params, input);
-    }
+    step(motion, params, input);
 }

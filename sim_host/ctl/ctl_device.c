@@ -344,7 +344,15 @@ enum exit_status ctl_save(struct ctl *ctl, int count, char **words)
         ctl_complain(ctl, "%s", message);
         return EXIT_BAD;
     }
-    if (!ctl->json) {
+    if (ctl->json) {
+        struct json_writer json;
+        json_begin(&json, ctl->out);
+        json_open_object(&json, NULL);
+        json_unsigned(&json, "node", ctl->link.node);
+        json_bool(&json, "saved", true);
+        json_close_object(&json);
+        json_end(&json);
+    } else {
         fprintf(ctl->out, "node %u keeps its settings\n", ctl->link.node);
     }
     return EXIT_GOOD;

@@ -15,7 +15,7 @@ static struct control_params params;
 static struct controller_input input;
 static float trace_m[DELAY];
 static unsigned tick;
-static float force_gain, travel_gain, largest_m, steepest_m;
+static float force_gain, travel_gain, sticks_at_m, largest_m, steepest_m;
 static bool renews, unloads_by_itself;
 static unsigned cut_ticks;
 
@@ -36,7 +36,7 @@ static void setup(void)
     motion_init(&motion);
     motion_enter(&motion, &params, &input);
     force_gain = travel_gain = 1.0f;
-    largest_m = steepest_m = 0.0f;
+    largest_m = steepest_m = sticks_at_m = 0.0f;
     renews = unloads_by_itself = true;
     tick = cut_ticks = 0;
 }
@@ -50,7 +50,10 @@ static bool run_tick(void)
     tick++;
     input.tick = tick;
     input.motion.renewal = (uint8_t)(input.motion.renewal + (renews && tick % 100 == 0 ? 1 : 0));
-    sea->precompression_m = travel_gain * trace_m[tick % DELAY];
+    sea->precompression_m = fmaxf(sticks_at_m, travel_gain * trace_m[tick % DELAY]);
+    if (travel_gain < 0.0f) {
+        sea->precompression_m = travel_gain * trace_m[tick % DELAY];
+    }
     if (motion.cut) {
         cut_ticks++;
         sea->precompression_m =
@@ -143,6 +146,8 @@ START_TEST(a_fault_begins_with_small_loads_again_but_not_that_of_a_cut)
     ck_assert_int_eq(perform(MOTION_KIND_CUT, SIDE_LEFT, 0.1f, 0.4f), MOTION_DONE);
     motion_forget(&motion, true);
     ck_assert(motion_share_allowed(&motion) == 1.0f);
+    motion_forget(&motion, false); /* as the tool asked for it */
+    ck_assert(motion_share_allowed(&motion) == 1.0f);
     input.motion.kind = MOTION_KIND_NONE;
     (void)run_tick();
     order(MOTION_KIND_MOVE, SIDE_LEFT, 0.1f, 1.0f);
@@ -213,6 +218,14 @@ START_TEST(a_motor_that_runs_away_or_does_not_come_turns_it_back)
     ck_assert_int_eq(perform(MOTION_KIND_MOVE, SIDE_LEFT, 0.05f, 1.0f), MOTION_BEYOND);
     travel_gain = 0.0f;
     ck_assert_int_eq(perform(MOTION_KIND_MOVE, SIDE_LEFT, 0.05f, 1.0f), MOTION_NOT_REACHED);
+    travel_gain = 1.0f; /* and one that does not come back */
+    order(MOTION_KIND_MOVE, SIDE_LEFT, 0.04f, 0.5f);
+    while (motion.phase != MOTION_RETURNS) {
+        (void)run_tick();
+        ck_assert_uint_lt(tick, LIMIT_TICKS);
+    }
+    sticks_at_m = 0.003f;
+    ck_assert_int_eq(finish(), MOTION_NOT_REACHED);
     ck_assert(motion_share_allowed(&motion) == 0.05f);
 }
 END_TEST
@@ -240,6 +253,10 @@ START_TEST(the_end_can_be_asked_for)
     }
     input.motion.kind = MOTION_KIND_UNLOAD;
     ck_assert_int_eq(finish(), MOTION_INTERRUPTED);
+    input.motion.order++; /* where nothing is under way it is no motion */
+    (void)run_tick();
+    ck_assert_int_eq(motion.phase, MOTION_IDLE);
+    ck_assert_uint_ne(motion.order, input.motion.order);
 }
 END_TEST
 
@@ -253,7 +270,7 @@ START_TEST(a_motor_beside_zero_is_not_made_to_jump)
     float before_m = motion.reference_m[SIDE_RIGHT];
     while (motion.phase != MOTION_LOADS) {
         (void)run_tick();
-        ck_assert(before_m - motion.reference_m[SIDE_RIGHT] <= 2.6e-6f); /* 0.5 mm in 200 ticks */
+        ck_assert(before_m - motion.reference_m[SIDE_RIGHT] <= 5.1e-6f); /* 0.5 mm in 100 ticks */
         before_m = motion.reference_m[SIDE_RIGHT];
         ck_assert_uint_lt(tick, LIMIT_TICKS);
     }
@@ -274,6 +291,12 @@ START_TEST(it_waits_for_both_drives)
     }
     input.sea[SIDE_RIGHT].state = DRIVE_ENABLED;
     ck_assert_int_eq(finish(), MOTION_DONE);
+    input.sea[SIDE_LEFT].state = DRIVE_STARTING;
+    order(MOTION_KIND_MOVE, SIDE_RIGHT, 0.05f, 0.5f);
+    for (int i = 0; i < 1000; i++) {
+        (void)run_tick();
+        ck_assert_int_eq(motion.phase, MOTION_WAITS);
+    }
 }
 END_TEST
 
@@ -287,6 +310,19 @@ START_TEST(an_oscillation_stays_within_the_references_limits_and_tells_how_far_i
     ck_assert(motion.last_frequency_Hz <= fastest_Hz);
     ck_assert(steepest_m <= 0.5f * params.sea_speed_max_m_s * 0.001f);
     ck_assert(largest_m <= 0.005f * 1.000001f);
+}
+END_TEST
+
+START_TEST(an_oscillation_is_no_faster_than_was_asked_or_the_speed_allows)
+{
+    order(MOTION_KIND_CHIRP, SIDE_LEFT, 0.05f, 5.0f);
+    input.motion.frequency_Hz = 2.0f;
+    ck_assert_int_eq(finish(), MOTION_DONE);
+    ck_assert(motion.last_frequency_Hz > 1.5f && motion.last_frequency_Hz <= 2.0f);
+    params.sea_speed_max_m_s = 0.1f;
+    ck_assert_int_eq(perform(MOTION_KIND_CHIRP, SIDE_LEFT, 0.05f, 5.0f), MOTION_DONE);
+    ck_assert(motion.last_frequency_Hz <= 0.05f / (3.1416f * 0.005f));
+    ck_assert(steepest_m <= 0.05f * 0.001f);
 }
 END_TEST
 
@@ -369,6 +405,7 @@ int main(void)
     tcase_add_test(tcase, it_waits_for_both_drives);
     tcase_add_test(tcase,
                    an_oscillation_stays_within_the_references_limits_and_tells_how_far_it_came);
+    tcase_add_test(tcase, an_oscillation_is_no_faster_than_was_asked_or_the_speed_allows);
     tcase_add_test(tcase, a_motor_that_does_less_than_0707_has_its_bandwidth_there);
     tcase_add_test(tcase, a_release_is_armed_only_while_it_holds_and_timed);
     tcase_add_test(tcase, a_cut_ends_with_the_drives_own_unload_or_its_time);
