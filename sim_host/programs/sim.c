@@ -6,6 +6,7 @@
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/person_fit.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/push_report.h"
 #include "sim_host/cli/sim_experiment.h"
 #include "sim_host/cli/sim_session.h"
 #include "sim_host/programs/commands.h"
@@ -132,10 +133,14 @@ static int finish(struct sim_session *session)
     if (session->csv.stream != NULL && !options->ticks) {
         sim_report_csv(session->csv.stream, &session->record, session->config.desired_speed_rad_s);
     }
+    if (session->pushes.stream != NULL) {
+        push_report_csv(session->pushes.stream, &session->record.push, session->loop);
+    }
     const int csv = complete_table(session);
     const int log = complete_output(session, &session->log); /* whatever became of the other */
+    const int pushes = complete_output(session, &session->pushes);
     const int fit = write_fit(session);
-    if (csv != 0 || log != 0 || fit != 0) {
+    if (csv != 0 || log != 0 || pushes != 0 || fit != 0) {
         status = EXIT_USAGE;
     }
     if (options->json) {
