@@ -219,6 +219,7 @@ void springs_command(struct springs *springs, const struct control_params *param
                      const struct controller_input *input, enum supervisor_state state,
                      const struct gait_state *gait, struct sea_request request[SIDE_COUNT])
 {
+    const bool assists = supervisor_may_assist(state);
     for (int side = 0; side < SIDE_COUNT; side++) {
         const struct sea_measurement *sea = &input->sea[side];
         load_when_allowed(springs, params, (enum side)side, sea->latch);
@@ -229,7 +230,11 @@ void springs_command(struct springs *springs, const struct control_params *param
         const bool silent = state == SUPERVISOR_UNLOADING &&
                             sea->age_ticks > ticks_from_seconds(params->sensor_age_max_s);
         request[side].enable = !silent;
-        request[side].latch_armed = request[side].latch_armed && may_release(gait, (enum side)side);
+        if (!assists || !may_release(gait, (enum side)side)) {
+            request[side].latch_armed = false;
+        }
+        /*@ assert armed_near_strike: request[side].latch_armed == 0 ||
+              (assists && gait->strike_near && gait->stance == side); */
         const struct push_view view = {
             .full = springs->sea[side].phase == SEA_ARMED,
             .armed = request[side].latch_armed,
