@@ -170,7 +170,8 @@ static void actuate(struct controller *controller, const struct controller_input
     const enum supervisor_state state = controller->supervisor.state;
     const struct gait_state *gait = &controller->observer.state;
     if (supervisor_may_assist(state)) {
-        springs_follow(&controller->springs, decision, gait, !controller->step_monitor.seen);
+        springs_follow(&controller->springs, decision, values, gait,
+                       !controller->step_monitor.seen);
     }
     if (supervisor_may_enable(state)) {
         springs_command(&controller->springs, controller->params, values, state, gait, request);

@@ -64,6 +64,7 @@ struct sea_measurement {
     enum latch_state latch;
     real force_N;             /* of the motor on the spring, compression positive */
     uint16_t force_age_ticks; /* AGE_NEVER = the drive's protocol does not tell */
+    bool absent;              /* this leg has no drive: nothing is loaded there */
 };
 
 /* Everything one control tick sees. */

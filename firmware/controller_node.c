@@ -46,6 +46,10 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->setup_count = 6;
     objects->crash_count = 3;
     objects->black_box_count = 3;
+    objects->device_common_count = DEVICE_COMMON_COUNT;
+    objects->device_leg_count = DEVICE_LEG_COUNT;
+    objects->device_refusal_count = 3;
+    device_description_default(&objects->device);
     objects->params = *params;
     objects->build_id = version_build_id();
     put_text(objects->version, sizeof objects->version, version_text());

@@ -53,7 +53,7 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
 
 #define FIELD_SIZE(field) +sizeof(((struct control_task *)0)->field)
 enum {
-    SNAPSHOT_BYTES = (int)CONTROLLER_BLOCK + sizeof(struct cia402_drives) +
+    SNAPSHOT_BYTES = (int)CONTROLLER_BLOCK + sizeof(struct device_drives_state) +
                      PARAMS_GUARD_OWN_BYTES TASK_FIELDS(FIELD_SIZE)
 };
 #undef FIELD_SIZE
@@ -100,8 +100,8 @@ size_t snapshot_save(const void *context, uint8_t *out, size_t capacity)
     copy(out, (const uint8_t *)&task->controller + offsetof(struct controller, observer),
          CONTROLLER_BYTES);
     out += CONTROLLER_BLOCK;
-    copy(out, source->drives, sizeof *source->drives);
-    out += sizeof *source->drives;
+    copy(out, &source->drives->state, sizeof source->drives->state);
+    out += sizeof source->drives->state;
     copy(out, &task->node.objects.params, PARAMS_GUARD_OWN_BYTES);
     out += PARAMS_GUARD_OWN_BYTES;
 #define SAVE(field)                                \
@@ -122,8 +122,8 @@ int snapshot_restore(const struct snapshot_source *source, const uint8_t *bytes,
     memcpy((uint8_t *)&task->controller + offsetof(struct controller, observer), bytes,
            CONTROLLER_BYTES);
     bytes += CONTROLLER_BLOCK;
-    memcpy(source->drives, bytes, sizeof *source->drives);
-    bytes += sizeof *source->drives;
+    memcpy(&source->drives->state, bytes, sizeof source->drives->state);
+    bytes += sizeof source->drives->state;
     memcpy(&task->node.objects.params, bytes, PARAMS_GUARD_OWN_BYTES);
     bytes += PARAMS_GUARD_OWN_BYTES;
 #define RESTORE(field)                               \

@@ -17,33 +17,34 @@ void springs_stop(struct springs *springs, const struct controller_input *input)
 }
 
 static void begin_loading(struct springs *springs, const struct step_decision *decision,
-                          enum side side)
+                          const struct controller_input *input, enum side side)
 {
-    if (decision->assists) {
+    if (decision->assists && !input->sea[side].absent) {
         sea_reference_begin_loading(&springs->sea[side], decision->load_m);
     }
 }
 
 void springs_follow(struct springs *springs, const struct step_decision *decision,
-                    const struct gait_state *gait, bool first_stance)
+                    const struct controller_input *input, const struct gait_state *gait,
+                    bool first_stance)
 {
     const struct gait_event *strike = &gait->event[GAIT_HEEL_STRIKE];
     const struct gait_event *lift_off = &gait->event[GAIT_LIFT_OFF];
     if (decision->improved) { /* not final yet: on the way there already, but not armed */
-        begin_loading(springs, decision, decision->side);
+        begin_loading(springs, decision, input, decision->side);
     }
     if (decision->new_step) {
         sea_reference_set_target(&springs->sea[decision->side], decision->load_m);
     }
     if (strike->happened) {
-        begin_loading(springs, decision, strike->side);
+        begin_loading(springs, decision, input, strike->side);
     }
     if (lift_off->happened) {
         sea_reference_unload(&springs->sea[lift_off->side]);
     }
     if (first_stance && gait->phase == PHASE_SINGLE_SUPPORT &&
         springs->sea[gait->stance].phase == SEA_UNLOADED) {
-        begin_loading(springs, decision, gait->stance);
+        begin_loading(springs, decision, input, gait->stance);
     }
 }
 

@@ -30,10 +30,12 @@ void springs_begin(struct springs *springs, const struct control_params *params,
 void springs_stop(struct springs *springs, const struct controller_input *input);
 
 /* Once a tick while assisting: the decision and the gait's events of this tick. first_stance: no
- * apex has been seen in this walk, so the first stance began without a heel strike. Constant
+ * apex has been seen in this walk, so the first stance began without a heel strike. A leg without a
+ * drive is never loaded. Constant
  * cost. */
 void springs_follow(struct springs *springs, const struct step_decision *decision,
-                    const struct gait_state *gait, bool first_stance);
+                    const struct controller_input *input, const struct gait_state *gait,
+                    bool first_stance);
 
 /* Once a tick in the states that may enable: advances both references and writes both requests.
  * A drive that is not heard while unloading is switched off. Constant cost. */

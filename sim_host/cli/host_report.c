@@ -49,9 +49,10 @@ void host_report_refusal(const struct control_task *task, uint32_t *told)
     }
 }
 
-/* Who the nodes are to a person, by their place in NODE_TABLE. */
-static const char *const node_names[] = {"left drive", "right drive", "left leg sensor",
-                                         "right leg sensor"};
+/* Who the nodes are to a person, by their role. */
+static const char *const node_names[] = {"left drive",       "right drive",
+                                         "left leg sensor",  "right leg sensor",
+                                         "left latch board", "right latch board"};
 static_assert(sizeof node_names / sizeof node_names[0] == NETWORK_NODES, "a name for each node");
 
 static void say_of_node(const struct network_node *node, char *text, size_t size)
@@ -76,7 +77,7 @@ void host_report_nodes(const struct network *network, char *text)
     for (int i = 0; i < NETWORK_NODES && used < HOST_REPORT_NODES_MAX; i++) {
         char state[64];
         say_of_node(&network->node[i], state, sizeof state);
-        if (state[0] != '\0') {
+        if (network->node[i].id != 0 && state[0] != '\0') {
             used +=
                 (size_t)snprintf(text + used, HOST_REPORT_NODES_MAX - used, "%s%s (node %u) %s",
                                  used > 0 ? "; " : "", node_names[i], network->node[i].id, state);

@@ -27,7 +27,7 @@ void replay_take_note(struct replay *replay, const struct can_msg *message)
 
 bool replay_go_on_from_snapshot(struct replay *replay, unsigned long line)
 {
-    const struct snapshot_source source = {&replay->rig.task, &replay->rig.cia402};
+    const struct snapshot_source source = {&replay->rig.task, &replay->rig.drives};
     struct control_task *task = &replay->rig.task;
     const uint32_t bytes = replay->snapshot_bytes;
     replay->snapshot_bytes = 0;

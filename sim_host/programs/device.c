@@ -6,6 +6,7 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/devices/device_frames.h"
 #include "sim_host/devices/device_text.h"
 #include "sim_host/programs/commands.h"
 #include "sim_host/subjects/old_subject.h"
@@ -139,6 +140,38 @@ static int keys(int argc, char **argv)
     return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
 }
 
+/* ---- frames ------------------------------------------------------------------------ */
+
+static void print_frame(const struct device_frame *frame)
+{
+    char period[32], deadline[32];
+    snprintf(period, sizeof period, frame->in_ticks ? "FRAME_TICKS(%u)" : "%u", frame->period);
+    snprintf(deadline, sizeof deadline, frame->in_ticks ? "FRAME_TICKS(%u)" : "%u",
+             frame->deadline);
+    printf("X(%s, 0x%03X, %u, %s, %s, %u, %c)\n", frame->name, frame->id, frame->bytes, period,
+           deadline, frame->node, frame->kind);
+}
+
+static int frames(int argc, char **argv)
+{
+    struct arguments arguments = {.most = 1};
+    struct device_file file;
+    struct device_frame table[DEVICE_FRAMES_MAX];
+    read_arguments(&arguments, argc, argv, "[DEVICE.ini]",
+                   "Prints every frame on the bus of a device, a row each as in "
+                   "hal/bus/frame_table.h: afo device frames FILE | scripts/bus-budget --frames "
+                   "- --bitrate 1000000 --emergencies 1\v"
+                   "Exit status: 0 printed, 1 the file is refused, 2 wrong usage.");
+    if (read_device(arguments.path[0], &file) != 0) {
+        return EXIT_BAD;
+    }
+    const unsigned count = device_frames(&file.description, table);
+    for (unsigned i = 0; i < count; i++) {
+        print_frame(&table[i]);
+    }
+    return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
+}
+
 /* ---- convert ---------------------------------------------------------------------- */
 
 static int write_both(const char *const *path, const struct person *person,
@@ -190,6 +223,7 @@ int afo_device(int argc, char **argv)
         {"check", check, "whether a device file fits, and what the device cannot do"},
         {"show", show, "a device file with all of its keys"},
         {"keys", keys, "the keys of device files, with ranges"},
+        {"frames", frames, "every frame on the bus of a device, for scripts/bus-budget"},
         {"convert", convert, "an old subject file into a person file and a device file"},
     };
     static const struct program_commands commands = {

@@ -9,7 +9,7 @@
 #include "tests/support/fake_bus.h"
 
 static struct control_task task;
-static struct cia402_drives drives;
+static struct device_drives drives;
 static const struct snapshot_source source = {&task, &drives};
 static _Alignas(8) uint8_t first[BLACK_BOX_SNAPSHOT_MAX + 8], second[BLACK_BOX_SNAPSHOT_MAX + 8];
 

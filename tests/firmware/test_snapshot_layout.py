@@ -14,7 +14,7 @@ def parts():
     fields = re.findall(r"X\(([\w.\[\]]+)\)", table)
     assert len(fields) > 20
     return [f"sizeof ((struct control_task *)0)->{field}" for field in fields] + [
-        "sizeof(struct cia402_drives)", "PARAMS_GUARD_OWN_BYTES",
+        "sizeof(struct device_drives_state)", "PARAMS_GUARD_OWN_BYTES",
         "(sizeof(struct controller) - offsetof(struct controller, observer) + 7) / 8 * 8"]
 
 
