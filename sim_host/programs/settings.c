@@ -60,6 +60,10 @@ static int write_settings(const struct options *options)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
+    if (options->autostart && !control_params_test_mode(&params)) {
+        program_complain("--autostart is for a bench: a person (engage_steps above 0) is asked");
+        return EXIT_USAGE;
+    }
     if (settings_image_of(&subject, &params, speed_rad_s, options->autostart, image) != 0) {
         program_complain("the firmware would refuse these settings");
         return EXIT_BAD;

@@ -21,7 +21,7 @@ def parts():
 def sizes(compiler, tmp_path, expressions):
     """Compile-time constants without running: as sizes of arrays."""
     source = tmp_path / "sizes.c"
-    source.write_text('#include "firmware/control_task.h"\n#include "hal/devices/sea_drive_cia402.h"\n' + "".join(
+    source.write_text('#include "firmware/control_task.h"\n#include "hal/devices/device_drives.h"\n' + "".join(
         f"char part_{i:03}[{expression}];\n" for i, expression in enumerate(expressions)))
     subprocess.run([*compiler, "-std=c11", f"-I{ROOT}", "-c", str(source), "-o", str(tmp_path / "sizes.o")], check=True)
     out = subprocess.run(["nm", "-S", str(tmp_path / "sizes.o")], capture_output=True, text=True, check=True).stdout
