@@ -168,7 +168,10 @@ static struct setup_step drive_pdo_step(const struct node_setup_config *config,
                                         unsigned number, unsigned part)
 {
     const struct pdo_plan plan = drive_plan(config, leg, number);
-    return unless(plan.count == 0, pdo_step(&plan, part, place->with_rtr));
+    if (plan.count == 0) {
+        return SKIP; /* nothing of it is there */
+    }
+    return pdo_step(&plan, part, place->with_rtr);
 }
 
 /* A maker's drive may send and hear PDOs of its own that would crowd the bus, or be taken for others. */

@@ -70,6 +70,8 @@ static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus
         .rated_force_N = sea->rated_force_N,
         .following_error_m = 0.1 * nodes->plant.config.walk.body.leg_length_m,
         .unload_rate_m_per_s = sea->unload_rate_m_s,
+        .interpolated = leg->mode == DEVICE_MODE_INTERPOLATED,
+        .rated_torque_mNm = (uint32_t)((double)leg->rated_torque_Nm * 1000.0 + 0.5),
     };
     return drive_node_init(&nodes->drive[side], &drive, bus, now_ns);
 }
@@ -124,6 +126,22 @@ void walker_nodes_free(struct walker_nodes *nodes)
     plant_free(&nodes->plant);
 }
 
+/* Whether the gate answered a request in the drive's place. */
+static bool is_refused(const struct walker_nodes *nodes, enum side side,
+                       const struct can_msg *message)
+{
+    const struct walker_gate *gate = &nodes->gate[side];
+    const uint32_t request = FRAME_SDO_REQUEST_DRIVE_LEFT - NODE_DRIVE_LEFT +
+                             (uint32_t)nodes->device.leg[side].drive_node;
+    struct can_msg answer;
+    if (gate->refuses == NULL || message->id != request ||
+        !gate->refuses(gate->context, message, &answer)) {
+        return false;
+    }
+    (void)can_bus_send(&nodes->drive_bus[side], &answer);
+    return true;
+}
+
 /* One frame for what is at a drive's place: the drive and its latch board. */
 static bool receive_drive(struct walker_nodes *nodes, enum side side, const struct can_msg *message,
                           uint64_t now_ns)
@@ -131,7 +149,7 @@ static bool receive_drive(struct walker_nodes *nodes, enum side side, const stru
     bool sync = false;
     if (is_vendor(nodes, side)) {
         vendor_drive_receive(&nodes->vendor[side], message, now_ns);
-    } else if (is_cia402(nodes, side)) {
+    } else if (is_cia402(nodes, side) && !is_refused(nodes, side, message)) {
         sync = drive_node_receive(&nodes->drive[side], message, now_ns);
     }
     if (has_board(nodes, side)) {
@@ -179,7 +197,7 @@ bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64
     if (node == WALKER_SENSOR_LEFT || node == WALKER_SENSOR_RIGHT) {
         return leg_sensor_node_poll(&nodes->sensor[side], now_ns);
     }
-    if (is_cia402(nodes, side) && !has_board(nodes, side)) {
+    if (is_cia402(nodes, side) && !has_board(nodes, side) && nodes->gate[side].refuses == NULL) {
         return drive_node_poll(&nodes->drive[side], now_ns);
     }
     while (can_bus_receive(&nodes->drive_bus[side], &message, NULL) == CAN_OK) {

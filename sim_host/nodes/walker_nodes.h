@@ -33,6 +33,13 @@ enum walker_node {
 
 enum { FOREIGN_WATCHDOG_MS = 50 };
 
+/* Stands before a CiA 402 drive: what the drive of a maker would refuse over SDO (eds_gate.h). */
+struct walker_gate {
+    /* Whether it refuses the request: then *answer goes out in the drive's place. */
+    bool (*refuses)(const void *context, const struct can_msg *request, struct can_msg *answer);
+    const void *context;
+};
+
 struct walker_nodes {
     struct plant plant;
     struct device_description device;       /* what is played */
@@ -41,6 +48,7 @@ struct walker_nodes {
     struct latch_node latch[SIDE_COUNT];    /* of those whose latch is on a board */
     struct leg_sensor_node sensor[SIDE_COUNT];
     struct can_bus drive_bus[SIDE_COUNT];
+    struct walker_gate gate[SIDE_COUNT]; /* refuses NULL: there is none; set it behind the init */
     struct sensor_sample sample[SIDE_COUNT];
     bool swapped; /* fault: left and right sensor exchanged */
 };
