@@ -6,6 +6,7 @@
 
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/devices/setup_text.h"
 
 /* Nodes that are there have booted and are set up by then. */
 enum { WAITED_TICKS = TICKS_OF_MS(2000) };
@@ -28,24 +29,30 @@ bool host_report_is_refused(const struct control_task *task)
     return objects->refused_node != 0 && objects->refused_verdict != -SETUP_SILENT;
 }
 
+struct setup_failure host_report_failure(const struct controller_objects *objects)
+{
+    return (struct setup_failure){.verdict = (enum setup_verdict)(-(int)objects->refused_verdict),
+                                  .node = objects->refused_node,
+                                  .sub = objects->refused_sub,
+                                  .index = objects->refused_index,
+                                  .expected = objects->refused_expected,
+                                  .found = objects->refused_found};
+}
+
 void host_report_refusal(const struct control_task *task, uint32_t *told)
 {
     const struct controller_objects *objects = &task->node.objects;
     const uint32_t number = (uint32_t)objects->refused_node << 24 |
                             (uint32_t)objects->refused_index << 8 | objects->refused_sub;
-    const bool differs = objects->refused_verdict == -SETUP_DIFFERS;
     if (number == *told) {
         return;
     }
     *told = objects->refused_node != 0 ? number : 0;
-    if (host_report_is_refused(task)) {
-        program_complain("node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X",
-                         objects->refused_node, objects->refused_index, objects->refused_sub,
-                         objects->refused_expected, differs ? "found" : "abort code",
-                         objects->refused_found);
-    } else if (objects->refused_node != 0) {
-        program_complain("node %u does not answer (object 0x%04X:%02X), asked again",
-                         objects->refused_node, objects->refused_index, objects->refused_sub);
+    if (objects->refused_node != 0) {
+        char text[SETUP_TEXT_MAX];
+        const struct setup_failure failure = host_report_failure(objects);
+        setup_refusal_text(&objects->device, &failure, text, sizeof text);
+        program_complain("%s%s", text, host_report_is_refused(task) ? "" : ", asked again");
     }
 }
 
