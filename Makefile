@@ -40,7 +40,7 @@ SRC_HAL := $(filter-out hal/port_%,$(wildcard hal/*.c hal/*/*.c)) $(wildcard hal
 SRC_FIRMWARE := $(wildcard firmware/*.c)
 SRC_SIM := $(filter-out sim_host/programs/%,$(wildcard sim_host/*/*.c sim_host/*/*/*.c))
 # What computes with the model computes in double; what holds a controller, in float as it does.
-SRC_SIM_F32_STUDIES := $(wildcard sim_host/study/laws/*.c sim_host/study/observer/*.c)
+SRC_SIM_F32_STUDIES := $(wildcard sim_host/study/laws/*.c sim_host/study/observer/*.c sim_host/study/size/*.c)
 SRC_SIM_F64 := $(filter-out $(SRC_SIM_F32_STUDIES),$(filter sim_host/plant/% sim_host/gait/% sim_host/study/% sim_host/batch/%,$(SRC_SIM)))
 SRC_SIM_F32 := $(filter-out $(SRC_SIM_F64),$(SRC_SIM))
 # One program with a sub-command a file, and the benchmarks, which stay programs of their own.
@@ -66,7 +66,7 @@ tests: $(TESTS)
 # ---- What was built with what ------------------------------------------------
 # The version is git's word on the commit; the build id depends on the sources
 # alone, so that every compiler and machine gives the same one.
-VERSION_BASE := 0.2.0
+VERSION_BASE := 0.3.0
 GIT_COMMIT := $(shell git rev-parse --short=10 HEAD 2>/dev/null)
 GIT_DIRTY := $(if $(GIT_COMMIT),$(shell git status --porcelain -uno 2>/dev/null | head -1))
 VERSION := $(VERSION_BASE)$(if $(GIT_COMMIT),+g$(GIT_COMMIT))$(if $(GIT_DIRTY),.dirty)

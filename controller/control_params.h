@@ -67,7 +67,15 @@
       "steady steps before assistance; 0 = test mode: loaded at once")                           \
     X(engage_ramp_steps, "-", 1.0, 100.0, "steps over which the assist level rises to 1")        \
     X(terrain_speed_rad_s, "rad/s", 0.0, 20.0,                                                   \
-      "predictive law: highest speed it may aim for on uneven ground; 0 = the command")
+      "predictive law: highest speed it may aim for on uneven ground; 0 = the command")          \
+    X(foot_switches, "-", 0.0, 1.0,                                                              \
+      "a person's feet: 1 = switches under both, also at the latches")                           \
+    X(strike_error_s, "s", 0.0, 0.1,                                                             \
+      "a person without switches: largest error of heel strikes, fitted; 0 = no assistance")     \
+    X(strike_bias_left_s, "s", -0.08, 0.08, "a person's left heel strikes are found so late")    \
+    X(strike_bias_right_s, "s", -0.08, 0.08, "the right ones")                                   \
+    X(toe_off_bias_left_s, "s", -0.08, 0.08, "a person's left toe-offs are found so late")       \
+    X(toe_off_bias_right_s, "s", -0.08, 0.08, "the right ones")
 
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
 struct control_params {

@@ -14,6 +14,7 @@ int controller_init(struct controller *controller, const struct control_params *
     samples_init(&controller->samples);
     checks_init(&controller->checks);
     step_monitor_init(&controller->step_monitor);
+    motion_init(&controller->motion);
     step_law_init(&controller->plan.law, params);
     gait_observer_init(&controller->observer, params);
     return CONTROL_PARAMS_OK;
@@ -66,6 +67,14 @@ static bool legs_disagree(const struct controller *controller)
            body_of(controller->params->body)->legs_take_turns;
 }
 
+/* A drive that is cut off says so, and leaves its state. For MOTION_CUT_TICKS at most that is what is
+ * looked for, and no fault; behind the cut it is one. */
+static bool is_meant_by_cut(const struct controller *controller, enum supervisor_fault fault)
+{
+    return controller->supervisor.state == SUPERVISOR_COMMISSIONING && controller->motion.cut &&
+           (fault == SUPERVISOR_FAULT_NODE_LOST || fault == SUPERVISOR_FAULT_DRIVE);
+}
+
 /* Replaces what is lost or impossible in *values. Returns the first thing that is wrong. */
 static enum supervisor_fault screen(struct controller *controller, struct controller_input *values)
 {
@@ -77,10 +86,17 @@ static enum supervisor_fault screen(struct controller *controller, struct contro
     if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
         fault = SUPERVISOR_FAULT_LEGS;
     }
-    return fault;
+    return is_meant_by_cut(controller, fault) ? SUPERVISOR_FAULT_NONE : fault;
 }
 
 /* ---- supervise -------------------------------------------------------------------- */
+
+/* The device gives no push that it is asked for. Whoever walks in test mode has no other push-off. */
+static bool pushes_fail(const struct controller *controller)
+{
+    return !control_params_test_mode(controller->params) &&
+           controller->springs.watch.missed_in_row >= PUSH_WATCH_MISSES;
+}
 
 /* A state was entered: what must be fresh when it begins. */
 static void enter_state(struct controller *controller, const struct controller_input *values)
@@ -95,10 +111,16 @@ static void enter_state(struct controller *controller, const struct controller_i
         command_guard_begin(&controller->guard, params);
         controller->observing = true;
         break;
+    case SUPERVISOR_COMMISSIONING:
+        springs_begin(&controller->springs, params, values);
+        command_guard_begin_motions(&controller->guard, params,
+                                    motion_share_allowed(&controller->motion));
+        motion_enter(&controller->motion);
+        break;
     case SUPERVISOR_UNLOADING:
         /* In test mode the first spring is loaded at once. It must not happen again by itself
          * when the walker has stopped or fallen: that takes a new request. */
-        controller->request_spent = control_params_test_mode(params);
+        controller->request_spent = control_params_test_mode(params) || pushes_fail(controller);
         springs_stop(&controller->springs, values);
         break;
     case SUPERVISOR_FAULT:
@@ -121,12 +143,18 @@ static void supervise(struct controller *controller, const struct controller_inp
         .checks = &controller->checks,
         .step_monitor = &controller->step_monitor,
         .sea = controller->springs.sea,
+        .motion_requested = motion_watch(&controller->motion, values),
         .request_spent = controller->request_spent,
+        .pushes_fail = pushes_fail(controller),
     };
     const enum supervisor_state from = controller->supervisor.state;
     const uint16_t conditions = conditions_find(&controller->supervisor, &view, fault);
     if (supervisor_update(&controller->supervisor, values->tick, conditions, fault)) {
         enter_state(controller, values);
+        if (from == SUPERVISOR_COMMISSIONING) {
+            motion_forget(&controller->motion,
+                          controller->supervisor.latched != SUPERVISOR_FAULT_NONE);
+        }
         /* Whoever asked and did not set off in time asks anew. */
         if (from == SUPERVISOR_ENGAGING && (conditions & SUPERVISOR_IF_TIMEOUT) != 0 &&
             controller->supervisor.state == SUPERVISOR_UNLOADING) {
@@ -164,14 +192,46 @@ static struct step_decision decide(struct controller *controller,
                             values->desired_speed_rad_s, &controller->last_step);
 }
 
+/* Both motors at zero, or one of them where commissioning has it. */
+static void commission(struct controller *controller, const struct controller_input *values,
+                       struct controller_output *output)
+{
+    struct motion *motion = &controller->motion;
+    const real share = motion_share_allowed(motion);
+    motion_update(motion, controller->params, values);
+    if (motion_share_allowed(motion) != share) {
+        command_guard_begin_motions(&controller->guard, controller->params,
+                                    motion_share_allowed(motion));
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        springs_place(&controller->springs, (enum side)side, motion->reference_m[side]);
+        output->sea[side] =
+            (struct sea_request){.precompression_m = motion->reference_m[side],
+                                 .enable = true,
+                                 .latch_armed = motion->armed && motion->side == (enum side)side};
+    }
+    output->cut_off = motion->cut;
+}
+
+/* What was prescribed and not given is prescribed smaller. */
+static void follow(struct controller *controller, const struct controller_input *values,
+                   const struct step_decision *decision)
+{
+    const enum push_outcome outcome =
+        springs_follow(&controller->springs, decision, values, &controller->observer.state,
+                       !controller->step_monitor.seen);
+    if (outcome == PUSH_LATCH_OPEN || outcome == PUSH_NOT_LOADED) {
+        step_plan_lower_assist(&controller->plan, controller->params);
+    }
+}
+
 static void actuate(struct controller *controller, const struct controller_input *values,
                     const struct step_decision *decision, struct sea_request request[SIDE_COUNT])
 {
     const enum supervisor_state state = controller->supervisor.state;
     const struct gait_state *gait = &controller->observer.state;
     if (supervisor_may_assist(state)) {
-        springs_follow(&controller->springs, decision, values, gait,
-                       !controller->step_monitor.seen);
+        follow(controller, values, decision);
     }
     if (supervisor_may_enable(state)) {
         springs_command(&controller->springs, controller->params, values, state, gait, request);
@@ -195,7 +255,11 @@ void controller_update(struct controller *controller, const struct controller_in
     supervise(controller, &values, fault);
     estimate(controller, &values);
     const struct step_decision decision = decide(controller, &values);
-    actuate(controller, &values, &decision, output->sea);
+    if (controller->supervisor.state == SUPERVISOR_COMMISSIONING) {
+        commission(controller, &values, output);
+    } else {
+        actuate(controller, &values, &decision, output->sea);
+    }
     guard(controller, output->sea);
 
     output->state = controller->supervisor.state;

@@ -9,6 +9,7 @@
  *   estimate   estimator/            the gait's phase and events, the apex state; steady steps?
  *   decide     laws/                 the step's precompression
  *   actuate    actuation/springs     references of both motors, latches
+ *              commissioning/motion  the same for the motions that a tool asks for
  *   guard      actuation/command_guard   the last gate
  *
  * Pure: all state is in struct controller, time is the tick number of the input.
@@ -20,6 +21,7 @@
 
 #include "controller/actuation/command_guard.h"
 #include "controller/actuation/springs.h"
+#include "controller/commissioning/motion.h"
 #include "controller/control_params.h"
 #include "controller/estimator/gait_observer.h"
 #include "controller/laws/step_plan.h"
@@ -45,6 +47,7 @@ struct controller {
     struct checks checks;
     struct step_monitor step_monitor;
     struct zeroing zeroing;
+    struct motion motion;
     bool request_spent; /* after a fault, or a walk in test mode: it takes a new request */
     bool observing;     /* the observer has been started */
 };
@@ -55,6 +58,7 @@ struct controller_output {
     enum supervisor_fault fault; /* latched */
     bool new_step;               /* last_step was written in this tick */
     enum zeroing_state zeroing;
+    bool cut_off;  /* nothing may be sent to the drives, nor a heartbeat: commissioning/motion.h */
     bool new_zero; /* controller->zeroing.mean was found in this tick: the caller is to put
                       it into the parameters */
 };

@@ -26,6 +26,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "model/foot_contact.h"
 #include "model/real.h"
 #include "model/sea_state.h"
 #include "model/side.h"
@@ -55,6 +56,7 @@ struct leg_measurement {
     real leg_angle_rad;     /* -pi..pi */
     real ankle_extension_m; /* 0 = heel down; positive = ankle extended */
     uint16_t age_ticks;     /* 0 = sampled at the newest SYNC; AGE_NEVER = no value yet */
+    enum foot_contact foot; /* of the foot switch, if there is one */
 };
 
 struct sea_measurement {
@@ -67,20 +69,42 @@ struct sea_measurement {
     bool absent;              /* this leg has no drive: nothing is loaded there */
 };
 
+/* A motion that a tool asks for at commissioning; the values appear on the bus. */
+enum motion_kind {
+    MOTION_KIND_NONE = 0,    /* nothing is asked for */
+    MOTION_KIND_MOVE = 1,    /* to the share in `seconds`, hold for a moment, and back */
+    MOTION_KIND_CHIRP = 2,   /* oscillate between zero and the share, faster and faster */
+    MOTION_KIND_RELEASE = 3, /* load, arm the latch for `seconds` or until it opens, and back */
+    MOTION_KIND_CUT = 4,     /* load, then send the drives nothing: do they unload by themselves? */
+    MOTION_KIND_UNLOAD = 5   /* end what is under way, back to zero */
+};
+
+struct motion_request {
+    uint8_t order;   /* a change begins the motion below */
+    uint8_t renewal; /* a change says that the tool is still there */
+    enum motion_kind kind;
+    enum side side;
+    real share;        /* of the largest load, 0..1 */
+    real seconds;      /* above 0, at most MOTION_SECONDS_MAX */
+    real frequency_Hz; /* MOTION_KIND_CHIRP: the last one, at least 1 */
+};
+#define MOTION_SECONDS_MAX REAL(20.0)
+
 /* Everything one control tick sees. */
 struct controller_input {
     uint32_t tick; /* of the SYNC that ended the cycle; the values were sampled at the one before */
     struct leg_measurement leg[SIDE_COUNT];
     struct sea_measurement sea[SIDE_COUNT];
-    real desired_speed_rad_s; /* forward apex speed asked for, > 0 */
-    bool nodes_operational;   /* all four nodes alive, in NMT operational, without an error */
-    bool node_error;          /* one of them reports an error of its own */
-    bool emergency_stop;      /* true = pressed, or its state unknown */
-    bool foreign_node;        /* somebody else sends with identifiers of this bus */
-    bool parameters_corrupt;  /* their checksum is no longer that of the checked ones */
-    bool walk_requested;      /* the operator asks for assistance */
-    bool reset_requested;     /* clear a latched fault; obeyed at standstill only */
-    bool zero_requested;      /* find the leg sensors' offsets; obeyed while not assisting */
+    real desired_speed_rad_s;     /* forward apex speed asked for, > 0 */
+    bool nodes_operational;       /* all four nodes alive, in NMT operational, without an error */
+    bool node_error;              /* one of them reports an error of its own */
+    bool emergency_stop;          /* true = pressed, or its state unknown */
+    bool foreign_node;            /* somebody else sends with identifiers of this bus */
+    bool parameters_corrupt;      /* their checksum is no longer that of the checked ones */
+    bool walk_requested;          /* the operator asks for assistance */
+    bool reset_requested;         /* clear a latched fault; obeyed at standstill only */
+    bool zero_requested;          /* find the leg sensors' offsets; obeyed while not assisting */
+    struct motion_request motion; /* commissioning; obeyed in STANDBY without a walk requested */
 };
 
 /* What happened in the gait, at most one of each kind a tick. */
@@ -119,7 +143,9 @@ struct gait_state {
     enum side stance;
     uint32_t phase_since_tick;
     bool stance_past_apex; /* single support, and theta_s already negative */
-    bool strike_near;      /* the other foot may land at any moment, or has landed */
+    bool strike_near; /* the stance leg's latch may be armed: the other foot lands, or has landed */
+    bool walk_shown;  /* the last step was one of forward walking (a compass walker's always is) */
+    bool walk_denied; /* in this tick: what happens is no forward walking */
     struct gait_event event[GAIT_EVENT_KINDS];
     struct apex_estimate apex; /* of the newest GAIT_APEX event; zeros before the first */
     /* Gait phase of each leg: part of its stride gone by since its heel strike, 0..1 (it stays

@@ -24,12 +24,7 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
  * set up: what was asked of it is not kept, and its answer would mean nothing to a replay. */
 static bool was_dear(const struct bus_recorder *recorder)
 {
-    const struct control_task *task = recorder->source.task;
-    const struct gait_event *event = task->controller.observer.state.event;
-
-    return recorder->frames > QUIET_FRAMES || task->output.new_step || event[GAIT_APEX].happened ||
-           event[GAIT_HEEL_STRIKE].happened || event[GAIT_LIFT_OFF].happened ||
-           task->controller.observer.apex.work.busy || task->bring_up.setup.under_way;
+    return recorder->frames > QUIET_FRAMES || control_task_was_busy(recorder->source.task);
 }
 
 static void end_tick(struct bus_recorder *recorder)

@@ -2,6 +2,7 @@
 
 #include <assert.h>
 
+#include "firmware/commissioning_objects.h"
 #include "firmware/input_digest.h"
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
@@ -48,10 +49,19 @@ static void show_counters(void *context)
     counters->rx_malformed = saturating_sum(
         saturating_sum(task->sensors.rx_malformed, *task->config.drives.rx_malformed),
         task->node.device.counters.malformed);
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct push_leg *push = &task->controller.springs.watch.leg[leg];
+        for (int outcome = 0; outcome < PUSH_OUTCOMES; outcome++) {
+            counters->pushes[leg][outcome] = push->count[outcome];
+        }
+        counters->behind_ticks[leg] = push->behind_ticks;
+    }
     counters->tx_refused = status.tx_refused;
     counters->rx_overflow = status.rx_overflow;
     counters->bus_off_count = status.bus_off_count;
     show_drives(task);
+    commissioning_show(&task->node.objects, &task->controller.motion, &task->sensors,
+                       &task->config.drives);
 }
 
 static bool has_numbers(const struct node_setup_config *setup)
@@ -130,13 +140,14 @@ static void collect_input(const struct control_task *task, struct controller_inp
         .parameters_corrupt = task->node.guard.corrupt,
         .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
         .reset_requested = task->node.objects.reset_requested != 0,
-        .zero_requested = task->node.objects.zero_requested != 0};
+        .zero_requested = task->node.objects.zero_requested != 0,
+        .motion = commissioning_request(&task->node.objects)};
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct leg_sensor_reading *reading = &task->sensors.reading[leg];
         struct sea_drive_reading drive;
         sea_drives_read(&task->config.drives, (enum side)leg, &drive);
-        input->leg[leg] = (struct leg_measurement){reading->leg_angle_rad,
-                                                   reading->ankle_extension_m, reading->age_ticks};
+        input->leg[leg] = (struct leg_measurement){
+            reading->leg_angle_rad, reading->ankle_extension_m, reading->age_ticks, reading->foot};
         input->sea[leg] = (struct sea_measurement){
             drive.precompression_m, drive.state,           drive.age_ticks, drive.latch,
             drive.force_N,          drive.force_age_ticks, drive.absent};
@@ -171,6 +182,9 @@ static bool send_commands(struct control_task *task)
             .unconfigured = task->network.node[index].id != 0 &&
                             !bring_up_is_configured(&task->bring_up, index),
             .operational = task->network.node[index].state == NMT_OPERATIONAL};
+    }
+    if (task->output.cut_off) {
+        return true; /* what was meant to be sent: nothing */
     }
     const bool sent =
         sea_drives_command(&task->config.drives, command, &task->config.bus) == CAN_OK;
@@ -308,4 +322,14 @@ bool control_task_cycle_complete(const struct control_task *task)
         }
     }
     return true;
+}
+
+bool control_task_was_busy(const struct control_task *task)
+{
+    const struct gait_observer *observer = &task->controller.observer;
+    const struct gait_event *event = observer->state.event;
+
+    return task->output.new_step || event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
+           event[GAIT_LIFT_OFF].happened || observer->apex.work.busy ||
+           task->bring_up.setup.under_way;
 }

@@ -100,4 +100,8 @@ static inline void control_task_show_missed(struct control_task *task, uint32_t 
  * the next cycle. */
 bool control_task_cycle_complete(const struct control_task *task);
 
+/* True when the last tick had more to do than others: a gait event, a step, a node's set-up. What
+ * can wait for a quieter one waits. O(1). */
+bool control_task_was_busy(const struct control_task *task);
+
 #endif

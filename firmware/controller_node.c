@@ -36,11 +36,11 @@ static void default_objects(struct controller_objects *objects, const struct con
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
     objects->command_count = 4;
-    objects->state_count = 4;
+    objects->state_count = 6;
     objects->step_count = 5;
     objects->record_count = 4;
     objects->param_count = CONTROL_PARAM_COUNT;
-    objects->counter_count = 12;
+    objects->counter_count = 22;
     objects->drive_count = 5;
     objects->identity_count = 3;
     objects->setup_count = 6;
@@ -50,6 +50,10 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->device_leg_count = DEVICE_LEG_COUNT;
     objects->device_refusal_count = 3;
     device_description_default(&objects->device);
+    objects->commissioning_count = 15;
+    objects->measured_count = 10;
+    objects->sample_count = 6;
+    objects->motion_seconds = objects->motion_frequency_Hz = 1.0f;
     objects->params = *params;
     objects->build_id = version_build_id();
     put_text(objects->version, sizeof objects->version, version_text());
@@ -58,7 +62,9 @@ static void default_objects(struct controller_objects *objects, const struct con
 
 static const struct co_device_ops device_ops = {.access = {.writing = write_rules_writing,
                                                            .written = write_rules_written,
-                                                           .reading = write_rules_reading}};
+                                                           .reading = write_rules_reading,
+                                                           .begin = write_rules_begin,
+                                                           .take = write_rules_take}};
 
 int controller_node_init(struct controller_node *node, const struct control_params *params,
                          float desired_speed_rad_s, bool walk_requested, struct can_bus bus)
@@ -71,7 +77,7 @@ int controller_node_init(struct controller_node *node, const struct control_para
     dictionary.count = controller_object_count;
     dictionary.base = &node->objects;
     node->comm.subs = CO_PDO_SUBS;
-    node->comm.store_count = node->comm.restore_count = 1;
+    node->comm.store_count = node->comm.restore_count = node->comm.program_count = 1;
     node->rules.objects = &node->objects;
     node->rules.comm = &node->comm;
     telemetry_init(&node->telemetry);
@@ -97,12 +103,13 @@ int controller_node_init(struct controller_node *node, const struct control_para
 void controller_node_attach(struct controller_node *node,
                             const struct controller_settings_store_ops *settings_store,
                             void *settings_store_context, struct black_box *black_box,
-                            struct crash_record *crash)
+                            struct crash_record *crash, struct program_update *update)
 {
     node->rules.settings_store = settings_store;
     node->rules.settings_store_context = settings_store_context;
     node->rules.black_box = black_box;
     node->rules.crash = crash;
+    node->rules.update = update;
     write_rules_show_attached(&node->rules);
 }
 
@@ -135,11 +142,15 @@ static void adopt_zero(struct controller_node *node, const struct zero_offsets *
            found->ankle_m[SIDE_RIGHT]);
 }
 
-static bool had_event(const struct controller *controller)
+/* In these ticks the controller has the most to do: a gait event, or a state that begins. */
+static bool is_busy(const struct controller *controller)
 {
+    const struct supervisor *supervisor = &controller->supervisor;
     const struct gait_event *event = controller->observer.state.event;
     return event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
-           event[GAIT_LIFT_OFF].happened;
+           event[GAIT_LIFT_OFF].happened ||
+           (supervisor->state == SUPERVISOR_ENGAGING &&
+            supervisor->since_tick == supervisor->updated_tick);
 }
 
 void controller_node_update(struct controller_node *node, const struct controller *controller,
@@ -153,9 +164,8 @@ void controller_node_update(struct controller_node *node, const struct controlle
     if (output->new_zero) {
         adopt_zero(node, &controller->zeroing.mean);
     }
-    /* In the ticks of gait events the controller has the most to do; telegrams can wait
-     * for the next. */
-    if (!had_event(controller)) {
+    /* Telegrams can wait for the next tick. While the drives are cut off there is no heartbeat, either. */
+    if (!is_busy(controller) && !output->cut_off) {
         co_device_process(&node->device, now_ns);
     }
 }

@@ -38,12 +38,12 @@ struct controller_node {
 int controller_node_init(struct controller_node *node, const struct control_params *params,
                          float desired_speed_rad_s, bool walk_requested, struct can_bus bus);
 
-/* Lets *settings_store be asked to keep the settings, and the black box and the crash record be read
- * over SDO; each may be NULL. All stay the caller's. Start-up only. */
+/* Lets *settings_store be asked to keep the settings, the black box and the crash record be read
+ * over SDO, and a program be received; each may be NULL. All stay the caller's. Start-up only. */
 void controller_node_attach(struct controller_node *node,
                             const struct controller_settings_store_ops *settings_store,
                             void *settings_store_context, struct black_box *black_box,
-                            struct crash_record *crash);
+                            struct crash_record *crash, struct program_update *update);
 
 /* Takes a frame if it is for this node and says whether it did. */
 bool controller_node_receive(struct controller_node *node, const struct can_msg *message,

@@ -6,6 +6,7 @@
 
 #include <stdint.h>
 
+#include "controller/actuation/push_watch.h"
 #include "controller/control_params.h"
 #include "hal/canopen/co_od.h"
 #include "hal/canopen/co_pdo_objects.h"
@@ -28,6 +29,10 @@ struct controller_counters {
     uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
+    /* The controller's: pushes by what became of them (enum push_outcome; [0] is not used), and ticks
+     * in which a motor was far behind its reference. */
+    uint32_t pushes[SIDE_COUNT][PUSH_OUTCOMES];
+    uint32_t behind_ticks[SIDE_COUNT];
 };
 
 /* Values of the dictionary's entries 0x2000 and above. */
@@ -42,7 +47,8 @@ struct controller_objects {
     /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
     uint8_t state;
     uint8_t fault;
-    uint8_t zeroing;       /* enum zeroing_state */
+    uint8_t zeroing;               /* enum zeroing_state */
+    uint8_t last_push[SIDE_COUNT]; /* enum push_outcome of the last stance */
     uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
     /* 0x2002: last step as in TPDO1 */
     uint16_t step_measured;  /* 0.1 mrad/s */
@@ -80,6 +86,21 @@ struct controller_objects {
     uint8_t device_common_count, device_leg_count, device_refusal_count;
     struct device_description device;
     uint8_t device_verdict, device_refused_leg, device_refused_key;
+    /* 0x2060: commissioning, what a tool asks for (controller/signals.h) and what became of it
+     * (controller/commissioning/motion.h) */
+    uint8_t commissioning_count, motion_order, motion_renewal, motion_kind, motion_side;
+    float motion_share, motion_seconds, motion_frequency_Hz;
+    uint8_t motion_phase, motion_outcome, motion_outcome_order;
+    float motion_share_allowed, motion_bandwidth_Hz, motion_last_frequency_Hz;
+    uint16_t motion_release_ms, motion_unload_ms; /* 65535: it did not */
+    /* 0x2061: what is measured now, before the zero offsets of 0x2010; 0x2062: the forces, each with
+     * the motor's position at its SYNC */
+    uint8_t measured_count, sample_count;
+    float measured_motor_m[SIDE_COUNT], measured_ankle_m[SIDE_COUNT];
+    float measured_angle_rad[SIDE_COUNT];
+    uint8_t measured_latch[SIDE_COUNT], measured_drive[SIDE_COUNT];
+    float sample_force_N[SIDE_COUNT], sample_motor_m[SIDE_COUNT];
+    uint8_t sample_number[SIDE_COUNT];
     /* 0x2031: why a node was refused at start */
     uint8_t refused_node, refused_sub, refused_verdict;
     uint16_t refused_index;
@@ -92,6 +113,10 @@ struct controller_comm {
     uint8_t subs, store_count, restore_count;
     uint32_t store, restore;
     struct co_pdo tpdo[2];
+    /* CiA 302-3: a program over CAN (program_update.h). */
+    uint8_t program_count, program_control;
+    uint32_t program_identification, program_status;
+    struct co_domain program_data; /* written only, and never kept here */
 };
 
 extern const struct co_entry controller_object_table[];

@@ -6,6 +6,8 @@
 #   PORTS_NAME       the folders of hal/ that it is made of
 #   INTERRUPTS_NAME  its handlers (scripts/stack-depth)
 #   LDFLAGS_NAME     of its own, if any
+#   EXTRA_NAME       object files linked in besides, such as a program that runs before
+#   SEAL_NAME        what is done with the linked image, if anything
 #   FLASH_NAME, DEBUG_NAME   recipes, if it can be flashed
 # Boards with one core share one set of object files: what walks on the emulator is what is flashed.
 BOARDS :=
@@ -49,11 +51,12 @@ $(foreach c,$(CPUS),$(eval $(call CPU_RULES,$(c))))
 RATES_FIT := $(if $(BUS_RATES),$(Q)scripts/bus-budget --bitrate $(or $(BITRATE),1000000) --tick-us $(or $(TICK_US),1000) >$(ARM_BUILD)/bus-budget.txt || { tail -3 $(ARM_BUILD)/bus-budget.txt >&2; exit 1; })
 
 define BOARD_RULES
-$(call IMAGE,$(1)).elf: $(call BOARD_OBJ,$(1)) firmware/boards/$(1)/link.ld firmware/boards/sections.ld
+$(call IMAGE,$(1)).elf: $(call BOARD_OBJ,$(1)) $(EXTRA_$(1)) firmware/boards/$(1)/link.ld firmware/boards/sections.ld $(if $(SEAL_$(1)),scripts/seal-image)
 	$$(call SAY,LINK   $$@)
 	$(RATES_FIT)
 	$$(Q)$(TOOLS_$(CPU_$(1)))gcc $(FLAGS_$(CPU_$(1))) $$(IMAGE_LDFLAGS) $(LDFLAGS_$(1)) -T firmware/boards/$(1)/link.ld \
 	        -Wl,-Map=$$(basename $$@).map $$(filter %.o,$$^) -o $$@
+	$(if $(SEAL_$(1)),$$(Q)$(SEAL_$(1)) $$@)
 $(call IMAGE,$(1)).bin: $(call IMAGE,$(1)).elf
 	$$(Q)$(TOOLS_$(CPU_$(1)))objcopy -O binary $$< $$@
 $(call IMAGE,$(1)).hex: $(call IMAGE,$(1)).elf

@@ -34,7 +34,9 @@ static void read_settings(struct orthosis *orthosis, struct settings *settings,
     }
     if (orthosis->store_result != PARAM_STORE_OK || orthosis->settings_result != SETTINGS_OK) {
         settings_default(settings);
-        orthosis->forced_fault = SUPERVISOR_FAULT_PARAMETERS;
+        /* Settings that nobody looked at are not to blame. */
+        orthosis->forced_fault =
+            must_not_read(config) ? SUPERVISOR_FAULT_RESTARTED : SUPERVISOR_FAULT_PARAMETERS;
     }
 }
 
@@ -89,12 +91,17 @@ static const struct controller_settings_store_ops settings_store_ops = {save_set
                                                                         forget_settings};
 
 /* Saving and forgetting keep the loop for longer than half the watchdog's time. Each part is
- * bounded and there is a bounded number of them, so a feed between two hides no hang. */
-static void feed_between(const void *context)
+ * bounded and there is a bounded number of them. At most one feed a tick of the real time, so
+ * that parts which end at once, or a clock that stands, feed nothing. */
+static void feed_between(void *context)
 {
-    const struct watchdog *watchdog = context;
+    struct orthosis *orthosis = context;
+    const uint64_t now_ns = clock_now_ns(orthosis->clock);
 
-    watchdog->ops->feed(watchdog->context);
+    if (now_ns - orthosis->fed_ns >= TICK_PERIOD_US * UINT64_C(1000)) {
+        orthosis->fed_ns = now_ns;
+        orthosis->watchdog->ops->feed(orthosis->watchdog->context);
+    }
 }
 
 /* ---- start ------------------------------------------------------------------ */
@@ -128,7 +135,7 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
     (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
     orthosis->task.node.objects.device = settings->device;
     controller_node_attach(&orthosis->task.node, &settings_store_ops, orthosis, config->black_box,
-                           config->crash);
+                           config->crash, &orthosis->update);
 }
 
 /* What a crash or another reset cut short is kept until somebody has fetched it. */
@@ -146,6 +153,14 @@ static void init_black_box(const struct orthosis_config *config, const struct se
     }
 }
 
+static void begin_scan(struct orthosis *orthosis)
+{
+    const struct program_slots *program = orthosis->program;
+
+    program_scan_begin(&orthosis->program_scan, &program->memory, program->slot, program->room,
+                       program->hardware);
+}
+
 void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config)
 {
     struct settings *settings = &orthosis->settings;
@@ -154,10 +169,17 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     read_settings(orthosis, settings, config);
     orthosis->walk_at_start = settings->walk_at_start;
     init_black_box(config, settings);
+    orthosis->program = config->program;
+    program_update_init(&orthosis->update, config->program);
     init_task(orthosis, settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
-    orthosis->store.between = feed_between;
-    orthosis->store.between_context = config->watchdog;
+    if (config->program != NULL) {
+        begin_scan(orthosis);
+    }
+    orthosis->watchdog = config->watchdog;
+    orthosis->clock = config->clock;
+    orthosis->store.between = config->clock != NULL ? feed_between : NULL;
+    orthosis->store.between_context = orthosis;
     orthosis->drive_power = config->drive_power;
     orthosis->streak = config->streak;
     if (config->streak != NULL) {
@@ -171,8 +193,26 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     }
 }
 
+/* Once through the program, again and again, in ticks that have little else to do. */
+static void look_after_program(struct orthosis *orthosis)
+{
+    struct program_scan *scan = &orthosis->program_scan;
+
+    if (control_task_was_busy(&orthosis->task)) {
+        return;
+    }
+    program_scan_go_on(scan, &orthosis->program->memory, ORTHOSIS_PROGRAM_WORDS);
+    if (scan->done) {
+        orthosis->program_damaged = orthosis->program_damaged || scan->verdict != PROGRAM_GOOD;
+        begin_scan(orthosis);
+    }
+}
+
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
+    if (orthosis->program != NULL) {
+        look_after_program(orthosis);
+    }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),
                         &orthosis->recorder.inner);
 }
@@ -186,6 +226,9 @@ unsigned orthosis_poll(struct orthosis *orthosis)
         latch(orthosis, orthosis->forced_fault);
     }
     progress = control_task_poll(task);
+    if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0u) {
+        program_update_tick(&orthosis->update);
+    }
     /* Until the first own SYNC came back no command was ever sent, nothing can move, and a
      * bus that is not there yet is no reason to restart. Nor can a drive be reached then,
      * whatever it does: it gets no power. (The tick wraps, the time does not.) */

@@ -34,10 +34,17 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.objects.input_digest)        \
     X(node.objects.params_crc)          \
     X(node.objects.desired_speed_rad_s) \
+    X(node.objects.motion_share)        \
+    X(node.objects.motion_seconds)      \
+    X(node.objects.motion_frequency_Hz) \
     X(tick)                             \
     X(node.objects.walk_requested)      \
     X(node.objects.reset_requested)     \
     X(node.objects.zero_requested)      \
+    X(node.objects.motion_order)        \
+    X(node.objects.motion_renewal)      \
+    X(node.objects.motion_kind)         \
+    X(node.objects.motion_side)         \
     X(node.objects.state)               \
     X(node.objects.fault)               \
     X(node.rules.powered)               \

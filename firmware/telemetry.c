@@ -93,6 +93,9 @@ void telemetry_update(struct telemetry *telemetry, struct controller_objects *ob
         co_device_trigger_tpdo(device, TPDO_STEP);
     }
     objects->zeroing = (uint8_t)output->zeroing;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        objects->last_push[leg] = controller->springs.watch.leg[leg].last;
+    }
 }
 
 void telemetry_report_crashes(struct controller_objects *objects, struct co_device *device,

@@ -9,8 +9,8 @@
 
 #include <stdint.h>
 
-/* "0.2.0+g<commit>", with ".dirty" behind it when the work tree had changes;
- * "0.2.0" outside git. A constant, valid for ever. Callable from anywhere. */
+/* "0.3.0+g<commit>", with ".dirty" behind it when the work tree had changes;
+ * "0.3.0" outside git. A constant, valid for ever. Callable from anywhere. */
 const char *version_text(void);
 
 /* The first 32 bits of the SHA-256 over all sources. Callable from anywhere. */

@@ -10,6 +10,9 @@
 enum {
     INDEX_STORE = 0x1010,
     INDEX_RESTORE = 0x1011,
+    INDEX_PROGRAM_CONTROL = 0x1F51,
+    INDEX_PROGRAM_IDENTIFICATION = 0x1F56,
+    INDEX_PROGRAM_STATUS = 0x1F57,
     INDEX_COMMANDS = 0x2000,
     INDEX_PARAMS = 0x2010,
     INDEX_COUNTERS = 0x2020,
@@ -17,7 +20,9 @@ enum {
     INDEX_CRASH = 0x2032,
     INDEX_BLACK_BOX = 0x2040,
     INDEX_REFUSED_DEVICE = 0x2053,
-    BOTH_LEGS = 255
+    BOTH_LEGS = 255,
+    INDEX_COMMISSIONING = 0x2060,
+    INDEX_FORCE_SAMPLES = 0x2062
 };
 
 /* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
@@ -111,10 +116,36 @@ static uint32_t keep_settings(const struct write_rules *rules, const struct co_e
                 : rules->settings_store->forget_settings(rules->settings_store_context);
 }
 
+/* Erasing and writing flash holds the loop up, and the restart ends it. */
+static bool may_update(const struct write_rules *rules)
+{
+    return rules->update != NULL && !rules->powered && rules->standstill;
+}
+
+uint32_t write_rules_begin(void *context, const struct co_entry *entry, uint32_t total)
+{
+    const struct write_rules *rules = (const struct write_rules *)context;
+    (void)entry; /* there is one domain to write */
+    return may_update(rules) ? program_update_begin(rules->update, total) : CO_ABORT_DEVICE_STATE;
+}
+
+uint32_t write_rules_take(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                          unsigned length, bool last)
+{
+    const struct write_rules *rules = (const struct write_rules *)context;
+    (void)entry;
+    return may_update(rules) ? program_update_take(rules->update, bytes, length, last)
+                             : CO_ABORT_DEVICE_STATE;
+}
+
 uint32_t write_rules_writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
                              unsigned length)
 {
     struct write_rules *rules = (struct write_rules *)context;
+    if (entry->index == INDEX_PROGRAM_CONTROL) {
+        return may_update(rules) ? program_update_control(rules->update, bytes[0])
+                                 : CO_ABORT_DEVICE_STATE;
+    }
     if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
         return keep_settings(rules, entry, bytes);
     }
@@ -164,11 +195,22 @@ static void show_crash(const struct write_rules *rules)
     objects->crash_image.length = left ? sizeof *record : 0;
 }
 
+static void show_program(const struct write_rules *rules)
+{
+    struct controller_comm *comm = rules->comm;
+    comm->program_control = PROGRAM_CONTROL_START; /* one runs, whatever was written */
+    comm->program_identification = rules->update != NULL ? rules->update->identification : 0;
+    comm->program_status =
+        rules->update != NULL ? rules->update->status : (uint32_t)PROGRAM_STATUS_NONE;
+}
+
 void write_rules_written(void *context, const struct co_entry *entry)
 {
     struct write_rules *rules = (struct write_rules *)context;
     struct controller_objects *objects = rules->objects;
-    if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
+    if (entry->index == INDEX_PROGRAM_CONTROL) {
+        show_program(rules);
+    } else if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
         show_settings_store(rules);
     } else if (entry->index == INDEX_CRASH) {
         crash_record_acknowledge(rules->crash);
@@ -188,9 +230,14 @@ void write_rules_reading(void *context, const struct co_entry *entry)
     if (entry->index == INDEX_REFUSED_DEVICE) {
         (void)write_rules_check_device(rules);
     }
-    const bool is_shown = entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES;
+    const bool is_shown =
+        entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES ||
+        (entry->index >= INDEX_COMMISSIONING && entry->index <= INDEX_FORCE_SAMPLES);
     if (is_shown && rules->show_counters != NULL) {
         rules->show_counters(rules->show_context);
+    }
+    if (entry->index == INDEX_PROGRAM_IDENTIFICATION || entry->index == INDEX_PROGRAM_STATUS) {
+        show_program(rules);
     }
     if (entry->index != INDEX_BLACK_BOX || rules->black_box == NULL) {
         return;
@@ -207,4 +254,5 @@ void write_rules_show_attached(const struct write_rules *rules)
 {
     show_settings_store(rules);
     show_crash(rules);
+    show_program(rules);
 }

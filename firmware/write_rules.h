@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "firmware/controller_objects.h"
+#include "firmware/program_update.h"
 #include "hal/devices/device_verdict.h"
 #include "hal/storage/black_box.h"
 #include "hal/storage/crash_record.h"
@@ -33,6 +34,7 @@ struct write_rules {
     void *settings_store_context;
     struct black_box *black_box;          /* NULL: there is none */
     struct crash_record *crash;           /* NULL: nobody leaves one */
+    struct program_update *update;        /* NULL: no program is taken */
     void (*show_counters)(void *context); /* NULL: they are as they are */
     void *show_context;
 };
@@ -45,6 +47,10 @@ uint32_t write_rules_writing(void *context, const struct co_entry *entry, const 
                              unsigned length);
 void write_rules_written(void *context, const struct co_entry *entry);
 void write_rules_reading(void *context, const struct co_entry *entry);
+/* A program that is received (0x1F50), at standstill without torque only. */
+uint32_t write_rules_begin(void *context, const struct co_entry *entry, uint32_t total);
+uint32_t write_rules_take(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                          unsigned length, bool last);
 
 /* Whether the description of the device that was written (0x2050 to 0x2052) fits, for a person where it is
  * a person's; 0x2053 tells what it found. Bounded as device_check. */

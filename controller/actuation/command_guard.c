@@ -2,6 +2,8 @@
 
 /* A command may rise by so much of what the reference's speed limit allows in a tick. */
 #define SLEW_RATIO REAL(1.25)
+/* And this much at commissioning: its fastest oscillation takes half of that limit. */
+#define MOTION_SLEW_RATIO REAL(0.6)
 /* No command is further than so much of the leg's length beyond the largest r0. */
 #define COMMAND_LIMIT_RATIO REAL(0.1)
 
@@ -9,6 +11,13 @@ void command_guard_begin(struct command_guard *guard, const struct control_param
 {
     guard->slew_limit_m = SLEW_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
     guard->command_limit_m = params->r0_max_m + COMMAND_LIMIT_RATIO * params->leg_length_m;
+}
+
+void command_guard_begin_motions(struct command_guard *guard, const struct control_params *params,
+                                 real share)
+{
+    guard->slew_limit_m = MOTION_SLEW_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
+    guard->command_limit_m = share * params->r0_max_m + params->sea_tolerance_m;
 }
 
 static void limit(const struct command_guard *guard, const struct sea_request *last,

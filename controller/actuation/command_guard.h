@@ -12,6 +12,7 @@
 #include "controller/signals.h"
 
 #define command_guard_begin REAL_SYMBOL(command_guard_begin)
+#define command_guard_begin_motions REAL_SYMBOL(command_guard_begin_motions)
 #define command_guard_limit REAL_SYMBOL(command_guard_limit)
 
 struct command_guard {
@@ -22,6 +23,10 @@ struct command_guard {
 
 /* A walk begins: the limits by the parameters of now. */
 void command_guard_begin(struct command_guard *guard, const struct control_params *params);
+
+/* Commissioning: commands up to this share of r0_max_m, and slower than a step's. */
+void command_guard_begin_motions(struct command_guard *guard, const struct control_params *params,
+                                 real share);
 
 /* Once a tick, on both requests. Where powered, limits their rise against those of the last tick;
  * a request that is not finite or beyond command_limit_m becomes zero, disabled and disarmed.

@@ -13,6 +13,7 @@ void sea_reference_begin_loading(struct sea_reference *sea, real r0_m)
 {
     sea->phase = SEA_LOADING;
     sea->target_m = r0_m;
+    sea->stop_speed_m_s = REAL(0.0);
 }
 
 void sea_reference_set_target(struct sea_reference *sea, real r0_m)
@@ -29,6 +30,13 @@ void sea_reference_unload(struct sea_reference *sea)
         sea->phase = SEA_UNLOADING;
     }
     sea->target_m = REAL(0.0);
+}
+
+void sea_reference_hurry_back(struct sea_reference *sea, real speed_m_s, real acceleration_m_s2)
+{
+    sea_reference_unload(sea);
+    sea->stop_speed_m_s = speed_m_s;
+    sea->stop_acceleration_m_s2 = acceleration_m_s2;
 }
 
 struct sea_stop sea_reference_stop_limits(const struct control_params *params)

@@ -18,6 +18,7 @@
 #define sea_reference_init REAL_SYMBOL(sea_reference_init)
 #define sea_reference_begin_loading REAL_SYMBOL(sea_reference_begin_loading)
 #define sea_reference_set_target REAL_SYMBOL(sea_reference_set_target)
+#define sea_reference_hurry_back REAL_SYMBOL(sea_reference_hurry_back)
 #define sea_reference_unload REAL_SYMBOL(sea_reference_unload)
 #define sea_reference_stop_limits REAL_SYMBOL(sea_reference_stop_limits)
 #define sea_reference_stop REAL_SYMBOL(sea_reference_stop)
@@ -36,7 +37,7 @@ struct sea_reference {
     real target_m;   /* where the motor shall go, metres of spring */
     real position_m; /* the reference now */
     real speed_m_s;
-    real stop_speed_m_s; /* > 0: unloading because of a stop, with these limits */
+    real stop_speed_m_s; /* > 0: unloading in a hurry or because of a stop, with these limits */
     real stop_acceleration_m_s2;
 };
 
@@ -59,6 +60,9 @@ void sea_reference_set_target(struct sea_reference *sea, real r0_m);
 
 /* Back to zero, disarmed: after lift-off, and at every stop. */
 void sea_reference_unload(struct sea_reference *sea);
+
+/* Back to zero with limits of its own, until it is loaded again. */
+void sea_reference_hurry_back(struct sea_reference *sea, real speed_m_s, real acceleration_m_s2);
 
 /* The limits of stops under these parameters: faster than a step. */
 struct sea_stop sea_reference_stop_limits(const struct control_params *params);

@@ -1,51 +1,129 @@
 #include "controller/actuation/springs.h"
 
+#include "controller/estimator/body_table.h"
+
+/* The ankle comes back, and its push is over, when it is so far from its farthest; of the leg. */
+#define COMES_BACK_RATIO REAL(0.003)
+/* Of the mean time from release to toe-off, for each new one. */
+#define PUSH_MEAN_GAIN REAL(0.3)
+/* Going back after a push there is no load to move against; of the references' limits. */
+#define BACK_SPEED_RATIO REAL(1.2)
+#define BACK_ACCELERATION_RATIO REAL(2.0)
+/* A motor so far from its reference is at a limit of its own; of the leg. */
+#define BEHIND_RATIO REAL(0.006)
+
+/* Behind an open latch a spring that is loaded pushes at once. A compass' foot stands on it then, and
+ * its device loads in every stance; a drive that does not tell of its latch is believed. */
+static bool may_load(const struct control_params *params, enum latch_state latch)
+{
+    return latch != LATCH_OPEN || body_of(params->body)->ankle_is_held;
+}
+
 void springs_begin(struct springs *springs, const struct control_params *params,
                    const struct controller_input *input)
 {
     springs->stop = sea_reference_stop_limits(params);
     for (int side = 0; side < SIDE_COUNT; side++) {
         sea_reference_init(&springs->sea[side], input->sea[side].precompression_m);
+        springs->may_load[side] = may_load(params, input->sea[side].latch);
+        springs->waits[side] = false;
+        springs->open[side] = false;
+        springs->push_s[side] = REAL(0.0);
     }
+    push_watch_begin(&springs->watch);
 }
 
 void springs_stop(struct springs *springs, const struct controller_input *input)
 {
+    push_watch_begin(&springs->watch);
     for (int side = 0; side < SIDE_COUNT; side++) {
+        springs->waits[side] = false;
         sea_reference_stop(&springs->sea[side], &springs->stop, input->sea[side].precompression_m);
     }
 }
 
+void springs_place(struct springs *springs, enum side side, real reference_m)
+{
+    sea_reference_init(&springs->sea[side], reference_m);
+    sea_reference_begin_loading(&springs->sea[side], reference_m);
+}
+
+/* A person's spring is loaded behind a closed latch only: open, it would push the foot while it is loaded. */
 static void begin_loading(struct springs *springs, const struct step_decision *decision,
                           const struct controller_input *input, enum side side)
 {
-    if (decision->assists && !input->sea[side].absent) {
+    if (!decision->assists || input->sea[side].absent) {
+        return;
+    }
+    springs->waits[side] = !springs->may_load[side];
+    if (springs->waits[side]) {
+        springs->waits_final[side] = false;
+        springs->waiting_m[side] = decision->load_m;
+    } else {
         sea_reference_begin_loading(&springs->sea[side], decision->load_m);
     }
 }
 
-void springs_follow(struct springs *springs, const struct step_decision *decision,
-                    const struct controller_input *input, const struct gait_state *gait,
-                    bool first_stance)
+static void decide_load(struct springs *springs, enum side side, real load_m)
+{
+    if (springs->waits[side]) {
+        springs->waits_final[side] = true;
+        springs->waiting_m[side] = load_m;
+    } else {
+        sea_reference_set_target(&springs->sea[side], load_m);
+    }
+}
+
+static void learn_push(struct springs *springs, const struct gait_event *lift_off)
+{
+    const enum side side = lift_off->side;
+    if (springs->watch.leg[side].opened && lift_off->tick > springs->open_tick[side]) {
+        const real lasted_s = real_clamp(seconds_since(lift_off->tick, springs->open_tick[side]) -
+                                             lift_off->before_tick_s,
+                                         PUSH_LEAST_S, PUSH_MOST_S);
+        real *mean_s = &springs->push_s[side];
+        *mean_s = *mean_s > REAL(0.0) ? *mean_s + PUSH_MEAN_GAIN * (lasted_s - *mean_s) : lasted_s;
+    }
+}
+
+static enum push_outcome end_stance(struct springs *springs, const struct gait_event *lift_off)
+{
+    const enum side side = lift_off->side;
+    springs->waits[side] = false;
+    learn_push(springs, lift_off);
+    sea_reference_unload(&springs->sea[side]);
+    return push_watch_end(&springs->watch, side);
+}
+
+enum push_outcome springs_follow(struct springs *springs, const struct step_decision *decision,
+                                 const struct controller_input *input,
+                                 const struct gait_state *gait, bool first_stance)
 {
     const struct gait_event *strike = &gait->event[GAIT_HEEL_STRIKE];
     const struct gait_event *lift_off = &gait->event[GAIT_LIFT_OFF];
+    enum push_outcome outcome = PUSH_NONE;
     if (decision->improved) { /* not final yet: on the way there already, but not armed */
         begin_loading(springs, decision, input, decision->side);
     }
     if (decision->new_step) {
-        sea_reference_set_target(&springs->sea[decision->side], decision->load_m);
+        decide_load(springs, decision->side, decision->load_m);
     }
     if (strike->happened) {
+        const enum side other = side_other(strike->side);
+        push_watch_strike(&springs->watch, other, springs->sea[other].phase == SEA_ARMED);
+        if (decision->assists) {
+            push_watch_prescribe(&springs->watch, strike->side);
+        }
         begin_loading(springs, decision, input, strike->side);
     }
     if (lift_off->happened) {
-        sea_reference_unload(&springs->sea[lift_off->side]);
+        outcome = end_stance(springs, lift_off);
     }
     if (first_stance && gait->phase == PHASE_SINGLE_SUPPORT &&
         springs->sea[gait->stance].phase == SEA_UNLOADED) {
         begin_loading(springs, decision, input, gait->stance);
     }
+    return outcome;
 }
 
 /* No push before the other foot can carry the person: their ankle can extend in midstance, too,
@@ -55,17 +133,86 @@ static bool may_release(const struct gait_state *gait, enum side side)
     return gait->strike_near && gait->stance == side;
 }
 
+static void load_when_allowed(struct springs *springs, const struct control_params *params,
+                              enum side side, enum latch_state latch)
+{
+    springs->may_load[side] = may_load(params, latch);
+    if (!springs->waits[side] || !springs->may_load[side]) {
+        return;
+    }
+    springs->waits[side] = false;
+    sea_reference_begin_loading(&springs->sea[side], springs->waiting_m[side]);
+    if (springs->waits_final[side]) {
+        sea_reference_set_target(&springs->sea[side], springs->waiting_m[side]);
+    }
+}
+
+static bool ankle_has_had_it(struct springs *springs, const struct control_params *params,
+                             enum side side, real motor_m, real extension_m)
+{
+    if (extension_m > springs->farthest_m[side]) {
+        springs->farthest_m[side] = extension_m;
+    }
+    return extension_m >= motor_m ||
+           extension_m < springs->farthest_m[side] - COMES_BACK_RATIO * params->leg_length_m;
+}
+
+static bool push_is_over(struct springs *springs, const struct control_params *params,
+                         enum side side, const struct controller_input *input)
+{
+    const struct sea_measurement *sea = &input->sea[side];
+    const real extension_m = input->leg[side].ankle_extension_m;
+    const real push_s = springs->push_s[side] > REAL(0.0) ? springs->push_s[side] : PUSH_FIRST_S;
+    if (sea->latch != LATCH_OPEN) {
+        springs->open[side] = false;
+        return false;
+    }
+    if (!springs->open[side]) {
+        springs->open[side] = true;
+        springs->open_tick[side] = input->tick;
+        springs->farthest_m[side] = extension_m;
+    }
+    return ankle_has_had_it(springs, params, side, sea->precompression_m, extension_m) ||
+           seconds_since(input->tick, springs->open_tick[side]) + PUSH_LEAD_S >= push_s;
+}
+
+/* What is left of a push drags at the foot in swing: back as soon as there is nothing to give. A
+ * compass' push ends by itself, as it extends. */
+static void take_back(struct springs *springs, const struct control_params *params, enum side side,
+                      const struct controller_input *input)
+{
+    const bool over = push_is_over(springs, params, side, input);
+    const bool loads =
+        springs->sea[side].phase != SEA_UNLOADED && springs->sea[side].phase != SEA_UNLOADING;
+    if (over && loads && !body_of(params->body)->ankle_is_held) {
+        sea_reference_hurry_back(&springs->sea[side], BACK_SPEED_RATIO * params->sea_speed_max_m_s,
+                                 BACK_ACCELERATION_RATIO * params->sea_acceleration_m_s2);
+    }
+}
+
+static bool is_behind(const struct springs *springs, const struct control_params *params,
+                      enum side side, real measured_m)
+{
+    return real_abs(springs->sea[side].position_m - measured_m) >
+           BEHIND_RATIO * params->leg_length_m;
+}
+
 void springs_command(struct springs *springs, const struct control_params *params,
                      const struct controller_input *input, enum supervisor_state state,
                      const struct gait_state *gait, struct sea_request request[SIDE_COUNT])
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         const struct sea_measurement *sea = &input->sea[side];
+        load_when_allowed(springs, params, (enum side)side, sea->latch);
+        take_back(springs, params, (enum side)side, input);
         request[side] = sea_reference_update(&springs->sea[side], params, sea->precompression_m);
         /* A drive that is not heard while it is to unload does it by itself. */
         const bool silent = state == SUPERVISOR_UNLOADING &&
                             sea->age_ticks > ticks_from_seconds(params->sensor_age_max_s);
         request[side].enable = !silent;
         request[side].latch_armed = request[side].latch_armed && may_release(gait, (enum side)side);
+        push_watch_tick(
+            &springs->watch, (enum side)side, request[side].latch_armed, springs->waits[side],
+            is_behind(springs, params, (enum side)side, sea->precompression_m), sea->latch);
     }
 }

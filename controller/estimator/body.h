@@ -4,10 +4,12 @@
 
 #include "controller/control_params.h"
 #include "controller/estimator/angle_history.h"
+#include "controller/estimator/arm_window.h"
 #include "controller/estimator/compass_events.h"
 #include "controller/estimator/model_observer.h"
 #include "controller/estimator/person_events.h"
 #include "controller/estimator/stride_clock.h"
+#include "controller/estimator/walk_proof.h"
 #include "controller/estimator/walking_speed.h"
 #include "controller/signals.h"
 
@@ -15,6 +17,8 @@
 struct body_state {
     struct compass_events compass;
     struct person_events leg[SIDE_COUNT];
+    struct walk_proof proof;
+    struct arm_window window[SIDE_COUNT]; /* by the foot that is to land */
 };
 
 /* One tick as a body's rules see it, and what they write. */

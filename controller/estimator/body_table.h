@@ -28,6 +28,7 @@ enum body_kind { BODY_TABLE(BODY_ENUM) };
 
 struct body_state;
 struct body_tick;
+struct control_params;
 struct gait_state;
 
 struct body {
@@ -39,7 +40,8 @@ struct body {
     /* That fall was a step's, not a sway's. NULL: it always is. */
     bool (*is_step)(const struct body_state *state, enum side stance);
     /* The other foot may land at any moment, or has landed. */
-    bool (*strike_near)(const struct body_state *state, const struct gait_state *gait);
+    bool (*strike_near)(const struct body_state *state, const struct control_params *params,
+                        const struct gait_state *gait, uint32_t tick);
     real ahead_least_rad; /* a leg must have been so far ahead for its fall to be an apex */
     bool legs_take_turns; /* the same leg twice in a row is a fault, not an irregular step */
     bool ankle_is_held;   /* by the latch: the ankle extends only while that is open */

@@ -99,8 +99,11 @@ static void pass_apex(struct body_state *body, struct gait_state *gait, enum sid
 
 /* A compass walker's ankle cannot extend before the other foot lands: from its apex on an armed
  * latch does no harm. */
-static bool strike_near(const struct body_state *body, const struct gait_state *gait)
+static bool strike_near(const struct body_state *body, const struct control_params *params,
+                        const struct gait_state *gait, uint32_t tick)
 {
+    (void)params;
+    (void)tick;
     (void)body;
     return gait->phase == PHASE_DOUBLE_SUPPORT ||
            (gait->phase == PHASE_SINGLE_SUPPORT && gait->stance_past_apex);

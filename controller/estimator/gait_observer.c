@@ -54,6 +54,8 @@ void gait_observer_update(struct gait_observer *observer, const struct control_p
     for (int kind = 0; kind < GAIT_EVENT_KINDS; kind++) {
         gait->event[kind] = (struct gait_event){0};
     }
+    gait->walk_shown = true;
+    gait->walk_denied = false;
     remember(observer, input);
     const struct body_tick now = {
         .params = params,
@@ -72,6 +74,6 @@ void gait_observer_update(struct gait_observer *observer, const struct control_p
                            -gait->apex.stance_rate_rad_s);
     }
     watch_apexes(observer, params, body, tick);
-    gait->strike_near = body->strike_near(&observer->body, gait);
+    gait->strike_near = body->strike_near(&observer->body, params, gait, tick);
     stride_clock_shares(&observer->clock, tick, gait->stride_share);
 }

@@ -5,6 +5,95 @@
 /* A person's leg must have been this far ahead for its fall through the vertical to
  * be a step's apex. */
 #define AHEAD_RAD REAL(0.06)
+/* A planted foot's leg turns back at about the walking speed. While the foot still carries, the leg turns
+ * back at this part of it at least; it comes to rest as the foot leaves the ground. Looked at over the
+ * last QUICK_TICKS, which lags by half of that: an early sign of toe-off, and of a sudden stop. */
+#define TURNS_BACK_RATIO REAL(0.35)
+enum { QUICK_TICKS = TICKS_OF_MS(8) };
+/* Both legs at rest for so long: the person has stopped. In walking one of them always moves. */
+#define STOPPED_S REAL(0.15)
+/* Faster over the standing foot than this, in sqrt(g/l), is no walking: a Froude number of 0.72. People
+ * break into a run at about 0.5 (Kram et al., J Exp Biol 200:821, 1997). */
+#define WALK_MOST_RATIO REAL(0.85)
+
+static bool has_switches(const struct control_params *params)
+{
+    return params->foot_switches > REAL(0.5);
+}
+
+static real strike_bias_s(const struct control_params *params, int side)
+{
+    return side == SIDE_LEFT ? params->strike_bias_left_s : params->strike_bias_right_s;
+}
+
+static real toe_off_bias_s(const struct control_params *params, int side)
+{
+    return side == SIDE_LEFT ? params->toe_off_bias_left_s : params->toe_off_bias_right_s;
+}
+
+static void find_events(struct body_state *body, const struct body_tick *now, int side,
+                        const struct leg_view *view)
+{
+    const uint32_t tick = now->input->tick;
+    const struct leg_event event = person_events_update(&body->leg[side], view, tick);
+    if (event.kind == LEG_EVENT_STRIKE) {
+        const real age_s = event.age_s + strike_bias_s(now->params, side);
+        gait_events_strike(now->gait, now->clock, now->params, (enum side)side, tick, age_s);
+        arm_window_strike(&body->window[side], tick, age_s + now->params->sensor_latency_s);
+    } else if (event.kind == LEG_EVENT_TOE_OFF) {
+        gait_events_lift_off(now->gait, now->params, (enum side)side, tick,
+                             event.age_s + toe_off_bias_s(now->params, side));
+        body->window[1 - side].closed = true;
+    }
+}
+
+/* Whether it is forward walking: by the switches, and by what needs none. */
+static void show_walking(struct body_state *body, const struct body_tick *now,
+                         real walking_speed_rad_s)
+{
+    const struct control_params *params = now->params;
+    const uint32_t tick = now->input->tick;
+    enum foot_contact foot[SIDE_COUNT];
+    real angle_rad[SIDE_COUNT];
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        foot[side] = now->input->leg[side].foot;
+        angle_rad[side] = now->input->leg[side].leg_angle_rad;
+    }
+    const enum walk_sign sign = walk_proof_update(&body->proof, foot, angle_rad, tick);
+    const bool runs = walking_speed_rad_s >
+                      WALK_MOST_RATIO * real_sqrt(params->gravity_m_s2 / params->leg_length_m);
+    const bool stopped = seconds_since(tick, body->leg[SIDE_LEFT].moved_tick) > STOPPED_S &&
+                         seconds_since(tick, body->leg[SIDE_RIGHT].moved_tick) > STOPPED_S;
+    now->gait->walk_denied = runs || stopped || (has_switches(params) && sign == WALK_STEP_DENIED);
+    now->gait->walk_shown =
+        has_switches(params) ? body->proof.steps > 0 : params->strike_error_s > REAL(0.0);
+}
+
+static bool turns_back(const struct body_tick *now, int side, real walking_speed_rad_s)
+{
+    const uint32_t tick = now->input->tick;
+    const real turn_rad = angle_history_at(now->history, side, tick) -
+                          angle_history_at(now->history, side, tick - QUICK_TICKS);
+    return turn_rad <
+           -TURNS_BACK_RATIO * walking_speed_rad_s * (real)QUICK_TICKS * CONTROL_PERIOD_S;
+}
+
+static void watch_windows(struct body_state *body, const struct body_tick *now,
+                          real walking_speed_rad_s)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const struct person_events *leg = &body->leg[side];
+        const int own = 1 - side;
+        const struct arm_view view = {
+            .slowing = leg->landing,
+            .swings = leg->contact == LEG_SWING,
+            .contact_tick = body->proof.foot[side].raw_edge_tick,
+            .own_foot = now->input->leg[own].foot,
+            .own_leg_turns_back = turns_back(now, own, walking_speed_rad_s),
+        };
+        arm_window_update(&body->window[side], now->params, &view, now->input->tick);
+    }
+}
 
 static void update(struct body_state *body, const struct body_tick *now)
 {
@@ -22,13 +111,10 @@ static void update(struct body_state *body, const struct body_tick *now)
                          angle_history_at(now->history, 1 - i, centre);
         view.extension = leg->ankle_extension_m * per_leg_length;
         view.fresh = leg->age_ticks == 0;
-        const struct leg_event event = person_events_update(&body->leg[i], &view, tick);
-        if (event.kind == LEG_EVENT_STRIKE) {
-            gait_events_strike(now->gait, now->clock, now->params, (enum side)i, tick, event.age_s);
-        } else if (event.kind == LEG_EVENT_TOE_OFF) {
-            gait_events_lift_off(now->gait, now->params, (enum side)i, tick, event.age_s);
-        }
+        find_events(body, now, i, &view);
     }
+    watch_windows(body, now, view.walking_speed_rad_s);
+    show_walking(body, now, now->speed->mean_rad_s);
 }
 
 /* A person's legs that fall back together are a bow or a sway, no step. */
@@ -37,12 +123,11 @@ static bool is_step(const struct body_state *body, enum side stance)
     return body->leg[side_other(stance)].contact == LEG_SWING;
 }
 
-/* A person's ankle can extend at any time: the other leg's swing must be at its end. */
-static bool strike_near(const struct body_state *body, const struct gait_state *gait)
+/* A latch is armed within its window only. */
+static bool strike_near(const struct body_state *body, const struct control_params *params,
+                        const struct gait_state *gait, uint32_t tick)
 {
-    const struct person_events *swing = &body->leg[side_other(gait->stance)];
-    return gait->phase == PHASE_DOUBLE_SUPPORT || swing->landing ||
-           swing->waiting.kind == LEG_EVENT_STRIKE;
+    return arm_window_is_open(&body->window[side_other(gait->stance)], params, tick);
 }
 
 const struct body BODY_ROW(person) = {

@@ -27,7 +27,8 @@
  * the target is the speed that they keep by themselves, as a mean over about PERSON_MEAN_STEPS
  * steps. Eq. (16) acts on what is left: the departure of this step from their own mean. That
  * departure averages to zero, and so does the correction: over time the device gives what was
- * prescribed, and it never pulls towards a speed of its own. kp keeps the sign that stabilises the
+ * prescribed, and it never pulls towards a speed of its own. No push has more than 1.1 times the
+ * prescribed energy, whatever the pace: r0[k] is at most 1.04 r0*. kp keeps the sign that stabilises the
  * model. That it steadies a person is not claimed (kp_m_s_rad = 0 gives the prescription alone).
  *
  * A law that needs long work between apex and heel strike does a bounded part of it in each

@@ -16,6 +16,13 @@ void step_plan_raise_assist(struct step_plan *plan, const struct control_params 
     }
 }
 
+void step_plan_lower_assist(struct step_plan *plan, const struct control_params *params)
+{
+    if (!control_params_test_mode(params)) {
+        plan->assist_level *= REAL(0.75);
+    }
+}
+
 static void begin_step(struct step_plan *plan, const struct control_params *params,
                        const struct gait_state *gait, real desired_speed_rad_s)
 {

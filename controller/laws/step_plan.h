@@ -13,6 +13,7 @@
 
 #define step_plan_begin REAL_SYMBOL(step_plan_begin)
 #define step_plan_raise_assist REAL_SYMBOL(step_plan_raise_assist)
+#define step_plan_lower_assist REAL_SYMBOL(step_plan_lower_assist)
 #define step_plan_update REAL_SYMBOL(step_plan_update)
 
 struct step_plan {
@@ -38,6 +39,10 @@ void step_plan_begin(struct step_plan *plan, const struct control_params *params
 /* A steady step has ended while walking: the assist level rises by one part of
  * engage_ramp_steps, to at most 1; not in test mode. */
 void step_plan_raise_assist(struct step_plan *plan, const struct control_params *params);
+
+/* A prescribed push-off was not given: a smaller one may be loaded in time. The assist level falls to
+ * three quarters, and steady steps raise it again; not in test mode. */
+void step_plan_lower_assist(struct step_plan *plan, const struct control_params *params);
 
 /* Once a tick while assisting, with the observer's events of this tick. desired_speed_rad_s: the
  * forward apex speed asked for, > 0. *step: the record of the last decided step, replaced in the

@@ -56,6 +56,11 @@ enum {
 #define RELEASE_LEAST_RATIO REAL(0.05)
 #define RELEASE_FROM_RATIO REAL(0.01)
 
+/* The latch by its own report. A command to arm takes three ticks to the latch and back; a release that
+ * was under way as it was disarmed, some more. An empty spring's latch closes by itself. */
+enum { ARMED_TICKS = TICKS_OF_MS(10), UNLATCHED_TICKS = TICKS_OF_MS(10) };
+#define EMPTY_RATIO REAL(0.0002)
+
 /* A drive that is not where it was sent: to be enabled takes six telegrams, and an
  * unload by itself 0.4 s at most. */
 enum { ENABLE_TICKS = TICKS_OF_MS(500), DISABLE_TICKS = TICKS_OF_MS(1000) };
@@ -101,7 +106,7 @@ static bool is_stuck(const struct checks *checks, const struct controller_input 
 /* Motor force against motor position, with the latch closed and the motor at rest where
  * it was sent (a drive that has overshot leans against its stop, not on the spring). */
 static void watch_force(struct leg_checks *leg, const struct control_params *params,
-                        const struct sea_measurement *sea)
+                        const struct sea_measurement *sea, enum supervisor_state state)
 {
     const real moved = real_abs(sea->precompression_m - leg->motor_before_m);
     const real off = real_abs(sea->precompression_m - leg->command_m[COMMAND_DELAY]);
@@ -109,6 +114,11 @@ static void watch_force(struct leg_checks *leg, const struct control_params *par
     leg->motor_still_ticks =
         count_while(leg->motor_still_ticks, moved <= MOTOR_STILL_RATIO * params->leg_length_m &&
                                                 off <= MOTOR_THERE_RATIO * params->leg_length_m);
+    if (state ==
+        SUPERVISOR_COMMISSIONING) { /* slow motions look like rest; they have a bound of their own */
+        leg->force_contradiction_count = 0;
+        return;
+    }
     if (sea->force_age_ticks != 0 || sea->state != DRIVE_ENABLED || sea->latch != LATCH_CLOSED ||
         leg->motor_still_ticks < MOTOR_STILL_TICKS) {
         return;
@@ -155,6 +165,24 @@ static void watch_ankle(struct leg_checks *leg, const struct control_params *par
         contradicts = held || (alone && extension > sea->precompression_m + slack);
     }
     leg->ankle_contradiction_count = count_while(leg->ankle_contradiction_count, contradicts);
+}
+
+/* Opened without being armed; or, on a person, not closed again behind an empty spring. */
+static void watch_latch(struct leg_checks *leg, const struct control_params *params, bool is_held,
+                        const struct sea_measurement *sea, const struct sea_request *command)
+{
+    const bool opens = sea->latch == LATCH_OPEN && leg->latch == LATCH_CLOSED;
+    leg->unarmed_ticks = command->latch_armed ? 0 : count_up(leg->unarmed_ticks);
+    leg->opened_unarmed = sea->latch == LATCH_OPEN &&
+                          (leg->opened_unarmed || (opens && leg->unarmed_ticks > ARMED_TICKS));
+    const bool empty = sea->latch == LATCH_OPEN && command->precompression_m == REAL(0.0) &&
+                       real_abs(sea->precompression_m) <= EMPTY_RATIO * params->leg_length_m;
+    leg->unlatched_ticks = count_while(leg->unlatched_ticks, empty && !is_held);
+}
+
+static bool latch_contradicts(const struct leg_checks *leg)
+{
+    return leg->opened_unarmed || leg->unlatched_ticks > UNLATCHED_TICKS;
 }
 
 static void watch_following(struct leg_checks *leg, const struct control_params *params,
@@ -263,7 +291,7 @@ static enum supervisor_fault leg_fault(const struct checks *checks,
     if (is_stuck(checks, input, side)) {
         return SUPERVISOR_FAULT_SENSOR_STUCK;
     }
-    if (leg->force_contradiction_count >= FORCE_CONTRADICTIONS ||
+    if (latch_contradicts(leg) || leg->force_contradiction_count >= FORCE_CONTRADICTIONS ||
         leg->ankle_contradiction_count > ANKLE_CONTRADICTIONS) {
         return SUPERVISOR_FAULT_SPRING;
     }
@@ -281,7 +309,8 @@ void checks_update(struct checks *checks, const struct control_params *params,
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct leg_checks *leg = &checks->leg[side];
         const struct sea_measurement *sea = &view->input->sea[side];
-        watch_force(leg, params, sea);
+        watch_force(leg, params, sea, view->state);
+        watch_latch(leg, params, ankle_is_held, sea, &view->command[side]);
         watch_ankle(leg, params, ankle_is_held, &view->input->leg[side], sea);
         watch_following(leg, params, sea, &view->command[side]);
     }

@@ -30,6 +30,9 @@ struct leg_checks {
     uint16_t motor_still_ticks;
     uint8_t force_contradiction_count; /* force samples in a row that the spring does not explain */
     uint16_t latch_ticks;              /* since the latch last changed */
+    uint16_t unarmed_ticks;            /* since the latch was last told that it may open */
+    uint16_t unlatched_ticks; /* an empty spring's latch has been open for so long (a person's) */
+    bool opened_unarmed;      /* the latch opened although it was not armed */
     enum latch_state latch;
     real motor_at_release_m;
     uint16_t ankle_contradiction_count;  /* ticks in a row in which ankle and latch contradict */

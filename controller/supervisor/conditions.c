@@ -35,7 +35,7 @@ static bool is_steady(const struct conditions_view *view)
 static bool is_regular(const struct conditions_view *view)
 {
     return control_params_test_mode(view->params) ||
-           view->step_monitor->unsteady < STEP_MONITOR_IRREGULAR;
+           (view->step_monitor->unsteady < STEP_MONITOR_IRREGULAR && !view->pushes_fail);
 }
 
 /* How long this state may last; states without a limit get some number that no rule looks at. */
@@ -97,6 +97,7 @@ uint16_t conditions_find(const struct supervisor *supervisor, const struct condi
                 ? SUPERVISOR_IF_PLAUSIBLE
                 : 0u;
     bits |= input->walk_requested && !view->request_spent ? SUPERVISOR_IF_WALK_REQUESTED : 0u;
+    bits |= view->motion_requested ? SUPERVISOR_IF_MOTION_REQUESTED : 0u;
     bits |= both_enabled(input) ? SUPERVISOR_IF_ENABLED : 0u;
     bits |= stepping ? SUPERVISOR_IF_STEPPING : 0u;
     bits |= stepping && is_steady(view) ? SUPERVISOR_IF_STEADY : 0u;

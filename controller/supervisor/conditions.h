@@ -23,7 +23,9 @@ struct conditions_view {
     const struct checks *checks;
     const struct step_monitor *step_monitor;
     const struct sea_reference *sea; /* SIDE_COUNT */
+    bool motion_requested;           /* commissioning: by a tool that is still there */
     bool request_spent;              /* the walk that was requested has ended: ask anew */
+    bool pushes_fail; /* three in a row were prescribed and not given (push_watch.h) */
 };
 
 /* Bits of enum supervisor_condition that are true in this tick, but for IF_LATCHED, which the

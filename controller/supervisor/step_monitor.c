@@ -28,14 +28,18 @@ bool step_monitor_update(struct step_monitor *monitor, const struct gait_state *
         monitor->strikes < UINT8_MAX) {
         monitor->strikes++;
     }
+    if (gait->walk_denied) {
+        monitor->steady = 0;
+        monitor->unsteady = STEP_MONITOR_IRREGULAR;
+    }
     if (!apex->happened) {
         return false;
     }
     const uint32_t lasted = monitor->seen ? apex->tick - monitor->apex_tick : 0;
     const uint32_t *before = monitor->step_ticks;
     monitor->same_side = monitor->seen && apex->side == monitor->side;
-    const bool steady = lasted > 0 && !monitor->same_side && monitor->strikes == 1 &&
-                        before[0] > 0 && is_alike(lasted, before[0]) &&
+    const bool steady = gait->walk_shown && lasted > 0 && !monitor->same_side &&
+                        monitor->strikes == 1 && before[0] > 0 && is_alike(lasted, before[0]) &&
                         (before[1] == 0 || is_alike(lasted, before[1]));
     monitor->steady = steady ? counted(monitor->steady) : 0;
     monitor->unsteady = steady ? 0 : counted(monitor->unsteady);

@@ -3,6 +3,8 @@
  * A step goes from apex to apex. It is steady when the sides alternate, the other foot landed in
  * it exactly once, and it lasted as long as the two steps before it, within a third. Recorded
  * people vary by 2 to 4 %, and limp by 10 to 20 %. Two legs that disagree are not steady either.
+ * Nor is a step that is not shown to be forward walking (walk_proof.h). What contradicts forward
+ * walking ends the assistance at once.
  */
 #ifndef CONTROLLER_SUPERVISOR_STEP_MONITOR_H
 #define CONTROLLER_SUPERVISOR_STEP_MONITOR_H

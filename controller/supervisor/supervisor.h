@@ -10,6 +10,10 @@
  *   In INIT nodes may be missing without a limit of time. Once they are all there, what is
  *   wrong (a drive in fault since power-up) becomes a fault after unload_timeout_s.
  *
+ * Commissioning: a tool that renews its request may have one leg moved a little (commissioning/motion.h):
+ *   STANDBY -> COMMISSIONING -> UNLOADING -> STANDBY
+ * Never while a walk is requested, and a request for one ends it.
+ *
  * Engaging: in test mode (engage_steps = 0: a hand supports a walker without a push-off of its
  * own) the first spring is loaded at once and the first apex counts. Otherwise the drives stay
  * at zero spring until so many steady steps have been seen. Either way engaging has a limit of
@@ -37,9 +41,10 @@ enum supervisor_state {
     SUPERVISOR_STANDBY = 2,   /* all well, torque off */
     SUPERVISOR_ENGAGING = 3,  /* drives enabled, steps not verified yet */
     SUPERVISOR_WALKING = 4,
-    SUPERVISOR_UNLOADING = 5, /* bounded-rate unload, then torque off */
-    SUPERVISOR_FAULT = 6,     /* latched, torque off */
-    SUPERVISOR_STATES = 7
+    SUPERVISOR_UNLOADING = 5,     /* bounded-rate unload, then torque off */
+    SUPERVISOR_FAULT = 6,         /* latched, torque off */
+    SUPERVISOR_COMMISSIONING = 7, /* drives enabled, small motions that a tool asks for */
+    SUPERVISOR_STATES = 8
 };
 
 /* Why it stopped; the value appears on the bus and in logs. */
@@ -80,8 +85,10 @@ enum supervisor_condition {
     SUPERVISOR_IF_STANDSTILL = 1 << 9,
     SUPERVISOR_IF_LATCHED = 1 << 10, /* a fault is latched */
     SUPERVISOR_IF_STEADY = 1 << 11,  /* enough steady steps to begin */
-    SUPERVISOR_IF_REGULAR = 1 << 12, /* not two unsteady steps in a row */
-    SUPERVISOR_CONDITION_BITS = 13
+    /* not two unsteady steps, nor three missing pushes, in a row */
+    SUPERVISOR_IF_REGULAR = 1 << 12,
+    SUPERVISOR_IF_MOTION_REQUESTED = 1 << 13, /* a tool asks for motions, and is still there */
+    SUPERVISOR_CONDITION_BITS = 14
 };
 
 /* From any state of `from` (bit mask of 1 << state): if all of `require` and
@@ -93,7 +100,7 @@ struct supervisor_row {
     enum supervisor_state to;
 };
 
-enum { SUPERVISOR_ROWS = 16 };
+enum { SUPERVISOR_ROWS = 20 };
 extern const struct supervisor_row supervisor_rows[SUPERVISOR_ROWS];
 
 struct supervisor {
@@ -130,10 +137,10 @@ const char *supervisor_fault_name(enum supervisor_fault fault);
 static inline bool supervisor_may_enable(enum supervisor_state state)
 {
     return state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING ||
-           state == SUPERVISOR_UNLOADING;
+           state == SUPERVISOR_UNLOADING || state == SUPERVISOR_COMMISSIONING;
 }
 
-/* True in the states in which springs may be loaded and latches armed. */
+/* True in the states in which springs are loaded and latches armed for steps. */
 static inline bool supervisor_may_assist(enum supervisor_state state)
 {
     return state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING;

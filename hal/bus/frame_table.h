@@ -8,7 +8,7 @@
  * the lowest priority, the heartbeats); deadline_us counts
  * from the SYNC (or from queueing, for frames without SYNC) to the end of the
  * frame on the bus. kind: S = sent at every SYNC, N = every Nth SYNC, E = event
- * with inhibit time, A = asynchronous.
+ * with inhibit time, A = asynchronous, O = as E, by optional hardware only.
  */
 #ifndef HAL_BUS_FRAME_TABLE_H
 #define HAL_BUS_FRAME_TABLE_H
@@ -35,7 +35,10 @@ enum {
     SLOW_PDO_TICKS = TICKS_OF_MS(100),
     HEARTBEAT_PERIOD_MS = 100,
     HEARTBEAT_TIMEOUT_MS = 250,
-    HEARTBEAT_TIMEOUT_TICKS = TICKS_OF_MS(HEARTBEAT_TIMEOUT_MS)
+    HEARTBEAT_TIMEOUT_TICKS = TICKS_OF_MS(HEARTBEAT_TIMEOUT_MS),
+    FOOT_INHIBIT_TICKS = 5, /* FOOT is sent on change, at most once in so many ticks, */
+    FOOT_REPEAT_MS = 50,    /* and at least once in this time */
+    FOOT_AGE_MAX_TICKS = TICKS_OF_MS(120)
 };
 
 /* bit/s. A build may choose another, with a tick that fits it (scripts/bus-budget). */
@@ -67,6 +70,8 @@ static_assert(SLOW_PDO_TICKS >= 1 && SLOW_PDO_TICKS <= 240, "a PDO comes at most
     X(DRIVE_COMMAND_RIGHT, 0x302, 6, FRAME_TICKS(2), FRAME_TICKS(5), 16, E) \
     X(DRIVE_SLOW_LEFT, 0x381, 8, 100000, 50000, 1, N)                       \
     X(DRIVE_SLOW_RIGHT, 0x382, 8, 100000, 50000, 2, N)                      \
+    X(FOOT_LEFT, 0x383, 1, FRAME_TICKS(5), FRAME_TICKS(5), 3, O)            \
+    X(FOOT_RIGHT, 0x384, 1, FRAME_TICKS(5), FRAME_TICKS(5), 4, O)           \
     X(SDO_ANSWER_DRIVE_LEFT, 0x581, 8, 50000, 100000, 1, A)                 \
     X(SDO_ANSWER_DRIVE_RIGHT, 0x582, 8, 50000, 100000, 2, A)                \
     X(SDO_ANSWER_SENSOR_LEFT, 0x583, 8, 50000, 100000, 3, A)                \
@@ -89,8 +94,8 @@ static_assert(SLOW_PDO_TICKS >= 1 && SLOW_PDO_TICKS <= 240, "a PDO comes at most
     X(DRIVE_TARGET_RIGHT, 0x202, 4, FRAME_TICKS(1), FRAME_TICKS(1), 16, S)  \
     X(LATCH_COMMAND_LEFT, 0x303, 4, FRAME_TICKS(2), FRAME_TICKS(5), 16, E)  \
     X(LATCH_COMMAND_RIGHT, 0x304, 4, FRAME_TICKS(2), FRAME_TICKS(5), 16, E) \
-    X(LATCH_STATE_LEFT, 0x383, 1, 20000, 10000, 5, E)                       \
-    X(LATCH_STATE_RIGHT, 0x384, 1, 20000, 10000, 6, E)
+    X(LATCH_STATE_LEFT, 0x385, 1, 20000, 10000, 5, E)                       \
+    X(LATCH_STATE_RIGHT, 0x386, 1, 20000, 10000, 6, E)
 
 #define FRAME_ID_ENTRY(name, id, bytes, period_us, deadline_us, node, kind) FRAME_##name = id,
 enum frame_id { FRAME_TABLE(FRAME_ID_ENTRY) FRAME_OPTIONAL_TABLE(FRAME_ID_ENTRY) };
@@ -116,6 +121,8 @@ enum {
     LEG_ANGLE_COUNTS_PER_TURN = 1 << 24, /* LEG_STATE bytes 0..2, signed */
     ANKLE_COUNTS_PER_METRE = 100000,     /* LEG_STATE bytes 3..4, signed, linear ankle */
     ANKLE_COUNTS_PER_TURN = 1 << 16,     /* the same bytes, lever ankle */
+    FOOT_IS_DOWN = 1 << 0,               /* FOOT byte 0: the switch is closed, */
+    FOOT_HAS_FAULT = 1 << 1,             /* or does not know */
     DRIVE_OUTPUT_LATCH_ARMED = 1 << 16   /* object 0x60FE:01 */
 };
 

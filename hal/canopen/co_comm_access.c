@@ -9,7 +9,7 @@ enum {
     RPDO_MAPPING = 0x1600,
     TPDO_COMMUNICATION = 0x1800,
     TPDO_MAPPING = 0x1A00,
-    AREA_LAST = 0x1FFF,
+    PROGRAM_DATA = 0x1F50, /* CiA 302-3 begins here, the profile's area at 0x2000 */
     STORE_PARAMETERS = 0x1010,
     RESTORE_PARAMETERS = 0x1011,
     SUB_COB_ID = 1,
@@ -17,10 +17,10 @@ enum {
     SUB_INHIBIT = 3
 };
 
-/* What the profile answers for: its own objects, and storing parameters. */
+/* What the profile answers for: its own objects, programs, and storing parameters. */
 static bool is_applications(uint16_t index)
 {
-    return index > AREA_LAST || index == STORE_PARAMETERS || index == RESTORE_PARAMETERS;
+    return index >= PROGRAM_DATA || index == STORE_PARAMETERS || index == RESTORE_PARAMETERS;
 }
 
 /* Identifiers that SYNC, EMCY, PDOs and SDOs must not be given: CiA 301 table 41, restricted
@@ -203,4 +203,22 @@ void co_comm_reading(void *context, const struct co_entry *entry)
     if (is_applications(entry->index) && device->config.ops->access.reading != NULL) {
         device->config.ops->access.reading(device->config.context, entry);
     }
+}
+
+/* Domains are the application's; its tables say which can be written. */
+uint32_t co_comm_begin(void *context, const struct co_entry *entry, uint32_t total)
+{
+    const struct co_device *device = context;
+    const struct co_device_ops *ops = device->config.ops;
+    return ops->access.begin == NULL || ops->access.take == NULL
+               ? CO_ABORT_ACCESS
+               : ops->access.begin(device->config.context, entry, total);
+}
+
+uint32_t co_comm_take(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                      unsigned length, bool last)
+{
+    const struct co_device *device = context;
+    const struct co_device_ops *ops = device->config.ops;
+    return ops->access.take(device->config.context, entry, bytes, length, last);
 }

@@ -111,8 +111,11 @@ int co_device_init(struct co_device *device, const struct co_device_config *conf
         (struct co_dictionary){co_comm_objects, co_comm_object_count, &device->comm};
     device->dictionaries[1] = config->pdos.objects;
     device->dictionaries[2] = *config->application;
-    device->hooks = (struct co_access_hooks){
-        .writing = co_comm_writing, .written = co_comm_written, .reading = co_comm_reading};
+    device->hooks = (struct co_access_hooks){.writing = co_comm_writing,
+                                             .written = co_comm_written,
+                                             .reading = co_comm_reading,
+                                             .begin = co_comm_begin,
+                                             .take = co_comm_take};
     return start_communication(device, now_ns);
 }
 

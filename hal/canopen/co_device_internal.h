@@ -31,6 +31,9 @@ uint32_t co_comm_writing(void *context, const struct co_entry *entry, const uint
                          unsigned length);
 void co_comm_written(void *context, const struct co_entry *entry);
 void co_comm_reading(void *context, const struct co_entry *entry);
+uint32_t co_comm_begin(void *context, const struct co_entry *entry, uint32_t total);
+uint32_t co_comm_take(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                      unsigned length, bool last);
 
 void co_device_take_rpdo(struct co_device *device, unsigned number, const struct can_msg *message,
                          uint64_t now_ns);

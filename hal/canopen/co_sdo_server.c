@@ -103,6 +103,30 @@ static uint32_t write_object(struct co_sdo_server *server, const uint8_t *bytes,
     return co_access_write(server->hooks, server->context, entry, base, bytes, length);
 }
 
+/* A domain goes to its owner as it comes; nothing of it is kept here. */
+static uint32_t begin_domain(struct co_sdo_server *server, const struct co_entry *entry,
+                             uint32_t length)
+{
+    const struct co_access_hooks *hooks = server->hooks;
+
+    if (hooks == NULL || hooks->begin == NULL || hooks->take == NULL) {
+        return CO_ABORT_ACCESS;
+    }
+    const uint32_t refused = hooks->begin(server->context, entry, length);
+    server->domain = refused == CO_ABORT_NONE ? entry : NULL;
+    return refused;
+}
+
+static uint32_t begin_segments(struct co_sdo_server *server, const struct co_entry *entry,
+                               uint32_t length)
+{
+    server->domain = NULL;
+    if (entry->type == CO_DOMAIN) {
+        return begin_domain(server, entry, length);
+    }
+    return length > entry->size ? CO_ABORT_TOO_LONG : CO_ABORT_NONE;
+}
+
 static bool initiate_download(struct co_sdo_server *server, const uint8_t *request, uint8_t *answer)
 {
     const struct co_entry *entry;
@@ -123,8 +147,9 @@ static bool initiate_download(struct co_sdo_server *server, const uint8_t *reque
         }
     } else {
         const uint32_t length = (request[0] & SIZE_INDICATED) != 0 ? bytes_get_u32(request + 4) : 0;
-        if (length > entry->size) {
-            return send_abort(server, CO_ABORT_TOO_LONG, answer);
+        refused = begin_segments(server, entry, length);
+        if (refused != CO_ABORT_NONE) {
+            return send_abort(server, refused, answer);
         }
         server->phase = CO_SDO_DOWNLOAD;
         server->toggle = 0;
@@ -134,6 +159,28 @@ static bool initiate_download(struct co_sdo_server *server, const uint8_t *reque
     answer[0] = SERVER_INITIATE_DOWNLOAD;
     put_multiplexor(server, answer);
     return true;
+}
+
+static uint32_t take_segment(struct co_sdo_server *server, const uint8_t *bytes, unsigned count,
+                             bool last)
+{
+    if (server->domain == NULL && server->position + count > CO_VALUE_MAX) {
+        return CO_ABORT_MEMORY;
+    }
+    if (server->domain == NULL) {
+        memcpy(server->buffer + server->position, bytes, count);
+    }
+    server->position += count;
+    if (server->length != 0 && server->position > server->length) {
+        return CO_ABORT_TOO_LONG;
+    }
+    if (last && server->length != 0 && server->position != server->length) {
+        return CO_ABORT_TOO_SHORT;
+    }
+    if (server->domain != NULL) {
+        return server->hooks->take(server->context, server->domain, bytes, count, last);
+    }
+    return last ? write_object(server, server->buffer, (unsigned)server->position) : CO_ABORT_NONE;
 }
 
 static bool download_segment(struct co_sdo_server *server, const uint8_t *request, uint8_t *answer)
@@ -147,21 +194,11 @@ static bool download_segment(struct co_sdo_server *server, const uint8_t *reques
     }
     const unsigned count = SEGMENT_BYTES - (unsigned)(request[0] >> 1 & 7);
     const bool last = (request[0] & LAST_SEGMENT) != 0;
-    if (server->position + count > CO_VALUE_MAX) {
-        return send_abort(server, CO_ABORT_MEMORY, answer);
+    const uint32_t refused = take_segment(server, request + 1, count, last);
+    if (refused != CO_ABORT_NONE) {
+        return send_abort(server, refused, answer);
     }
-    memcpy(server->buffer + server->position, request + 1, count);
-    server->position += count;
     if (last) {
-        if (server->length != 0 && server->position != server->length) {
-            return send_abort(
-                server, server->position > server->length ? CO_ABORT_TOO_LONG : CO_ABORT_TOO_SHORT,
-                answer);
-        }
-        const uint32_t refused = write_object(server, server->buffer, (unsigned)server->position);
-        if (refused != CO_ABORT_NONE) {
-            return send_abort(server, refused, answer);
-        }
         server->phase = CO_SDO_IDLE;
     }
     server->toggle = (uint8_t)(toggle ^ TOGGLE);

@@ -1,5 +1,6 @@
 /* SDO server, CiA 301 clause 7.2.4: expedited and segmented transfers in both
- * directions; domains are read segment by segment from where they lie. Block transfer is
+ * directions; domains are read segment by segment from where they lie, and given to the
+ * owner segment by segment as they are written. Block transfer is
  * refused as the standard demands (0x05040001).
  * One request in, at most one answer out; it knows no bus and no clock.
  */
@@ -19,6 +20,12 @@ struct co_access_hooks {
                         unsigned length);
     void (*written)(void *context, const struct co_entry *entry);
     void (*reading)(void *context, const struct co_entry *entry);
+    /* A domain that may be written: a transfer of `total` bytes (0: not told) begins, and the
+     * next `length` bytes of it, `last` with the end. Each returns CO_ABORT_NONE, or the abort
+     * code that ends the transfer. NULL: no domain can be written. */
+    uint32_t (*begin)(void *context, const struct co_entry *entry, uint32_t total);
+    uint32_t (*take)(void *context, const struct co_entry *entry, const uint8_t *bytes,
+                     unsigned length, bool last);
 };
 
 enum co_sdo_phase { CO_SDO_IDLE = 0, CO_SDO_DOWNLOAD = 1, CO_SDO_UPLOAD = 2 };
@@ -34,9 +41,10 @@ struct co_sdo_server {
     uint8_t sub;
     uint8_t phase; /* enum co_sdo_phase */
     uint8_t toggle;
-    uint32_t length;       /* of an upload; announced length of a download, 0 unknown */
-    uint32_t position;     /* bytes done */
-    const uint8_t *source; /* of an upload: buffer, or where a domain lies */
+    uint32_t length;               /* of an upload; announced length of a download, 0 unknown */
+    uint32_t position;             /* bytes done */
+    const uint8_t *source;         /* of an upload: buffer, or where a domain lies */
+    const struct co_entry *domain; /* that is being written; NULL: another object */
     uint8_t buffer[CO_VALUE_MAX];
 };
 

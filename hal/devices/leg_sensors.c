@@ -30,6 +30,7 @@ void leg_sensors_init(struct leg_sensors *sensors, const struct leg_sensor_confi
         sensors->config[leg] = config[leg];
         fill_in(&sensors->config[leg]);
         sensors->reading[leg].age_ticks = UINT16_MAX;
+        sensors->reading[leg].foot_age_ticks = UINT16_MAX;
     }
 }
 
@@ -65,17 +66,43 @@ static float ankle_extension_m(const struct leg_sensor_config *config, int32_t c
     return extension > 0.0f ? extension : 0.0f;
 }
 
+static void count_malformed(struct leg_sensors *sensors)
+{
+    if (sensors->rx_malformed < UINT32_MAX) {
+        sensors->rx_malformed++;
+    }
+}
+
+static void receive_foot(struct leg_sensors *sensors, const struct can_msg *message)
+{
+    const enum side leg = message->id == FRAME_FOOT_RIGHT ? SIDE_RIGHT : SIDE_LEFT;
+    struct leg_sensor_reading *reading = &sensors->reading[leg];
+    if (message->length != FRAME_BYTES_FOOT_LEFT || message->flags != 0) {
+        count_malformed(sensors);
+        return;
+    }
+    const unsigned bits = message->data[0];
+    reading->foot_age_ticks = 0;
+    if ((bits & FOOT_HAS_FAULT) != 0) {
+        reading->foot = FOOT_UNKNOWN;
+    } else {
+        reading->foot = (bits & FOOT_IS_DOWN) != 0 ? FOOT_DOWN : FOOT_UP;
+    }
+}
+
 bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *message)
 {
+    if (message->id == FRAME_FOOT_LEFT || message->id == FRAME_FOOT_RIGHT) {
+        receive_foot(sensors, message);
+        return true;
+    }
     const enum side leg = message->id == FRAME_LEG_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT;
     if (message->id != FRAME_LEG_STATE_LEFT && message->id != FRAME_LEG_STATE_RIGHT) {
         return false;
     }
     const struct leg_sensor_config *config = &sensors->config[leg];
     if (message->length != config->leg_bytes + config->ankle_bytes || message->flags != 0) {
-        if (sensors->rx_malformed < UINT32_MAX) {
-            sensors->rx_malformed++;
-        }
+        count_malformed(sensors);
         return true;
     }
     const float raw_rad =
@@ -89,7 +116,9 @@ bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *mess
         (reading->leg_angle_rad != angle_rad || reading->ankle_extension_m != extension_m)) {
         duplicate_id_seen(&reading->duplicate_id_count);
     }
-    *reading = (struct leg_sensor_reading){angle_rad, extension_m, 0, reading->duplicate_id_count};
+    reading->leg_angle_rad = angle_rad;
+    reading->ankle_extension_m = extension_m;
+    reading->age_ticks = 0;
     return true;
 }
 
@@ -102,6 +131,12 @@ void leg_sensors_age(struct leg_sensors *sensors)
         }
         if (reading->age_ticks < UINT16_MAX) {
             reading->age_ticks++;
+        }
+        if (reading->foot_age_ticks < UINT16_MAX) {
+            reading->foot_age_ticks++;
+        }
+        if (reading->foot_age_ticks > FOOT_AGE_MAX_TICKS) {
+            reading->foot = FOOT_UNKNOWN;
         }
     }
 }

@@ -4,6 +4,7 @@
  * which is an extension or, for an ankle with a lever, an angle of plantarflexion. Widths and scales
  * are the device's; a 0 stands for those of hal/bus/frame_table.h: leg angle INTEGER24 in
  * 2*pi/2^24 rad, ankle INTEGER16 in 10 um or in 2*pi/2^16 rad.
+ * A sensor that has a foot switch tells its state in TPDO3, one byte, on change and every 50 ms.
  */
 #ifndef HAL_DEVICES_LEG_SENSORS_H
 #define HAL_DEVICES_LEG_SENSORS_H
@@ -12,6 +13,7 @@
 #include <stdint.h>
 
 #include "hal/bus/can_frame.h"
+#include "model/foot_contact.h"
 #include "model/side.h"
 
 /* How one leg's counts become a leg angle and an ankle extension. */
@@ -32,6 +34,8 @@ struct leg_sensor_reading {
     float ankle_extension_m;    /* >= 0 for a lever; linear ankles may read below 0 by noise */
     uint16_t age_ticks;         /* 0 = from the newest cycle; UINT16_MAX = never */
     uint8_t duplicate_id_count; /* different frames more than cycles: duplicate_id.h */
+    uint16_t foot_age_ticks;    /* of the switch's frame; UINT16_MAX = never */
+    enum foot_contact foot;     /* FOOT_UNKNOWN without a frame for FOOT_AGE_MAX_TICKS */
 };
 
 struct leg_sensors {

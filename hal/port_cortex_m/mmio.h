@@ -56,6 +56,23 @@ void mmio_barrier(void);
 
 #endif
 
+/* A register and what it must hold under `mask` once it is set up. */
+struct mmio_expected {
+    uint32_t address, mask, value;
+};
+
+/* Reads `count` registers back. Returns the address of the first that does not hold what was
+ * written, 0 when all do. One read a register. */
+static inline uint32_t mmio_first_lost(const struct mmio_expected *expected, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if ((mmio_read(expected[i].address) & expected[i].mask) != expected[i].value) {
+            return expected[i].address;
+        }
+    }
+    return 0;
+}
+
 static inline void mmio_set(uint32_t address, uint32_t bits)
 {
     mmio_write(address, mmio_read(address) | bits);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/contract.h"
 #include "hal/port_cortex_m/mmio.h"
@@ -86,6 +87,12 @@ static uint32_t oldest(const struct fifo *fifo, uint32_t *index)
     return FDCAN1_RAM_BASE + fifo->ram + *index * fifo->element_bytes;
 }
 
+/* A mask of the first `count` bytes of a word. */
+static uint32_t first_bytes(uint32_t count)
+{
+    return count >= 4U ? UINT32_MAX : (1U << (8U * count)) - 1U;
+}
+
 static void read_element(uint32_t address, bool is_event, struct can_msg *message)
 {
     uint32_t word0 = mmio_read(address), word1 = mmio_read(address + 4U);
@@ -102,8 +109,9 @@ static void read_element(uint32_t address, bool is_event, struct can_msg *messag
         message->flags = CAN_FRAME_REMOTE;
         return;
     }
-    for (uint32_t i = 0; i < message->length; i++) {
-        message->data[i] = (uint8_t)(mmio_read(address + 8U + (i & 4U)) >> (8U * (i & 3U)));
+    bytes_put_u32(message->data, mmio_read(address + 8U) & first_bytes(length));
+    if (length > 4U) {
+        bytes_put_u32(message->data + 4, mmio_read(address + 12U) & first_bytes(length - 4U));
     }
 }
 
@@ -249,18 +257,30 @@ static void make_room(struct fdcan *can, uint32_t urgent_id)
 static void refill(struct fdcan *can)
 {
     for (uint32_t place = can->queued; place > 0; place--) {
-        struct can_msg message = can->queue[place - 1U];
-        uint32_t buffer = free_buffer(can);
-        if (is_loaded(can, message.id)) {
+        const struct can_msg *message = &can->queue[place - 1U];
+        if (is_loaded(can, message->id)) {
             continue;
         }
+        const uint32_t buffer = free_buffer(can);
         if (buffer == FDCAN_TX_BUFFERS) {
-            make_room(can, message.id);
+            make_room(can, message->id);
             return;
         }
+        load_buffer(can, buffer, message);
         queue_remove(can, place - 1U);
-        load_buffer(can, buffer, &message);
     }
+}
+
+/* With nothing waiting and a buffer free, a frame need not go through the queue. */
+static bool load_directly(struct fdcan *can, const struct can_msg *message)
+{
+    const uint32_t buffer = can->queued == 0U ? free_buffer(can) : FDCAN_TX_BUFFERS;
+
+    if (buffer == FDCAN_TX_BUFFERS || is_loaded(can, message->id)) {
+        return false;
+    }
+    load_buffer(can, buffer, message);
+    return true;
 }
 
 /* Buffers whose request is gone were sent or cancelled. */
@@ -373,7 +393,7 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
     state = mmio_lock();
     if (!can->started || can->status.error_state == CAN_BUS_OFF) {
         result = CAN_DOWN;
-    } else {
+    } else if (!load_directly(can, message)) {
         HAL_ASSERT(can->queued <= FDCAN_TX_QUEUE); /* what came back was loaded again, or another */
         queue_put(can, message);
         refill(can);

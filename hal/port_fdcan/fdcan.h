@@ -57,12 +57,14 @@ struct fdcan {
     uint32_t cancelling; /* bit per buffer asked back for a more urgent frame */
     struct can_bus_status status;
     bool started;
+    uint32_t lost_register; /* its address, in the registers or in the message RAM; 0 = none */
 };
 
 enum fdcan_result {
     FDCAN_OK = 0,
     FDCAN_BAD_CONFIG = -1, /* clock gives no exact 1 Mbit/s, or too many filters */
-    FDCAN_TIMEOUT = -2     /* the core did not enter or leave its init mode */
+    FDCAN_TIMEOUT = -2,    /* the core did not enter or leave its init mode */
+    FDCAN_LOST_WRITE = -3  /* lost_register does not hold what was written; not on the bus */
 };
 
 /* Sets FDCAN1 up and joins the bus. Clock and pins must be on. *can stays the

@@ -6,12 +6,15 @@
 #include "hal/port_stm32g474/system_registers.h"
 
 enum { LSI_HZ = 32000, IWDG_DIVISOR = 4, NS_PER_US = 1000 };
+#define RELOAD ((uint32_t)WATCHDOG_TIMEOUT_MS * (LSI_HZ / IWDG_DIVISOR) / 1000U)
 /* Setting the compare takes far less than a period: the second turn hits. */
 enum { MARK_TURNS = 3 };
 
 /* ---- Timer ------------------------------------------------------------------ */
 
-void tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
+#define COUNT_OF(table) (sizeof(table) / sizeof((table)[0]))
+
+uint32_t tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
 {
     clock->high = 0;
     clock->waiting = 0;
@@ -24,6 +27,14 @@ void tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
     mmio_write(TIM2_SR, 0);
     mmio_write(TIM2_DIER, TIM_DIER_UIE | TIM_DIER_CC1IE);
     mmio_write(TIM2_CR1, TIM_CR1_CEN);
+    const struct mmio_expected expected[] = {
+        {TIM2_PSC, UINT32_MAX, timer_clock_hz / 1000000U - 1U},
+        {TIM2_ARR, UINT32_MAX, UINT32_MAX},
+        {TIM2_CCR1, UINT32_MAX, (uint32_t)TICK_PERIOD_US},
+        {TIM2_DIER, UINT32_MAX, TIM_DIER_UIE | TIM_DIER_CC1IE},
+        {TIM2_CR1, UINT32_MAX, TIM_CR1_CEN},
+    };
+    return mmio_first_lost(expected, COUNT_OF(expected));
 }
 
 static void count_missed(struct tim2_clock *clock, uint32_t periods)
@@ -131,18 +142,22 @@ struct clock tim2_clock_interface(struct tim2_clock *clock)
 
 /* ---- Watchdog --------------------------------------------------------------- */
 
-void iwdg_start(void)
+uint32_t iwdg_start(void)
 {
+    static const struct mmio_expected expected[] = {{IWDG_PR, 7U, IWDG_PR_DIV4},
+                                                    {IWDG_RLR, 0xFFFU, RELOAD}};
+
     mmio_write(IWDG_KR, IWDG_KEY_START);
     mmio_write(IWDG_KR, IWDG_KEY_UNLOCK);
     mmio_write(IWDG_PR, IWDG_PR_DIV4);
-    mmio_write(IWDG_RLR, (uint32_t)WATCHDOG_TIMEOUT_MS * (LSI_HZ / IWDG_DIVISOR) / 1000U);
+    mmio_write(IWDG_RLR, RELOAD);
     for (uint32_t poll = 0; poll < WATCHDOG_POLLS; poll++) {
         if ((mmio_read(IWDG_SR) & IWDG_SR_BUSY) == 0U) {
-            break; /* if it never ends, the time-out is the reset value's 512 ms */
+            break; /* if it never ends, the reset values still stand there */
         }
     }
     mmio_write(IWDG_KR, IWDG_KEY_FEED);
+    return mmio_first_lost(expected, COUNT_OF(expected));
 }
 
 static void feed(void *context)
@@ -170,7 +185,23 @@ static void pin_alternate(uint32_t port, uint32_t pin, uint32_t function)
     pin_mode(port, pin, GPIO_MODE_ALTERNATE);
 }
 
-void board_io_init(void)
+/* Two bits a pin, four for its alternate function. */
+#define FIELD_2(pin, value) ((uint32_t)(value) << (2U * (pin)))
+#define FIELD_4(pin, value) ((uint32_t)(value) << (4U * ((pin)&7U)))
+
+static const struct mmio_expected pins_expected[] = {
+    {RCC_APB1RSTR1, RCC_APB1_FDCAN, 0},
+    {GPIOA_BASE + GPIO_PUPDR, FIELD_2(11U, 3U), FIELD_2(11U, GPIO_PULL_UP)},
+    {GPIOA_BASE + GPIO_AFRH, FIELD_4(11U, 0xFU) | FIELD_4(12U, 0xFU),
+     FIELD_4(11U, GPIO_AF_FDCAN1) | FIELD_4(12U, GPIO_AF_FDCAN1)},
+    {GPIOA_BASE + GPIO_MODER, FIELD_2(11U, 3U) | FIELD_2(12U, 3U),
+     FIELD_2(11U, GPIO_MODE_ALTERNATE) | FIELD_2(12U, GPIO_MODE_ALTERNATE)},
+    {GPIOC_BASE + GPIO_PUPDR, FIELD_2(0U, 3U), FIELD_2(0U, GPIO_PULL_DOWN)},
+    {GPIOC_BASE + GPIO_MODER, FIELD_2(0U, 3U) | FIELD_2(1U, 3U),
+     FIELD_2(0U, GPIO_MODE_INPUT) | FIELD_2(1U, GPIO_MODE_OUTPUT)},
+};
+
+uint32_t board_io_init(void)
 {
     peripheral_clock_enable(RCC_AHB2ENR, RCC_AHB2_GPIOA | RCC_AHB2_GPIOC);
     peripheral_clock_enable(RCC_APB1ENR1, RCC_APB1_FDCAN);
@@ -182,6 +213,7 @@ void board_io_init(void)
     mmio_change(GPIOC_BASE + GPIO_PUPDR, 3U, GPIO_PULL_DOWN);
     pin_mode(GPIOC_BASE, 0U, GPIO_MODE_INPUT);
     pin_mode(GPIOC_BASE, 1U, GPIO_MODE_OUTPUT);
+    return mmio_first_lost(pins_expected, COUNT_OF(pins_expected));
 }
 
 static void toggle(void *context)

@@ -21,8 +21,9 @@ struct tim2_clock {
 };
 
 /* Starts the timer: 1 us a count, interrupt every TICK_PERIOD_US.
- * `timer_clock_hz` is a multiple of 1 MHz. Start-up only. */
-void tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz);
+ * `timer_clock_hz` is a multiple of 1 MHz. Returns 0, or the address of a register that does
+ * not hold what was written. Start-up only. */
+uint32_t tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz);
 
 /* Its interrupt: counts, nothing else. Lower priority than FDCAN1. When it comes so late
  * that further periods have ended by then, those are counted missed and not made up for.
@@ -43,14 +44,16 @@ enum {
 };
 
 /* Starts the independent watchdog; nothing but a reset stops it. It runs from the
- * 32 kHz RC oscillator, some 10 % off. Start-up only; below 1 ms. */
-void iwdg_start(void);
+ * 32 kHz RC oscillator, some 10 % off. Returns 0, or the address of a register that does not
+ * hold what was written: its time-out is another then. Start-up only; below 1 ms. */
+uint32_t iwdg_start(void);
 
 /* The independent watchdog; the context is not used. */
 extern const struct watchdog iwdg_watchdog;
 
-/* Switches the pins and FDCAN1's clock on. Start-up only. */
-void board_io_init(void);
+/* Switches the pins and FDCAN1's clock on. Returns 0, or the address of a register that does
+ * not hold what was written. Start-up only. */
+uint32_t board_io_init(void);
 
 /* PC1, push-pull: toggles once a tick that feeds the watchdog, while the drives may have power. */
 extern const struct drive_power_enable pc1_drive_power_enable;

@@ -53,6 +53,9 @@ static bool switch_to_pll(void)
 
 enum clock_tree_result clock_tree_init(void)
 {
+    static const struct mmio_expected expected[] = {{RCC_CR, RCC_CR_CSSON, RCC_CR_CSSON},
+                                                    {RCC_CCIPR, RCC_CCIPR_FDCANSEL_MASK, 0}};
+
     mmio_set(RCC_CR, RCC_CR_HSEON);
     if (!wait_for(RCC_CR, RCC_CR_HSERDY, RCC_CR_HSERDY)) {
         mmio_clear(RCC_CR, RCC_CR_HSEON);
@@ -76,7 +79,9 @@ enum clock_tree_result clock_tree_init(void)
     }
     mmio_set(RCC_CR, RCC_CR_CSSON);
     mmio_clear(RCC_CCIPR, RCC_CCIPR_FDCANSEL_MASK); /* the crystal itself */
-    return CLOCK_TREE_OK;
+    return mmio_first_lost(expected, sizeof expected / sizeof expected[0]) == 0U
+               ? CLOCK_TREE_OK
+               : CLOCK_TREE_LOST_WRITE;
 }
 
 uint32_t clock_tree_hz(void)

@@ -19,11 +19,13 @@ enum clock_tree_result {
     CLOCK_TREE_OK = 0,          /* 170 MHz from the crystal, clock security on */
     CLOCK_TREE_NO_CRYSTAL = -1, /* runs on the 16 MHz RC oscillator (1 % off: no CAN) */
     CLOCK_TREE_NO_PLL = -2,     /* likewise; the crystal runs, the PLL does not lock */
-    CLOCK_TREE_NO_BOOST = -3    /* likewise; the regulator does not go into its boost mode */
+    CLOCK_TREE_NO_BOOST = -3,   /* likewise; the regulator does not go into its boost mode */
+    /* 170 MHz from the crystal, but nobody would notice its end, or FDCAN has another clock. */
+    CLOCK_TREE_LOST_WRITE = -4
 };
 
-/* Sets the clocks up after reset. On any failure the core stays on the RC
- * oscillator at FALLBACK_HZ: the caller must go to the safe state, never onto the
+/* Sets the clocks up after reset. On any failure but CLOCK_TREE_LOST_WRITE the core stays on
+ * the RC oscillator at FALLBACK_HZ. On any failure the caller must go to the safe state, never onto the
  * bus. Start-up only, interrupts off; below 0.2 s. */
 enum clock_tree_result clock_tree_init(void);
 

@@ -41,20 +41,15 @@ bool flash_store_survives_nmi(struct flash_store *store)
     return true;
 }
 
-static enum nv_result store_read_word(void *context, uint32_t bank, uint32_t index, uint8_t *out)
+enum nv_result flash_store_read_at(struct flash_store *store, uint32_t address, uint8_t *out)
 {
-    struct flash_store *store = context;
     uint32_t half[2];
 
-    memset(out, 0, NV_WORD_BYTES);
-    if (!in_range(bank, index)) {
-        return NV_OUT_OF_RANGE;
-    }
     store->corrupt = false;
     store->reading = true;
     mmio_barrier();
-    half[0] = mmio_read(address_of(bank, index));
-    half[1] = mmio_read(address_of(bank, index) + 4U);
+    half[0] = mmio_read(address);
+    half[1] = mmio_read(address + 4U);
     mmio_barrier(); /* the interrupt comes in here, if at all */
     if ((mmio_read(FLASH_ECCR) & FLASH_ECCR_ECCD) != 0U) {
         clear_ecc_error();
@@ -62,12 +57,22 @@ static enum nv_result store_read_word(void *context, uint32_t bank, uint32_t ind
     }
     store->reading = false;
     if (store->corrupt) {
+        memset(out, 0, NV_WORD_BYTES);
         return NV_CORRUPT;
     }
     for (uint32_t i = 0; i < NV_WORD_BYTES; i++) {
         out[i] = (uint8_t)(half[i / 4U] >> (8U * (i % 4U)));
     }
     return NV_OK;
+}
+
+static enum nv_result store_read_word(void *context, uint32_t bank, uint32_t index, uint8_t *out)
+{
+    if (!in_range(bank, index)) {
+        memset(out, 0, NV_WORD_BYTES);
+        return NV_OUT_OF_RANGE;
+    }
+    return flash_store_read_at(context, address_of(bank, index), out);
 }
 
 static const uint8_t *store_map(void *context, uint32_t bank)
@@ -149,39 +154,43 @@ static enum nv_result finish(struct flash_store *store)
     return good ? NV_OK : NV_FAILED;
 }
 
-static enum nv_result erase_page(struct flash_store *store, uint32_t page)
+enum nv_result flash_store_erase_at(struct flash_store *store, uint32_t address)
 {
+    const uint32_t offset = address - FLASH_MEMORY_BASE;
+    const uint32_t page = offset % FLASH_BANK_BYTES / FLASH_PAGE_BYTES;
+    const uint32_t bank = offset < FLASH_BANK_BYTES ? 0U : FLASH_CR_BKER;
+
+    if (offset >= 2U * FLASH_BANK_BYTES || offset % FLASH_PAGE_BYTES != 0U) {
+        return NV_OUT_OF_RANGE;
+    }
     if (!unlock()) {
         return NV_FAILED;
     }
     mmio_change(FLASH_CR, FLASH_CR_PNB_MASK | FLASH_CR_BKER | FLASH_CR_PG,
-                FLASH_CR_PER | FLASH_CR_BKER | (page << FLASH_CR_PNB_POS));
+                FLASH_CR_PER | bank | (page << FLASH_CR_PNB_POS));
     mmio_set(FLASH_CR, FLASH_CR_STRT);
     return finish(store);
 }
 
 static enum nv_result store_erase(void *context, uint32_t bank)
 {
-    struct flash_store *store = context;
-    const uint32_t first = (uint32_t)FLASH_STORE_FIRST_PAGE + bank * (uint32_t)FLASH_STORE_PAGES;
     enum nv_result result = NV_OK;
 
     if (!in_range(bank, 0)) {
         return NV_OUT_OF_RANGE;
     }
     for (uint32_t i = 0; i < FLASH_STORE_PAGES && result == NV_OK; i++) {
-        result = erase_page(store, first + i);
+        result = flash_store_erase_at(context, address_of(bank, 0) + i * FLASH_PAGE_BYTES);
     }
     return result;
 }
 
-static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t index,
-                                       const uint8_t *word)
+enum nv_result flash_store_write_at(struct flash_store *store, uint32_t address,
+                                    const uint8_t *word)
 {
-    struct flash_store *store = context;
     uint32_t half[2] = {0, 0}, state;
 
-    if (!in_range(bank, index)) {
+    if (address - FLASH_MEMORY_BASE >= 2U * FLASH_BANK_BYTES || address % NV_WORD_BYTES != 0U) {
         return NV_OUT_OF_RANGE;
     }
     for (uint32_t i = 0; i < NV_WORD_BYTES; i++) {
@@ -192,11 +201,48 @@ static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t in
     }
     mmio_set(FLASH_CR, FLASH_CR_PG);
     state = mmio_lock(); /* the two halves must follow each other */
-    mmio_write(address_of(bank, index), half[0]);
+    mmio_write(address, half[0]);
     mmio_barrier();
-    mmio_write(address_of(bank, index) + 4U, half[1]);
+    mmio_write(address + 4U, half[1]);
     mmio_unlock(state);
     return finish(store);
+}
+
+static enum nv_result store_write_word(void *context, uint32_t bank, uint32_t index,
+                                       const uint8_t *word)
+{
+    return in_range(bank, index) ? flash_store_write_at(context, address_of(bank, index), word)
+                                 : NV_OUT_OF_RANGE;
+}
+
+/* ---- Programs ------------------------------------------------------------------- */
+
+static bool program_read(void *context, uint32_t address, uint8_t *out)
+{
+    return flash_store_read_at(context, address, out) == NV_OK;
+}
+
+static bool program_erase(void *context, uint32_t address)
+{
+    return flash_store_erase_at(context, address) == NV_OK;
+}
+
+static bool program_write(void *context, uint32_t address, const uint8_t *word)
+{
+    return flash_store_write_at(context, address, word) == NV_OK;
+}
+
+struct program_slots flash_store_programs(struct flash_store *store)
+{
+    const struct program_slots slots = {
+        .memory = {program_read, program_erase, program_write, store, FLASH_PAGE_BYTES},
+        .slot = FLASH_MEMORY_BASE + FLASH_STARTER_BYTES,
+        .stage = FLASH_MEMORY_BASE + FLASH_BANK_BYTES,
+        .room = FLASH_PROGRAM_BYTES,
+        .mark = FLASH_MEMORY_BASE + FLASH_BANK_BYTES + FLASH_PROGRAM_BYTES,
+        .hardware = PROGRAM_HARDWARE_NUCLEO_G474RE,
+    };
+    return slots;
 }
 
 static const struct nv_store_ops store_ops = {store_bank_words, store_read_word, store_map,

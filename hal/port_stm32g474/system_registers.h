@@ -24,6 +24,7 @@
 #define RCC_APB1RSTR1 0x40021038u
 #define RCC_AHB2ENR 0x4002104Cu
 #define RCC_APB1ENR1 0x40021058u
+#define RCC_APB1ENR2 0x4002105Cu
 #define RCC_CCIPR 0x40021088u
 #define RCC_CSR 0x40021094u
 
@@ -54,10 +55,12 @@
 #define RCC_APB1_TIM2 (1u << 0)
 #define RCC_APB1_FDCAN (1u << 25)
 #define RCC_APB1_PWR (1u << 28)
+#define RCC_APB1_LPUART1 (1u << 0) /* of the second enable register */
 #define RCC_AHB2_GPIOA (1u << 0)
 #define RCC_AHB2_GPIOC (1u << 2)
 
-#define RCC_CCIPR_FDCANSEL_MASK (3u << 24) /* 0 = HSE */
+#define RCC_CCIPR_FDCANSEL_MASK (3u << 24)   /* 0 = HSE */
+#define RCC_CCIPR_LPUART1SEL_MASK (3u << 10) /* 0 = PCLK1 */
 
 #define RCC_CSR_LSION (1u << 0)
 #define RCC_CSR_LSIRDY (1u << 1)
@@ -94,6 +97,16 @@
 #define GPIO_PULL_UP 1u
 #define GPIO_PULL_DOWN 2u
 #define GPIO_AF_FDCAN1 9u
+#define GPIO_AF_LPUART1 12u
+
+/* ---- LPUART1 ---- */
+#define LPUART1_CR1 0x40008000u
+#define LPUART1_BRR 0x4000800Cu
+#define LPUART1_ISR 0x4000801Cu
+#define LPUART1_TDR 0x40008028u
+#define LPUART_CR1_UE (1u << 0)
+#define LPUART_CR1_TE (1u << 3)
+#define LPUART_ISR_TXE (1u << 7)
 
 /* ---- TIM2, 32 bits ---- */
 #define TIM2_CR1 0x40000000u

@@ -23,7 +23,9 @@ enum crash_cause {
     CRASH_ASSERTION = 7,
     CRASH_CLOCK_FAILED = 8, /* the crystal stopped, or never started */
     CRASH_WATCHDOG = 9,     /* nobody wrote a record: the watchdog reset the processor */
-    CRASH_SUPPLY = 10       /* likewise: the supply dipped, so briefly that memory was kept */
+    CRASH_SUPPLY = 10,      /* likewise: the supply dipped, so briefly that memory was kept */
+    CRASH_LOST_WRITE = 11,  /* a register does not hold what the start wrote; detail: its address */
+    CRASH_PROGRAM = 12      /* the program in flash is another than the one that was written */
 };
 
 enum { CRASH_STACK_WORDS = 8 };
@@ -39,10 +41,10 @@ struct crash_record {
     uint32_t cfsr; /* configurable fault status */
     uint32_t hfsr; /* hard fault status */
     uint32_t fault_address;
-    uint32_t detail;                   /* interrupt number, or line of a failed assertion */
-    uint32_t time_ms;                  /* since start, 0 when unknown */
-    uint32_t count;                    /* crashes since power-up, this one included */
-    uint32_t build_id;                 /* of the firmware that wrote the record */
+    uint32_t detail;   /* interrupt number, line of a failed assertion, or address of a register */
+    uint32_t time_ms;  /* since start, 0 when unknown */
+    uint32_t count;    /* crashes since power-up, this one included */
+    uint32_t build_id; /* of the firmware that wrote the record */
     uint32_t stack[CRASH_STACK_WORDS]; /* what lay above the exception frame */
     uint32_t crc;                      /* CRC-32 of all before */
 };

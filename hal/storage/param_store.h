@@ -42,8 +42,8 @@ struct param_store {
     bool usable;            /* that copy has the right version and size */
     /* Called between parts of saving and forgetting that each block for as long as one erase or
      * PARAM_STORE_PART_WORDS words take: the watchdog is fed there. NULL = nobody is. */
-    void (*between)(const void *context);
-    const void *between_context;
+    void (*between)(void *context);
+    void *between_context;
     uint32_t corrupt_words; /* words that failed error correction while looking; saturates */
 };
 

@@ -26,7 +26,7 @@ struct bus {
 
 #define ROW(name, id, bytes, period_us, deadline_us, node, kind)                   \
     {id, 34 + 8 * (bytes) + 13 + (34 + 8 * (bytes)-1) / 4, period_us, deadline_us, \
-     (id) == FRAME_NMT || ((id) > FRAME_SYNC && (id) < 0x100)},
+     (id) == FRAME_NMT || ((id) > FRAME_SYNC && (id) < 0x100) || #kind[0] == 'O'},
 
 static void read_table(struct bus *bus, uint32_t bitrate, uint32_t tick_us)
 {

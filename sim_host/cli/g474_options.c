@@ -2,7 +2,17 @@
 
 #include "sim_host/cli/option.h"
 
-enum { KEY_CORE = 0x200, KEY_SECONDS, KEY_FAULT, KEY_FAULT_STEP, KEY_CUT, KEY_LOG, KEY_COSTS };
+enum {
+    KEY_CORE = 0x200,
+    KEY_SECONDS,
+    KEY_FAULT,
+    KEY_FAULT_STEP,
+    KEY_CUT,
+    KEY_EVERY,
+    KEY_LOSE,
+    KEY_LOG,
+    KEY_COSTS
+};
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The run:", 3},
@@ -10,10 +20,13 @@ static const struct argp_option option_list[] = {
     {"seconds", KEY_SECONDS, "T", 0, "walk at least this long (0)", 0},
     {"fault", KEY_FAULT, "NAME", 0,
      "emergency-stop, lost-sensor, lost-drive, destroyed-frames, hang, crystal-stops, no-crystal, "
-     "torn-settings, ecc-error or save-cut",
+     "torn-settings, ecc-error, save-cut, load-cut, lost-write, half-written, "
+     "damaged-program, update, update-older, update-other-board, update-walking or update-cut",
      0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
-    {"cut", KEY_CUT, "N", 0, "save-cut: power fails in flash operation N, from 0 (0)", 0},
+    {"cut", KEY_CUT, "N", 0, "save-cut, load-cut: power fails in flash operation N, from 0 (0)", 0},
+    {"every", KEY_EVERY, "N", 0, "likewise: in each N-th operation, one after the other", 0},
+    {"lose", KEY_LOSE, "ADDRESS", 0, "lost-write: of this register, decimal (TIM2's prescaler)", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 4},
     {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 4},
     {0}};
@@ -45,6 +58,12 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_CUT:
         options->cut = (uint32_t)option_whole(state, "--cut", text, 0, 100000);
         return 0;
+    case KEY_EVERY:
+        options->every = (uint32_t)option_whole(state, "--every", text, 1, 100000);
+        return 0;
+    case KEY_LOSE:
+        options->lose = (uint32_t)option_whole(state, "--lose", text, 0, UINT32_MAX);
+        return 0;
     case KEY_LOG:
         options->log_path = text;
         return 0;
@@ -74,7 +93,7 @@ static const struct argp parser = {
 
 void g474_options_parse(struct g474_options *options, int argc, char **argv)
 {
-    *options = (struct g474_options){.fault_step = 5};
+    *options = (struct g474_options){.fault_step = 5, .lose = 0x40000028u};
     walk_options_init(&options->walk);
     emulator_options_init(&options->emulator, 200, 100000);
     options->emulator.image = "build/arm/afo-nucleo-g474re.bin";

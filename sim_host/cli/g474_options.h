@@ -18,7 +18,7 @@ struct g474_options {
     const char *core;
     double seconds;
     enum chip_fault fault;
-    uint32_t fault_step, cut;
+    uint32_t fault_step, cut, every, lose;
     const char *log_path, *costs_path;
 };
 

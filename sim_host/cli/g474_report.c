@@ -5,11 +5,26 @@
 /* Four wait states at every fetch and access, no cache: what an instruction costs on average at most. */
 enum { WORST_CYCLES_PER_INSTRUCTION = 4 };
 
+/* What the virtual COM port said, its lines parted by a bar. */
+static void copy_serial(const struct chip *chip, char *text)
+{
+    uint32_t length = 0;
+
+    for (uint32_t i = 0; i < chip->uart_count; i++) {
+        const char c = chip->uart[i];
+        text[length] = c == '\n' ? '|' : c;
+        length += c == '\r' || c == '"' || c == '\\' ? 0 : 1;
+    }
+    text[length] = '\0';
+}
+
 void g474_report_json(const struct chip_session *session, double wall_s)
 {
     const struct chip_bridge *bridge = &session->bridge;
     const struct chip *chip = &session->chip;
+    char serial[CHIP_UART_MAX];
 
+    copy_serial(chip, serial);
     printf(
         "{\"good\": %s, \"steps\": %u, \"fell\": %s, \"trouble\": \"%s\", \"ticks\": %u, "
         "\"compared_frames\": %llu, \"differences\": %llu, \"first_difference\": \"%s\", "
@@ -17,7 +32,8 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         "\"worst_tick\": %u, \"sync_late_ns\": %llu, \"sync_late_tick\": %u, \"instructions\": %llu, "
         "\"simulated_s\": %.6f, \"exceptions\": %llu, \"tail_chained\": %llu, \"starts\": %u, "
         "\"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, \"crash_count\": %u, "
-        "\"flash_operations\": %u, \"cut_hit\": %s, \"permit_edges\": %llu, "
+        "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
+        "\"led_edges\": %u, \"serial\": \"%s\", "
         "\"wall_s\": %.2f}\n",
         chip_session_is_good(session) ? "true" : "false", session->record.count,
         session->fell ? "true" : "false", session->trouble, bridge->ticks,
@@ -29,7 +45,8 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         (unsigned long long)chip->scs.tail_chained, chip->resets, bridge->state,
         supervisor_fault_name((enum supervisor_fault)bridge->fault), (unsigned)session->crash.cause,
         (unsigned)session->crash.count, chip->flash_registers.operations,
-        session->cut_hit ? "true" : "false", (unsigned long long)chip->permit_edges, wall_s);
+        session->cuts.hit ? "true" : "false", session->cuts.tried, session->cuts.bad,
+        (unsigned long long)chip->permit_edges, chip->led_edges, serial, wall_s);
 }
 
 void g474_report_text(const struct chip_session *session, double wall_s)
@@ -56,6 +73,10 @@ void g474_report_text(const struct chip_session *session, double wall_s)
                supervisor_fault_name((enum supervisor_fault)bridge->fault),
                (unsigned)session->crash.cause,
                chip_session_is_safe(session) ? "unloaded" : "LOADED");
+    }
+    if (session->cuts.tried > 0) {
+        printf("power cut in %u of %u flash operations: %u ended badly\n", session->cuts.tried,
+               session->cuts.operations, session->cuts.bad);
     }
     if (session->trouble[0] != '\0') {
         printf("trouble: %s\n", session->trouble);

@@ -19,7 +19,8 @@ const char *host_report_state_name(enum supervisor_state state)
                                                          "engaging",
                                                          "walking",
                                                          "unloading",
-                                                         "FAULT"};
+                                                         "FAULT",
+                                                         "commissioning"};
     return (unsigned)state < SUPERVISOR_STATES ? names[state] : "unknown";
 }
 

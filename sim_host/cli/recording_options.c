@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sim_host/cli/option.h"
+
 /* A person's other foot lands as early as 0.17 s after the apex, so the fit around
  * it ends sooner than on the paper's walker. */
 #define PERSON_APEX_WINDOW_S REAL(0.03)
@@ -11,7 +13,13 @@
  * told otherwise), and again after they have stopped. */
 #define PERSON_ENGAGE_STEPS REAL(4.0)
 
-const char recording_options_roles[] =
+/* The largest precompression, over the prescribed one: 1.1 times its energy. */
+#define PERSON_R0_MOST_RATIO REAL(1.0488)
+
+/* Of the seed: the switches' biases. */
+enum { FOOT_SWITCH_STREAM = 0xB1A5 };
+
+static const char roles[] =
     "time, thigh_l, thigh_r, shank_l, shank_r, ankle_l, ankle_r, contact_l, contact_r";
 
 static char *column_of(struct recording_format *format, const char *role, size_t length)
@@ -38,7 +46,7 @@ static char *column_of(struct recording_format *format, const char *role, size_t
     return NULL;
 }
 
-bool recording_options_column(struct recording_format *format, const char *text)
+static bool take_column(struct recording_format *format, const char *text)
 {
     const char *equals = strchr(text, '=');
     if (equals == NULL || strlen(equals + 1) >= RECORDING_NAME_MAX) {
@@ -52,24 +60,158 @@ bool recording_options_column(struct recording_format *format, const char *text)
     return true;
 }
 
-int recording_options_apply(const char *path, const struct recording_format *format, bool open_loop,
-                            struct loop_config *config, char *message)
+enum {
+    KEY_RECORDING = 0x900,
+    KEY_COLUMN,
+    KEY_RATE,
+    KEY_ANGLES,
+    KEY_SWITCHES,
+    KEY_SWITCH_FAULT,
+    KEY_SWITCH_FAULT_S,
+    KEY_LATCH_FAULT,
+    KEY_LATCH_FAULT_S
+};
+
+static const struct argp_option option_list[] = {
+    {0, 0, 0, 0, "A recorded person:", 2},
+    {"recording", KEY_RECORDING, "FILE.csv", 0, "recorded walking in the walker's place", 0},
+    {"column", KEY_COLUMN, "ROLE=NAME", 0,
+     "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
+    {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
+    {"angles", KEY_ANGLES, "UNIT", 0, "of the recording's angles: deg (default) or rad", 0},
+    {"switches", KEY_SWITCHES, "PRESET", 0,
+     "foot switches, simulated from the recorded contact: none, seeded (default: each edge late by "
+     "0 to 40 ms), exact, 10ms, 20ms or 40ms",
+     0},
+    {"switch-fault", KEY_SWITCH_FAULT, "NAME", 0,
+     "of both switches: well, stuck-up, stuck-down, missing, chatter or false", 0},
+    {"switch-fault-s", KEY_SWITCH_FAULT_S, "S", 0, "it begins so late (default 10)", 0},
+    {"latch-fault", KEY_LATCH_FAULT, "NAME", 0,
+     "of both latches: well, opens, stays-open or stays-closed", 0},
+    {"latch-fault-s", KEY_LATCH_FAULT_S, "S", 0, "it begins so late (default 10)", 0},
+    {0}};
+
+static const double FAULT_S = 10.0;
+static const char *const latch_fault_names[PLANT_LATCH_FAULT_COUNT] = {
+    "well", "opens", "stays-open", "stays-closed"};
+
+static void check_together(struct argp_state *state, const struct recording_options *options)
+{
+    if (options->path == NULL && options->format_given) {
+        argp_error(state, "--column, --rate and --angles describe the recording of --recording");
+    }
+    if (options->path == NULL && options->switches_given) {
+        argp_error(state, "--switches and the faults of switches and latches are of the person of "
+                          "--recording");
+    }
+}
+
+static error_t take(int key, char *text, struct argp_state *state)
+{
+    static const char *const units[] = {"deg", "rad"};
+    struct recording_options *options = (struct recording_options *)state->input;
+    options->format_given =
+        options->format_given || key == KEY_COLUMN || key == KEY_RATE || key == KEY_ANGLES;
+    options->switches_given =
+        options->switches_given || (key >= KEY_SWITCHES && key <= KEY_LATCH_FAULT_S);
+    switch (key) {
+    case KEY_RECORDING:
+        options->path = text;
+        return 0;
+    case KEY_COLUMN:
+        if (!take_column(&options->format, text)) {
+            argp_error(state, "--column: \"%s\" is not ROLE=NAME with one of the roles %s", text,
+                       roles);
+        }
+        return 0;
+    case KEY_RATE:
+        options->format.sample_rate_hz = option_number(state, "--rate", text, 20.0, 5000.0);
+        return 0;
+    case KEY_ANGLES:
+        if (option_choice(state, "--angles", text, units, 2, sizeof units[0]) == 1) {
+            options->format.angle_unit_rad = 1.0;
+        }
+        return 0;
+    case KEY_SWITCHES:
+        options->switches = (enum foot_switch_preset_kind)option_choice(
+            state, "--switches", text, foot_switch_preset_names, FOOT_SWITCH_PRESET_COUNT,
+            sizeof foot_switch_preset_names[0]);
+        return 0;
+    case KEY_SWITCH_FAULT:
+        options->switch_fault = (enum foot_switch_fault)option_choice(
+            state, "--switch-fault", text, foot_switch_fault_names, FOOT_SWITCH_FAULT_COUNT,
+            sizeof foot_switch_fault_names[0]);
+        return 0;
+    case KEY_SWITCH_FAULT_S:
+        options->switch_fault_s = option_number(state, "--switch-fault-s", text, 0.0, 1e6);
+        return 0;
+    case KEY_LATCH_FAULT:
+        options->latch_fault = (enum plant_latch_fault)option_choice(
+            state, "--latch-fault", text, latch_fault_names, PLANT_LATCH_FAULT_COUNT,
+            sizeof latch_fault_names[0]);
+        return 0;
+    case KEY_LATCH_FAULT_S:
+        options->latch_fault_s = option_number(state, "--latch-fault-s", text, 0.0, 1e6);
+        return 0;
+    case ARGP_KEY_END:
+        check_together(state, options);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const struct argp recording_options_parser = {option_list, take, 0, 0, 0, 0, 0};
+
+void recording_options_init(struct recording_options *options)
+{
+    *options = (struct recording_options){
+        .switches = FOOT_SWITCH_SEEDED, .switch_fault_s = FAULT_S, .latch_fault_s = FAULT_S};
+    recording_format_default(&options->format);
+}
+
+/* With switches the node opens on the window and the contact; without, on the window alone. */
+static void apply_switches(const struct recording_options *options, struct loop_config *config)
+{
+    struct plant_config *plant = &config->plant;
+    const bool present = options->switches != FOOT_SWITCH_NONE;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct foot_switch_params *foot = &plant->foot_switch[side];
+        foot_switch_preset(options->switches, plant->seed, FOOT_SWITCH_STREAM + (uint64_t)side,
+                           foot);
+        foot->fault = options->switch_fault;
+        foot->fault_from_s =
+            options->switch_fault_s + (double)plant->recording_start_tick * plant->tick_s;
+        plant->sea[side].release_on = present ? SEA_RELEASE_CONTACT : SEA_RELEASE_COMMAND;
+    }
+    plant->latch_fault = options->latch_fault;
+    plant->latch_fault_s =
+        options->latch_fault_s + (double)plant->recording_start_tick * plant->tick_s;
+    config->params.foot_switches = present ? REAL(1.0) : REAL(0.0);
+}
+
+int recording_options_apply(const struct recording_options *options, struct loop_config *config,
+                            char *message)
 {
     struct control_params *params = &config->params;
-    if (strlen(path) >= PLANT_PATH_MAX) {
+    if (strlen(options->path) >= PLANT_PATH_MAX) {
         snprintf(message, LOOP_MESSAGE_MAX, "the path of the recording is too long");
         return -1;
     }
     config->plant.kind = PLANT_RECORDED_PERSON;
-    snprintf(config->plant.recording_path, PLANT_PATH_MAX, "%s", path);
-    config->plant.recording_format = *format;
+    snprintf(config->plant.recording_path, PLANT_PATH_MAX, "%s", options->path);
+    config->plant.recording_format = options->format;
     params->body = (real)BODY_PERSON;
     params->apex_window_s = PERSON_APEX_WINDOW_S;
     if (params->engage_steps == REAL(0.0)) {
         params->engage_steps = PERSON_ENGAGE_STEPS;
     }
-    if (!open_loop) {
+    if (!options->open_loop) {
         params->law = (real)LAW_PERSON;
+        /* A person's ceiling follows from what is prescribed. */
+        params->r0_max_m = PERSON_R0_MOST_RATIO * params->start_r0_m;
+        params->open_loop_r0_m = params->start_r0_m;
     }
+    apply_switches(options, config);
     return 0;
 }

@@ -2,23 +2,38 @@
 #ifndef SIM_HOST_CLI_RECORDING_OPTIONS_H
 #define SIM_HOST_CLI_RECORDING_OPTIONS_H
 
+#include <argp.h>
 #include <stdbool.h>
 
 #include "sim_host/loop/loop.h"
 #include "sim_host/plant/recorded_person.h"
 
-/* Takes "ROLE=NAME", e.g. "thigh_l=LT Thigh Pitch"; roles: time, and thigh, shank,
- * ankle, contact with _l or _r. An empty name: the recording has no such column.
- * Returns false when the role is unknown or the name too long. */
-bool recording_options_column(struct recording_format *format, const char *text);
+/* What is asked of a recording. */
+struct recording_options {
+    const char *path; /* NULL: no recording */
+    struct recording_format format;
+    bool format_given; /* some of the format is not the default */
+    bool open_loop;    /* keep the law */
+    enum foot_switch_preset_kind switches;
+    enum foot_switch_fault switch_fault; /* of both feet */
+    double switch_fault_s;               /* from so long after its beginning on */
+    enum plant_latch_fault latch_fault;  /* of both latches */
+    double latch_fault_s;
+    bool switches_given;
+};
 
-/* The recording's person instead of the walker, and the controller's rules, law and timing
- * for them; open_loop keeps the law. Returns 0, or -1 with the reason in message
- * (LOOP_MESSAGE_MAX bytes). The file itself is read by loop_init(). */
-int recording_options_apply(const char *path, const struct recording_format *format, bool open_loop,
-                            struct loop_config *config, char *message);
+/* Child parser: its input is a struct recording_options, set up by recording_options_init. A column is
+ * "ROLE=NAME", e.g. "thigh_l=LT Thigh Pitch"; roles: time, and thigh, shank, ankle, contact with _l or
+ * _r. An empty name: the recording has no such column. */
+extern const struct argp recording_options_parser;
 
-/* The roles, for messages. */
-extern const char recording_options_roles[];
+/* No recording; "seeded" switches. */
+void recording_options_init(struct recording_options *options);
+
+/* The recording's person instead of the walker, and the controller's rules, law and timing for them.
+ * Returns 0, or -1 with the reason in message (LOOP_MESSAGE_MAX bytes). The file itself is read by
+ * loop_init(). */
+int recording_options_apply(const struct recording_options *options, struct loop_config *config,
+                            char *message);
 
 #endif

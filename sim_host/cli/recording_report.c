@@ -12,6 +12,15 @@ static void list(struct json_writer *json, const char *name, const struct gait_m
     json_close_list(json);
 }
 
+static void loads(struct json_writer *json, const char *name, const struct gait_moments *moments)
+{
+    json_open_list(json, name);
+    for (size_t i = 0; i < moments->count; i++) {
+        json_fixed(json, NULL, moments->at[i].value, DECIMALS);
+    }
+    json_close_list(json);
+}
+
 static void leg(struct json_writer *json, const char *name, const struct gait_record *record,
                 enum side side)
 {
@@ -24,6 +33,7 @@ static void leg(struct json_writer *json, const char *name, const struct gait_re
     list(json, "toe_off_s", &seen[GAIT_LIFT_OFF], false);
     list(json, "toe_off_known_s", &seen[GAIT_LIFT_OFF], true);
     list(json, "release_s", &record->release[side], false);
+    loads(json, "release_m", &record->release[side]);
     list(json, "recorded_heel_strike_s", &record->true_strike[side], false);
     list(json, "recorded_toe_off_s", &record->true_toe_off[side], false);
     json_fixed(json, "gait_phase_error_rms", gait_record_phase_error(record, side), DECIMALS);

@@ -10,10 +10,6 @@ enum {
     KEY_CSV,
     KEY_TICKS,
     KEY_LOG,
-    KEY_RECORDING,
-    KEY_COLUMN,
-    KEY_RATE,
-    KEY_ANGLES,
     KEY_FAULT,
     KEY_FAULT_STEP,
     KEY_REAL_TIME,
@@ -23,11 +19,6 @@ enum {
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The walk:", 2},
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200; a recording: all)", 0},
-    {"recording", KEY_RECORDING, "FILE.csv", 0, "recorded walking in the walker's place", 0},
-    {"column", KEY_COLUMN, "ROLE=NAME", 0,
-     "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
-    {"rate", KEY_RATE, "HZ", 0, "samples a second of a recording without times (default 200)", 0},
-    {"angles", KEY_ANGLES, "UNIT", 0, "of the recording's angles: deg (default) or rad", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
     {"engage", KEY_ENGAGE, "STEPS", 0,
@@ -58,15 +49,12 @@ enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
 /* An option that would do nothing is a mistake of the caller's, not a wish. */
 static void check_used(struct argp_state *state, const struct sim_options *options)
 {
-    if (options->recording_path == NULL && options->format_given) {
-        argp_error(state, "--column, --rate and --angles describe the recording of --recording");
-    }
-    if (options->recording_path != NULL && ground_options_given(&options->ground)) {
+    if (options->recording.path != NULL && ground_options_given(&options->ground)) {
         argp_error(state,
                    "--slope-deg, --terrain-mm and --push act on the simulated walker, not on "
                    "the recorded one of --recording");
     }
-    if (options->recording_path != NULL && options->walk.law_given &&
+    if (options->recording.path != NULL && options->walk.law_given &&
         options->walk.law != LAW_PERSON) {
         argp_error(state, "--law and --recording exclude each other: a person's law is \"person\"");
     }
@@ -75,9 +63,10 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
     }
 }
 
-static void check_together(struct argp_state *state, const struct sim_options *options)
+static void check_together(struct argp_state *state, struct sim_options *options)
 {
-    if (options->recording_path != NULL && options->walk.speed_rad_s > 0.0) {
+    options->walk.person = options->recording.path != NULL;
+    if (options->recording.path != NULL && options->walk.speed_rad_s > 0.0) {
         argp_error(state,
                    "--speed and --recording exclude each other: a person chooses their speed");
     }
@@ -93,7 +82,6 @@ static void check_together(struct argp_state *state, const struct sim_options *o
 
 static error_t take(int key, char *text, struct argp_state *state)
 {
-    static const char *const units[] = {"deg", "rad"};
     struct sim_options *options = (struct sim_options *)state->input;
     switch (key) {
     case ARGP_KEY_INIT:
@@ -101,6 +89,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         state->child_inputs[1] = &options->sensor;
         state->child_inputs[2] = &options->ground;
         state->child_inputs[3] = &options->sensing;
+        state->child_inputs[4] = &options->recording;
         break;
     case KEY_STEPS:
         options->steps = (uint32_t)option_whole(state, "--steps", text, 1, 10000000);
@@ -113,27 +102,6 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_LOG:
         options->log_path = text;
-        break;
-    case KEY_RECORDING:
-        options->recording_path = text;
-        break;
-    case KEY_COLUMN:
-        options->format_given = true;
-        if (!recording_options_column(&options->recording_format, text)) {
-            argp_error(state, "--column: \"%s\" is not ROLE=NAME with one of the roles %s", text,
-                       recording_options_roles);
-        }
-        break;
-    case KEY_RATE:
-        options->format_given = true;
-        options->recording_format.sample_rate_hz =
-            option_number(state, "--rate", text, 20.0, 5000.0);
-        break;
-    case KEY_ANGLES:
-        options->format_given = true;
-        if (option_choice(state, "--angles", text, units, 2, sizeof units[0]) == 1) {
-            options->recording_format.angle_unit_rad = 1.0;
-        }
         break;
     case KEY_FAULT:
         options->fault = fault_of(state, text);
@@ -167,11 +135,10 @@ static error_t take(int key, char *text, struct argp_state *state)
 
 void sim_options_parse(struct sim_options *options, int argc, char **argv)
 {
-    static const struct argp_child children[] = {{&walk_options_parser, 0, "", 1},
-                                                 {&sensor_options_parser, 0, "", 3},
-                                                 {&ground_options_parser, 0, "", 4},
-                                                 {&sensing_options_parser, 0, 0, 2},
-                                                 {0}};
+    static const struct argp_child children[] = {
+        {&walk_options_parser, 0, "", 1},     {&sensor_options_parser, 0, "", 3},
+        {&ground_options_parser, 0, "", 4},   {&sensing_options_parser, 0, 0, 2},
+        {&recording_options_parser, 0, 0, 2}, {0}};
     static const struct argp parser = {
         option_list,
         take,
@@ -185,10 +152,10 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
     walk_options_init(&options->walk);
     sensor_options_init(&options->sensor);
     sensing_options_init(&options->sensing);
-    recording_format_default(&options->recording_format);
+    recording_options_init(&options->recording);
     option_parse(&parser, argc, argv, options);
     if (options->steps == 0) {
-        options->steps = options->recording_path != NULL ? UINT32_MAX : DEFAULT_STEPS;
+        options->steps = options->recording.path != NULL ? UINT32_MAX : DEFAULT_STEPS;
     }
     if (options->fault_step == UINT32_MAX) {
         options->fault_step = DEFAULT_FAULT_STEP;

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "sim_host/cli/ground_options.h"
+#include "sim_host/cli/recording_options.h"
 #include "sim_host/cli/sensing_options.h"
 #include "sim_host/cli/sensor_options.h"
 #include "sim_host/cli/walk_options.h"
@@ -18,9 +19,7 @@ struct sim_options {
     const char *csv_path;
     bool ticks;
     const char *log_path;
-    const char *recording_path;
-    struct recording_format recording_format;
-    bool format_given; /* some of recording_format is not the default */
+    struct recording_options recording;
     struct sensor_options sensor;
     struct ground_options ground;
     enum loop_fault fault;

@@ -6,6 +6,7 @@
 #include "model/tick.h"
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/host_report.h"
+#include "sim_host/cli/push_report.h"
 #include "sim_host/cli/recording_report.h"
 #include "sim_host/cli/sim_experiment.h"
 #include "sim_host/devices/setup_text.h"
@@ -57,11 +58,12 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     json_text(&json, "fault", outcome->fault[0] != '\0' ? outcome->fault : NULL);
     json_unsigned(&json, "steps", record->count);
     json_number(&json, "target_speed_rad_s", loop->config.desired_speed_rad_s, 9);
-    if (options->recording_path != NULL) {
+    if (options->recording.path != NULL) {
         json_unsigned(&json, "apexes_left", record->apexes[SIDE_LEFT]);
         json_unsigned(&json, "apexes_right", record->apexes[SIDE_RIGHT]);
         recording_report_json(&json, &record->gait);
     }
+    push_report_json(&json, &record->push, loop);
     walked_json(&json, record);
     json_number(&json, "bus_load", sim_bus_load(&loop->bus), 9);
     json_number(&json, "simulated_s", (double)loop->tick * (TICK_PERIOD_US / 1e6), 9);
@@ -198,8 +200,8 @@ static void fallback_line(FILE *stream, const struct walk_record *record)
 static void what_was_asked(FILE *stream, const struct sim_options *options, const struct loop *loop)
 {
     const struct control_params *params = &loop->config.params;
-    if (options->recording_path != NULL) {
-        fprintf(stream, "  recording  %s\n", options->recording_path);
+    if (options->recording.path != NULL) {
+        fprintf(stream, "  recording  %s\n", options->recording.path);
     }
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.person.name, (double)params->torso_mass_kg,
@@ -269,6 +271,7 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
                 100.0 * (last.greatest_rad_s - last.least_rad_s) / last.mean_rad_s);
     }
     fallback_line(stream, record);
+    push_report_text(stream, &record->push, loop);
     fprintf(stream, "  bus        %.1f %% load at %g kbit/s, %llu frames, %llu error frames\n",
             100.0 * sim_bus_load(&loop->bus), BUS_BITRATE / 1e3,
             (unsigned long long)loop->bus.stats.frames,

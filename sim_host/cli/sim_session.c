@@ -40,10 +40,12 @@ int sim_session_configure(struct sim_session *session)
     ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
-    if (options->recording_path != NULL &&
-        recording_options_apply(options->recording_path, &options->recording_format,
-                                options->walk.open_loop, &session->config, message) != 0) {
-        return program_complain("%s", message);
+    if (options->recording.path != NULL) {
+        struct recording_options recording = options->recording;
+        recording.open_loop = options->walk.open_loop;
+        if (recording_options_apply(&recording, &session->config, message) != 0) {
+            return program_complain("%s", message);
+        }
     }
     return 0;
 }
@@ -59,7 +61,7 @@ static int open_output(struct output_file *file, const char *path)
 int sim_session_open(struct sim_session *session)
 {
     const struct sim_options *options = &session->options;
-    const bool recorded = options->recording_path != NULL;
+    const bool recorded = options->recording.path != NULL;
     const uint32_t rows = recorded ? RECORDED_STEPS_MAX : options->steps + 2;
     const double origin_s =
         recorded ? (double)session->config.plant.recording_start_tick * session->config.plant.tick_s
@@ -158,7 +160,7 @@ void sim_session_walk(struct sim_session *session, const volatile sig_atomic_t *
     struct walk_watch watch;
     const double start_s = now_s();
 
-    walk_watch_init(&watch, session->options.steps, session->options.recording_path != NULL);
+    walk_watch_init(&watch, session->options.steps, session->options.recording.path != NULL);
     progress_begin(&progress, "steps",
                    session->options.steps != UINT32_MAX ? session->options.steps : 0,
                    session->options.quiet || session->options.json);

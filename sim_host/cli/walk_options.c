@@ -158,6 +158,7 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
     if (subject_read(subject, options->person_path, options->device_path, message) != 0) {
         return -1;
     }
+    subject->is_person = options->person;
     if (options->kp >= 0.0) {
         person_override(person, "kp_m_s_rad", options->kp);
     }

@@ -20,6 +20,7 @@ struct walk_options {
     enum law_mode law;
     const char *person_path; /* NULL = the paper's walker */
     const char *device_path; /* NULL = the virtual device */
+    bool person;             /* a recorded person walks, and no compass: set by the command */
 };
 
 /* Child parser: its input is a struct walk_options, set up by walk_options_init. */

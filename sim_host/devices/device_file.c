@@ -176,9 +176,12 @@ static int take_plant(struct device_file *file, int leg, const char *key, const 
                       int line, char *message, size_t size)
 {
     if (file->plant_keys == DEVICE_PLANT_KEYS_MAX || strlen(key) >= DEVICE_PLANT_TEXT_MAX ||
-        strlen(value) >= DEVICE_PLANT_TEXT_MAX) {
-        snprintf(message, size, "more than %d keys for the plant, or one of more than %d letters",
-                 DEVICE_PLANT_KEYS_MAX, DEVICE_PLANT_TEXT_MAX - 1);
+        strlen(value) >= DEVICE_PLANT_VALUE_MAX) {
+        snprintf(
+            message, size,
+            "more than %d keys for the plant, or one of more than %d letters, or a value of more than "
+            "%d",
+            DEVICE_PLANT_KEYS_MAX, DEVICE_PLANT_TEXT_MAX - 1, DEVICE_PLANT_VALUE_MAX - 1);
         return -1;
     }
     struct device_plant_key *entry = &file->plant[file->plant_keys++];

@@ -20,15 +20,16 @@
 enum {
     DEVICE_NAME_MAX = 64,
     DEVICE_MESSAGE_MAX = 768,
-    DEVICE_PLANT_KEYS_MAX = 96,
-    DEVICE_PLANT_TEXT_MAX = 48
+    DEVICE_PLANT_KEYS_MAX = 160,
+    DEVICE_PLANT_TEXT_MAX = 48,
+    DEVICE_PLANT_VALUE_MAX = 200 /* a table of points */
 };
 
 /* A key of a [plant] section, unread. */
 struct device_plant_key {
     int leg; /* enum side, or -1: [plant], both legs */
     int line;
-    char key[DEVICE_PLANT_TEXT_MAX], value[DEVICE_PLANT_TEXT_MAX];
+    char key[DEVICE_PLANT_TEXT_MAX], value[DEVICE_PLANT_VALUE_MAX];
 };
 
 struct device_file {

@@ -8,10 +8,12 @@
 /* Byte 0 of requests and answers (CiA 301, figures 31 to 38). */
 enum {
     REQUEST_WRITE = 0x23,
+    REQUEST_WRITE_SEGMENTS = 0x21,
     REQUEST_READ = 0x40,
     REQUEST_SEGMENT = 0x60,
     COMMAND_MASK = 0xE0,
     ANSWER_SEGMENT = 0x00,
+    ANSWER_SEGMENT_WRITTEN = 0x20,
     ANSWER_READ = 0x40,
     ANSWER_WRITTEN = 0x60,
     ANSWER_ABORT = 0x80,
@@ -194,4 +196,48 @@ enum sdo_upload_result sdo_write(struct sdo_upload *upload, uint16_t index, uint
     address(request, (uint8_t)(REQUEST_WRITE | (4u - size) << 2), index, sub);
     bytes_put_u32(request + 4, value);
     return start(upload, request, ANSWER_WRITTEN, answer);
+}
+
+static enum sdo_upload_result send_segment(struct sdo_upload *upload, const uint8_t *first,
+                                           uint8_t *request)
+{
+    uint8_t answer[8];
+    unsigned waits = 0;
+
+    if (!send(upload, request, &waits) || !next_answer(upload, answer, &waits)) {
+        return give_up(upload, first, CO_ABORT_TIMEOUT, SDO_UPLOAD_SILENT);
+    }
+    if ((answer[0] & COMMAND_MASK) == ANSWER_ABORT && same_object(first, answer)) {
+        upload->abort_code = bytes_get_u32(answer + 4);
+        return SDO_UPLOAD_ABORTED;
+    }
+    return (answer[0] & COMMAND_MASK) == ANSWER_SEGMENT_WRITTEN &&
+                   (answer[0] & TOGGLE) == (request[0] & TOGGLE)
+               ? SDO_UPLOAD_DONE
+               : give_up(upload, first, CO_ABORT_COMMAND, SDO_UPLOAD_DISTURBED);
+}
+
+enum sdo_upload_result sdo_download(struct sdo_upload *upload, uint16_t index, uint8_t sub,
+                                    const uint8_t *bytes, size_t length,
+                                    void (*told)(void *context, size_t done), void *told_context)
+{
+    uint8_t first[8], answer[8], toggle = 0;
+    size_t done = 0;
+
+    address(first, REQUEST_WRITE_SEGMENTS, index, sub);
+    bytes_put_u32(first + 4, (uint32_t)length);
+    enum sdo_upload_result result = start(upload, first, ANSWER_WRITTEN, answer);
+    while (result == SDO_UPLOAD_DONE && done < length) {
+        const size_t part = length - done < SEGMENT_BYTES ? length - done : SEGMENT_BYTES;
+        uint8_t request[8] = {(uint8_t)(toggle | (SEGMENT_BYTES - part) << 1)};
+        memcpy(request + 1, bytes + done, part);
+        done += part;
+        request[0] |= done == length ? LAST : 0;
+        result = send_segment(upload, first, request);
+        toggle ^= TOGGLE;
+        if (told != NULL) {
+            told(told_context, done);
+        }
+    }
+    return result;
 }

@@ -1,5 +1,5 @@
 /* Reads a large object (a domain) from a node over SDO, segment by segment (CiA 301 clause
- * 7.2.4.3.6), into the caller's memory. For tools; hal's own client takes small values.
+ * 7.2.4.3.6), into the caller's memory, or writes one. For tools; hal's own client takes small values.
  */
 #ifndef SIM_HOST_LOG_SDO_UPLOAD_H
 #define SIM_HOST_LOG_SDO_UPLOAD_H
@@ -33,6 +33,12 @@ struct sdo_upload {
  * it is called is dropped. */
 enum sdo_upload_result sdo_upload(struct sdo_upload *upload, uint16_t index, uint8_t sub,
                                   uint8_t *bytes, size_t capacity, size_t *length);
+
+/* Writes `length` bytes, segment by segment. told, which may be NULL, hears how many are through.
+ * Results as above. */
+enum sdo_upload_result sdo_download(struct sdo_upload *upload, uint16_t index, uint8_t sub,
+                                    const uint8_t *bytes, size_t length,
+                                    void (*told)(void *context, size_t done), void *told_context);
 
 /* Writes up to 4 bytes, expedited. Results as above. */
 enum sdo_upload_result sdo_write(struct sdo_upload *upload, uint16_t index, uint8_t sub,

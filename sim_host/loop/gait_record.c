@@ -28,7 +28,7 @@ void gait_record_free(struct gait_record *record)
 }
 
 static void append(struct gait_record *record, struct gait_moments *list, double event_s,
-                   double known_s)
+                   double known_s, double value)
 {
     if (list->count == list->capacity) {
         const size_t capacity = list->capacity == 0 ? 256 : 2 * list->capacity;
@@ -42,7 +42,7 @@ static void append(struct gait_record *record, struct gait_moments *list, double
         list->capacity = capacity;
     }
     list->at[list->count++] =
-        (struct gait_moment){event_s - record->origin_s, known_s - record->origin_s};
+        (struct gait_moment){event_s - record->origin_s, known_s - record->origin_s, value};
 }
 
 /* The stride from the last true strike to this one is over: now its true phase at
@@ -70,14 +70,14 @@ void gait_record_truth(struct gait_record *record, const struct walk_event *even
     const enum side side = event->side;
     switch (event->kind) {
     case WALK_EVENT_HEEL_STRIKE:
-        append(record, &record->true_strike[side], event->time_s, event->time_s);
+        append(record, &record->true_strike[side], event->time_s, event->time_s, 0.0);
         measure_phase(record, side);
         break;
     case WALK_EVENT_TOE_OFF:
-        append(record, &record->true_toe_off[side], event->time_s, event->time_s);
+        append(record, &record->true_toe_off[side], event->time_s, event->time_s, 0.0);
         break;
     case WALK_EVENT_RELEASE:
-        append(record, &record->release[side], event->time_s, event->time_s);
+        append(record, &record->release[side], event->time_s, event->time_s, event->value);
         break;
     default:
         break;
@@ -96,7 +96,7 @@ void gait_record_take(struct gait_record *record, const struct loop *loop)
             append(record, &record->seen[event->side][kind],
                    ((double)event->tick - SAMPLED_BEFORE_TICKS) * period_s -
                        (double)event->before_tick_s,
-                   now_s);
+                   now_s, 0.0);
         }
     }
     for (int side = 0; side < SIDE_COUNT; side++) {

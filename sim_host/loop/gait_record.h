@@ -16,6 +16,7 @@
 struct gait_moment {
     double event_s; /* when it happened, as estimated */
     double known_s; /* when the controller reported it */
+    double value;   /* a release: the motor's position in metres of spring; else 0 */
 };
 
 /* A list that grows; count entries are valid. */

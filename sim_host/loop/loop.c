@@ -29,20 +29,27 @@ static void configure_actuators(struct plant_config *plant, const struct subject
     for (int side = 0; side < SIDE_COUNT; side++) {
         const double *number = subject->device.number[side];
         struct sea_params *sea = &plant->sea[side];
-        if (device_leg_is_driven(&subject->device.description.leg[side])) {
-            sea->counts_per_m = number[DEVICE_LEG_counts_per_m];
-            sea->rated_force_N = number[DEVICE_LEG_rated_force_N] > 0.0
-                                     ? number[DEVICE_LEG_rated_force_N]
-                                     : sea->rated_force_N;
+        struct sensor_params *sensors = &plant->sensors[side];
+        sensors->ankle_is_lever = subject->device.description.leg[side].ankle == DEVICE_ANKLE_LEVER;
+        sensors->ankle_lever_m = number[DEVICE_LEG_ankle_lever_m];
+        sensors->ankle_neutral_rad = number[DEVICE_LEG_ankle_neutral_rad];
+        if (subject->actuators.as_built) {
+            sea_params_as_built(&subject->actuators.config[side], sea);
+        }
+        if (!device_leg_is_driven(&subject->device.description.leg[side])) {
+            continue;
+        }
+        /* What the drive reports in is what it was told. */
+        sea->counts_per_m = number[DEVICE_LEG_counts_per_m];
+        sea->rated_force_N = number[DEVICE_LEG_rated_force_N] > 0.0
+                                 ? number[DEVICE_LEG_rated_force_N]
+                                 : sea->rated_force_N;
+        if (!subject->actuators.as_built) {
             sea->stroke_max_m = number[DEVICE_LEG_stroke_max_m];
             sea->end_stop_max_m = sea->stroke_max_m + 0.005 * leg_length_m;
             sea->speed_limit_m_s = number[DEVICE_LEG_speed_max_m_s];
             sea->force_limit_N = number[DEVICE_LEG_force_max_N];
         }
-        struct sensor_params *sensors = &plant->sensors[side];
-        sensors->ankle_is_lever = subject->device.description.leg[side].ankle == DEVICE_ANKLE_LEVER;
-        sensors->ankle_lever_m = number[DEVICE_LEG_ankle_lever_m];
-        sensors->ankle_neutral_rad = number[DEVICE_LEG_ankle_neutral_rad];
     }
 }
 
@@ -58,7 +65,9 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
     struct gait_point start;
     const enum gait_curve_error error =
         gait_curve(&walker, (double)config->params.start_r0_m, 0.0, 1, &start, NULL);
-    if (error != GAIT_CURVE_OK) {
+    if (error != GAIT_CURVE_OK && subject->is_person) {
+        memset(&start, 0, sizeof start); /* no compass walks: its start is nobody's */
+    } else if (error != GAIT_CURVE_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "no steady gait to start from at r0 = %g m: %s",
                  (double)config->params.start_r0_m, gait_curve_error_name(error));
         return -1;
@@ -189,10 +198,28 @@ static int init_nodes(struct loop *loop, char *message)
     return 0;
 }
 
+/* The lever that the device has at a recorded person's ankle is the one that their ankle moves. */
+static void wear(struct loop_config *config)
+{
+    const struct subject *subject = &config->subject;
+    const struct actuators *actuators = &subject->actuators;
+    const double *number = subject->device.number[SIDE_LEFT];
+    struct recording_format *format = &config->plant.recording_format;
+    if (subject->device.description.leg[SIDE_LEFT].ankle == DEVICE_ANKLE_LEVER) {
+        format->ankle_lever_m = number[DEVICE_LEG_ankle_lever_m];
+        format->ankle_neutral_rad = number[DEVICE_LEG_ankle_neutral_rad];
+    }
+    if (actuators->as_built) {
+        format->ankle_lever_m = actuators->config[SIDE_LEFT].lever_m;
+        format->lever_table = actuators->config[SIDE_LEFT].lever_table;
+    }
+}
+
 int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, char *message)
 {
     memset(loop, 0, sizeof *loop);
     loop->config = *config;
+    wear(&loop->config);
     loop->log = log;
     own_push_init(&loop->own_push, &config->own_push);
     if (bus_budget_check_build(message, LOOP_MESSAGE_MAX) != 0) {

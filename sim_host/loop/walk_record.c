@@ -54,9 +54,14 @@ int walk_record_take(struct walk_record *record, struct loop *loop)
 {
     struct walk_event event;
     int kind = -1;
+    if (!record->push_begun) {
+        push_record_init(&record->push, loop);
+        record->push_begun = true;
+    }
     while (plant_next_event(&loop->nodes.plant, &event)) {
         kind = (int)event.kind;
         gait_record_truth(&record->gait, &event);
+        push_record_event(&record->push, &event);
         if (event.kind == WALK_EVENT_APEX) {
             add_row(record, &event);
         } else if (event.kind == WALK_EVENT_HEEL_STRIKE && record->count > 0) {
@@ -64,6 +69,7 @@ int walk_record_take(struct walk_record *record, struct loop *loop)
         }
     }
     gait_record_take(&record->gait, loop);
+    push_record_take(&record->push, loop);
     if (loop->rig.task.output.new_step) {
         loop->rig.task.output.new_step = false; /* taken */
         match_step(record, &loop->rig.task.controller.last_step);

@@ -7,6 +7,7 @@
 
 #include "sim_host/loop/gait_record.h"
 #include "sim_host/loop/loop.h"
+#include "sim_host/loop/push_record.h"
 
 struct walk_row {
     uint32_t number;         /* 1 is the first apex */
@@ -28,6 +29,8 @@ struct walk_record {
     uint32_t apexes[SIDE_COUNT]; /* seen by the controller */
     uint32_t unmatched;          /* controller's apexes without one of the plant: false ones */
     double first_apex_s;
+    struct push_record push; /* what the device did at each ankle; begins with the first tick */
+    bool push_begun;
     struct gait_record gait; /* events as the controller saw them, beside the truth */
 };
 

@@ -50,7 +50,9 @@
 #define LEG_SIGNALS(X, side)                                         \
     COMMON_SIGNALS(X, SENSOR_##side)                                 \
     X(LEG_STATE_##side, LegAngle, 0, 24, "-", ANGLE_STEP_RAD, "rad") \
-    X(LEG_STATE_##side, Ankle, 24, 16, "-", "1e-05", "m")
+    X(LEG_STATE_##side, Ankle, 24, 16, "-", "1e-05", "m")            \
+    X(FOOT_##side, Down, 0, 1, "+", "1", "")                         \
+    X(FOOT_##side, Fault, 1, 1, "+", "1", "")
 
 struct frame {
     const char *name;

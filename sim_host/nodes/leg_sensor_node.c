@@ -14,7 +14,8 @@ enum {
     ANGLE_MAX = 0x7FFFFF,
     ANGLE_MIN = -0x800000,
     CYCLIC_TPDO = 0,
-    SYNC_TPDO = 1
+    SYNC_TPDO = 1,
+    FOOT_TPDO = 2
 };
 
 static const double TWO_PI = 6.283185307179586;
@@ -44,6 +45,14 @@ static void defaults(void *context, struct co_comm *comm)
     comm->tpdo[SYNC_TPDO].map[0] = UINT32_C(0x20200118);
     comm->tpdo[SYNC_TPDO].map[1] = UINT32_C(0x20200210);
     comm->tpdo[SYNC_TPDO].map_count = 2;
+    if (node->config.has_foot_switch) {
+        comm->tpdo[FOOT_TPDO].cob_id = 0x380 + id;
+        comm->tpdo[FOOT_TPDO].type = CO_EVENT_MANUFACTURER;
+        comm->tpdo[FOOT_TPDO].inhibit_100us = FOOT_INHIBIT_TICKS * TICK_PERIOD_US / 100;
+        comm->tpdo[FOOT_TPDO].event_ms = FOOT_REPEAT_MS;
+        comm->tpdo[FOOT_TPDO].map[0] = UINT32_C(0x20220008);
+        comm->tpdo[FOOT_TPDO].map_count = 1;
+    }
 }
 
 static void default_objects(struct leg_sensor_node *node)
@@ -53,6 +62,7 @@ static void default_objects(struct leg_sensor_node *node)
     objects->channel_count = 2;
     objects->speed_count = 1;
     objects->ankle_is_lever = node->config.ankle_is_lever ? 1 : 0;
+    objects->foot_contact = FOOT_HAS_FAULT;
     objects->steps_per_turn = (uint32_t)node->config.leg_counts_per_turn;
     objects->total_range = objects->steps_per_turn;
     objects->resolution = objects->steps_per_turn;
@@ -190,6 +200,17 @@ void leg_sensor_node_measure(struct leg_sensor_node *node, double leg_angle_rad,
     node->raw_angle = node_round_i32(angle / TWO_PI * config->leg_counts_per_turn);
     node->raw_ankle = node_round_i16(ankle_counts);
     update_positions(node);
+}
+
+void leg_sensor_node_measure_foot(struct leg_sensor_node *node, enum foot_contact foot)
+{
+    const uint8_t bits = foot == FOOT_UNKNOWN ? FOOT_HAS_FAULT
+                         : foot == FOOT_DOWN  ? FOOT_IS_DOWN
+                                              : 0;
+    if (node->config.has_foot_switch && bits != node->objects.foot_contact) {
+        node->objects.foot_contact = bits;
+        co_device_trigger_tpdo(&node->device, FOOT_TPDO);
+    }
 }
 
 bool leg_sensor_node_receive(struct leg_sensor_node *node, const struct can_msg *message,

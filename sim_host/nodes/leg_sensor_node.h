@@ -7,6 +7,8 @@
  * The profile's multi-sensor positions 0x6020 are 32 bits wide (manuals of TR-Electronic LA-46 and
  * Pepperl+Fuchs encoders agree). The maker's 0x2020 has the same values in the widths that fit the cycle
  * on the bus.
+ * With a foot switch it also sends TPDO3 (0x380 + node): 0x2022 foot contact (UNSIGNED8, bit 0 down,
+ * bit 1 fault), on change, and every 50 ms. Without one this PDO is switched off.
  */
 #ifndef SIM_HOST_NODES_LEG_SENSOR_NODE_H
 #define SIM_HOST_NODES_LEG_SENSOR_NODE_H
@@ -15,6 +17,7 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
+#include "model/foot_contact.h"
 #include "model/side.h"
 
 struct leg_sensor_node_config {
@@ -26,6 +29,7 @@ struct leg_sensor_node_config {
     double leg_counts_per_turn, leg_zero_rad;
     double ankle_counts_per_unit, ankle_zero; /* of a metre, or with a lever of a turn */
     bool leg_reversed, ankle_reversed;
+    bool has_foot_switch;
 };
 
 struct leg_sensor_node;
@@ -40,6 +44,9 @@ int leg_sensor_node_init(struct leg_sensor_node *node, const struct leg_sensor_n
  * and ankle extension in m, or rad with a lever. A value that is not finite raises
  * the position alarm (0x6503 bit 0, EMCY 0x5000) and the last value stays. */
 void leg_sensor_node_measure(struct leg_sensor_node *node, double leg_angle_rad, double ankle);
+
+/* What the foot switch says from now on. Nothing is sent by a node without one. */
+void leg_sensor_node_measure_foot(struct leg_sensor_node *node, enum foot_contact foot);
 
 /* Handles waiting frames and everything due by now_ns; true when a SYNC was among
  * them. */

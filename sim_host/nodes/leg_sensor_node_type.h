@@ -12,6 +12,7 @@ struct leg_sensor_objects {
     int32_t leg_angle;             /* 0x2020:01 */
     int16_t ankle;                 /* 0x2020:02 */
     uint8_t ankle_is_lever;        /* 0x2021 */
+    uint8_t foot_contact;          /* 0x2022: bit 0 down, bit 1 fault or no switch */
     uint16_t operating_parameters; /* 0x6000: bit 0 code sequence of the leg angle */
     uint32_t steps_per_turn;       /* 0x6001 */
     uint32_t total_range;          /* 0x6002 */

@@ -13,6 +13,7 @@ const struct co_entry leg_sensor_object_table[] = {
     CO_ANY(OWNER, leg_angle, 0x2020, 1, CO_INTEGER24, RO | TX, "Leg angle 2pi/2^24 rad"),
     CO_ANY(OWNER, ankle, 0x2020, 2, CO_INTEGER16, RO | TX, "Ankle 10 um or 2pi/2^16 rad"),
     CO_ANY(OWNER, ankle_is_lever, 0x2021, 0, CO_UNSIGNED8, FIXED, "Ankle is a lever"),
+    CO_ANY(OWNER, foot_contact, 0x2022, 0, CO_UNSIGNED8, RO | TX, "Foot contact"),
     CO_OBJECT(OWNER, operating_parameters, 0x6000, 0, CO_UNSIGNED16, RW, 0, 1,
               "Operating parameters"),
     CO_ANY(OWNER, steps_per_turn, 0x6001, 0, CO_UNSIGNED32, FIXED,

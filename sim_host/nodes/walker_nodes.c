@@ -93,6 +93,7 @@ static int init_side(struct walker_nodes *nodes, enum side side,
             (double)(lever ? leg->ankle_counts_per_turn : leg->ankle_counts_per_m),
         .ankle_zero = lever ? 0.0 : (double)leg->ankle_zero_m,
         .ankle_reversed = leg->ankle_direction < 0,
+        .has_foot_switch = nodes->plant.config.foot_switch[side].present,
     };
     nodes->drive_bus[side] = bus[first];
     return init_drive(nodes, side, bus[first], now_ns) == 0 &&
@@ -263,6 +264,7 @@ void walker_nodes_measure(struct walker_nodes *nodes)
         leg_sensor_node_measure(&nodes->sensor[side], sample->leg_angle_rad,
                                 lever ? (double)sample->ankle_counts * lever_count_rad
                                       : sample->ankle_extension_m);
+        leg_sensor_node_measure_foot(&nodes->sensor[side], nodes->plant.foot[side]);
     }
 }
 

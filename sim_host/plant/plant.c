@@ -6,7 +6,7 @@
 #include "sim_host/plant/plant_internal.h"
 
 /* Streams of one seed. */
-enum { STREAM_SENSOR = 0x5E0, STREAM_GROUND = 0x60D };
+enum { STREAM_SENSOR = 0x5E0, STREAM_GROUND = 0x60D, STREAM_FOOT = 0xF00 };
 
 /* Height of foothold n (from 1 on) above the slope line. */
 static double height_of_foothold(struct plant *plant, uint64_t n)
@@ -51,6 +51,9 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
         sea_init(&plant->sea[side], &config->sea[side], config->seed + (uint64_t)side);
         sensor_init(&plant->sensor[side], &config->sensors[side], config->seed,
                     STREAM_SENSOR + (uint64_t)side);
+        foot_switch_init(&plant->foot_switch[side], &config->foot_switch[side],
+                         plant->person.contact[side], config->seed, STREAM_FOOT + (uint64_t)side);
+        contact_wire_init(&plant->other_foot[side]);
     }
     rng_init(&plant->ground_rng, config->seed, STREAM_GROUND);
     start_hold_init(&plant->start_hold, &config->start_hold);
@@ -207,17 +210,22 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
         energy->own_work_J = walk->own_work_J;
     }
     for (int i = 0; i < SIDE_COUNT; i++) {
-        struct sea_output output;
-        plant_sea_output(plant, (enum side)i, &output);
-        const double stiffness = plant->sea[i].params.spring_N_per_m;
-        if (stiffness > 0.0) {
-            energy->springs_J += 0.5 * output.spring_force_N * output.spring_force_N / stiffness;
-        }
+        const enum side side = (enum side)i;
+        energy->springs_J += sea_spring_energy_now_J(&plant->sea[i], ankle_of(plant, side));
         energy->device_work_J[i] =
             is_person(plant) ? plant->person_work_J[i] : walk->device_work_J[i];
         energy->motor_work_J[i] = plant->sea[i].motor_work_J;
         energy->motor_positive_work_J[i] = plant->sea[i].motor_positive_work_J;
     }
+}
+
+double plant_ankle_lever_m(const struct plant *plant, enum side side, double ankle_m)
+{
+    const struct recording_format *format = &plant->config.recording_format;
+    (void)side; /* a recording has one lever, as it has one neutral angle */
+    return is_person(plant)
+               ? sea_lever_at_way_m(&format->lever_table, format->ankle_lever_m, ankle_m)
+               : 0.0;
 }
 
 bool plant_next_event(struct plant *plant, struct walk_event *event)

@@ -24,11 +24,22 @@
 #include <stdint.h>
 
 #include "model/side.h"
+#include "sim_host/plant/contact_wire.h"
+#include "sim_host/plant/foot_switch.h"
 #include "sim_host/plant/recorded_person.h"
 #include "sim_host/plant/sea.h"
 #include "sim_host/plant/sensors.h"
 #include "sim_host/plant/start_hold.h"
 #include "sim_host/plant/walk.h"
+
+/* Faults of a recorded person's latch, effective at once. */
+enum plant_latch_fault {
+    PLANT_LATCH_WELL = 0,
+    PLANT_LATCH_OPENS = 1,      /* by itself, under load */
+    PLANT_LATCH_STAYS_OPEN = 2, /* it does not close again */
+    PLANT_LATCH_STAYS_CLOSED = 3,
+    PLANT_LATCH_FAULT_COUNT = 4
+};
 
 enum plant_kind { PLANT_WALKER = 0, PLANT_RECORDED_PERSON = 1 };
 
@@ -48,6 +59,9 @@ struct plant_config {
     size_t heights_count;    /* caller's, must outlive the plant; after the last: 0 */
     char recording_path[PLANT_PATH_MAX]; /* PLANT_RECORDED_PERSON: the recording */
     struct recording_format recording_format;
+    struct foot_switch_params foot_switch[SIDE_COUNT]; /* of a recorded person; default: none */
+    enum plant_latch_fault latch_fault;                /* of both latches of a recorded person, */
+    double latch_fault_s;                              /* from this time on */
     uint64_t recording_start_tick; /* the recording runs from this tick on (its first sample
                                             is held before); default 1000 */
 };
@@ -62,7 +76,8 @@ enum plant_error {
     PLANT_BAD_SENSOR = -6,
     PLANT_BAD_GROUND = -7,
     PLANT_BAD_RECORDING = -8,
-    PLANT_BAD_TICK = -9 /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
+    PLANT_BAD_TICK = -9, /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
+    PLANT_BAD_FOOT_SWITCH = -10
 };
 
 /* Cumulative energies (J) since init. */
@@ -90,6 +105,9 @@ struct plant {
     struct recording recording;
     struct recorded_person_state person;
     size_t recording_cursor;
+    struct foot_switch foot_switch[SIDE_COUNT];
+    enum foot_contact foot[SIDE_COUNT];         /* what the switches say at this SYNC */
+    struct contact_wire other_foot[SIDE_COUNT]; /* at each latch's node */
 };
 
 /* The paper's walker (M = 1, m = 0.01, l = 1, k = 100, g = 9.80665) with real SEAs and 17-bit sensors on
@@ -142,6 +160,10 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy);
  * releases are events, too. False if there is none. */
 bool plant_next_event(struct plant *plant, struct walk_event *event);
 bool plant_next_step(struct plant *plant, struct walk_step *step);
+
+/* Lever of the spring at a recorded person's ankle that is extended by ankle_m, m: torque per force. 0 of a
+ * walker, whose spring works along the leg. */
+double plant_ankle_lever_m(const struct plant *plant, enum side side, double ankle_m);
 
 enum walk_fault plant_fault(const struct plant *plant);
 

@@ -118,6 +118,12 @@ enum plant_error plant_config_check(const struct plant_config *config, char *mes
             return complain(PLANT_BAD_SENSOR, message, part, bad);
         }
     }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        if ((bad = foot_switch_params_check(&config->foot_switch[side])) != NULL) {
+            (void)snprintf(part, sizeof part, "foot switch %s", SIDES[side]);
+            return complain(PLANT_BAD_FOOT_SWITCH, message, part, bad);
+        }
+    }
     if (!periods_fit(config)) {
         return complain(PLANT_BAD_TICK, message, "tick", "tick_s or drive_period_s");
     }

@@ -28,7 +28,6 @@ static void pass_contacts(struct plant *plant, size_t from, size_t to)
             if (now->contact[side] && !before->contact[side]) {
                 walk_post(&plant->walk, WALK_EVENT_HEEL_STRIKE, side, time_s,
                           now->leg_angle_rad[side]);
-                sea_other_foot_contact(&plant->sea[side_other(side)], time_s);
             } else if (!now->contact[side] && before->contact[side]) {
                 walk_post(&plant->walk, WALK_EVENT_TOE_OFF, side, time_s, now->leg_angle_rad[side]);
             }
@@ -52,26 +51,50 @@ static void pass_apex(struct plant *plant, const struct recorded_person_state *n
     }
 }
 
-/* The ankle begins to extend where it passes the trigger: a latch that is armed while
- * the recorded ankle is extended already (after heel strike it is) stays closed. */
-static void run_latch(struct plant *plant, enum side side, double before_m, double ankle_m,
-                      double now_s)
+/* The switches read the recorded contact, with errors of their own, and are wired to the latches. */
+static void run_switches(struct plant *plant)
+{
+    const double now_s = plant_now_s(plant);
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        plant->foot[k] = foot_switch_update(&plant->foot_switch[k], plant->person.contact[k],
+                                            plant->recording.has_contact, now_s);
+        contact_wire_update(&plant->other_foot[side_other((enum side)k)], plant->foot[k], now_s);
+    }
+}
+
+static enum plant_latch_fault latch_fault(const struct plant *plant, double now_s)
+{
+    return now_s >= plant->config.latch_fault_s ? plant->config.latch_fault : PLANT_LATCH_WELL;
+}
+
+/* A latch that opens by itself does so under load: at this share of its stroke. */
+static const double OPENS_AT_STROKE_RATIO = 0.02;
+
+/* A person's ankle can extend at any time: its extension opens no latch. */
+static void run_latch(struct plant *plant, enum side side, double ankle_m, double now_s)
 {
     struct sea *sea = &plant->sea[side];
-    const double trigger_m = sea->params.extension_trigger_m;
-    if (sea_may_release(sea) && before_m <= trigger_m && ankle_m > trigger_m) {
-        sea_ankle_extends(sea, now_s);
+    const enum plant_latch_fault fault = latch_fault(plant, now_s);
+    if (fault == PLANT_LATCH_OPENS && sea->latch == SEA_LATCH_CLOSED &&
+        sea->position_m > OPENS_AT_STROKE_RATIO * sea->params.stroke_max_m) {
+        sea->release_pending = true;
+        sea->release_time_s = now_s;
+    } else if (fault == PLANT_LATCH_STAYS_CLOSED) {
+        sea->release_pending = false;
+    } else if (sea_may_release(sea) && contact_wire_has_edge(&plant->other_foot[side], now_s)) {
+        sea_other_foot_contact(sea, now_s);
     }
-    if (sea->release_pending && sea->release_time_s <= now_s) {
-        sea_release_now(sea);
+    const bool due = sea->release_pending && sea->release_time_s <= now_s;
+    if ((due || sea_lets_go(sea)) && sea_release_now(sea)) {
         walk_post(&plant->walk, WALK_EVENT_RELEASE, side, now_s, sea->position_m);
     }
-    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m) {
+    /* Within the latch's own tolerance: a motor that is back at zero stands on either side of it. */
+    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m + sea->params.reclose_m) {
         sea_lift_off(sea);
         walk_post(&plant->walk, WALK_EVENT_LIFT_OFF, side, now_s, ankle_m);
     }
     /* A slack spring's output stands at its motor, wherever the ankle is. */
-    if (sea_reclose(sea, 0.0)) {
+    if (fault != PLANT_LATCH_STAYS_OPEN && sea_reclose(sea, 0.0)) {
         walk_post(&plant->walk, WALK_EVENT_RECLOSED, side, now_s, sea->position_m);
     }
 }
@@ -86,8 +109,7 @@ static void run_actuator(struct plant *plant, enum side side,
     const double step_m = (next->ankle_m[side] - start_m) / (double)periods;
     for (int i = 0; i < periods; i++) {
         const double ankle_m = start_m + (double)i * step_m;
-        run_latch(plant, side, ankle_m - step_m, ankle_m,
-                  plant_now_s(plant) + (double)i * period_s);
+        run_latch(plant, side, ankle_m, plant_now_s(plant) + (double)i * period_s);
         sea_drive_period(sea, ankle_m);
         const double before_N = sea_ankle_force_N(sea, ankle_m);
         sea_finish_period(sea);
@@ -104,6 +126,7 @@ void plant_advance_recorded_person(struct plant *plant)
                        &plant->recording_cursor, &next);
     pass_apex(plant, &next);
     pass_contacts(plant, from, plant->recording_cursor);
+    run_switches(plant);
     for (int side = 0; side < SIDE_COUNT; side++) {
         run_actuator(plant, (enum side)side, &next);
     }

@@ -85,7 +85,7 @@ void recording_format_default(struct recording_format *format)
         .angle_unit_rad = 3.14159265358979323846 / 180.0,
         .ankle_lever_m = 0.12,
         .ankle_neutral_rad = 0.0,
-        .largest_gap_s = 0.1,
+        .largest_gap_s = 0.15,
     };
 }
 
@@ -278,7 +278,8 @@ static enum recording_error fill_sample(const struct reader *reader,
         const double bent_rad =
             sample->plantarflexion_rad[side] - reader->format->ankle_neutral_rad;
         const bool has_ankle = reader->index[ANKLE_L + side] != ABSENT;
-        const double lifted_m = reader->format->ankle_lever_m * trig_sin_f64(bent_rad);
+        const double lifted_m =
+            sea_lever_way_m(&reader->format->lever_table, reader->format->ankle_lever_m, bent_rad);
         sample->ankle_m[side] = has_ankle && lifted_m > 0.0 ? lifted_m : 0.0;
         sample->contact[side] = values[CONTACT_L + side] != 0.0;
     }

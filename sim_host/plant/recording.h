@@ -15,6 +15,7 @@
 #include <stddef.h>
 
 #include "model/side.h"
+#include "sim_host/plant/sea_config.h"
 
 enum { RECORDING_NAME_MAX = 64, RECORDING_ERROR_MAX = 512 };
 
@@ -27,11 +28,12 @@ struct recording_format {
     char shank_column[SIDE_COUNT][RECORDING_NAME_MAX];
     char ankle_column[SIDE_COUNT][RECORDING_NAME_MAX];
     char contact_column[SIDE_COUNT][RECORDING_NAME_MAX];
-    double sample_rate_hz;    /* used without a time column */
-    double angle_unit_rad;    /* of all angles: 1, or pi / 180 (the default) */
-    double ankle_lever_m;     /* default 0.12 */
-    double ankle_neutral_rad; /* plantarflexion at r = 0; default 0 */
-    double largest_gap_s;     /* a longer one between samples is an error; default 0.1 */
+    double sample_rate_hz;        /* used without a time column */
+    double angle_unit_rad;        /* of all angles: 1, or pi / 180 (the default) */
+    double ankle_lever_m;         /* default 0.12 */
+    double ankle_neutral_rad;     /* plantarflexion at r = 0; default 0 */
+    struct sea_table lever_table; /* in ankle_lever_m's place, over plantarflexion from neutral */
+    double largest_gap_s;         /* a longer one between samples is an error; default 0.15 */
 };
 
 struct recording_sample {

@@ -1,4 +1,4 @@
-#include "sim_host/plant/sea.h"
+#include "sim_host/plant/sea_internal.h"
 
 #include "model/tick.h"
 
@@ -56,6 +56,10 @@ void sea_init(struct sea *sea, const struct sea_params *params, uint64_t seed)
     sea->latch = SEA_LATCH_CLOSED;
     sea->temperature_degC = params->ambient_degC;
     sea->since_command_s = INTERPOLATION_S;
+    if (params->as_built) {
+        sea_built_init(&sea->built, &params->built);
+        sea->temperature_degC = params->built.ambient_degC;
+    }
     rng_init(&sea->rng, seed, 0x5EA);
 }
 
@@ -63,7 +67,9 @@ static double goal_m(const struct sea *sea, double *speed_m_s)
 {
     const double done = sea->since_command_s / INTERPOLATION_S;
     const double way_m = sea->target_to_m - sea->target_from_m;
-    if (done >= 1.0) {
+    /* The way's last period still moves: a stream of targets must not stop the reference once a
+     * tick. Only a target that fails to come does. */
+    if (sea->since_command_s > INTERPOLATION_S + 0.5 * sea->params.drive_period_s) {
         *speed_m_s = 0.0;
         return sea->target_to_m;
     }
@@ -76,22 +82,11 @@ static void start_from_here(struct sea *sea)
 {
     sea->measured_m = encoder_m(sea);
     sea->measured_speed_m_s = sea->speed_m_s;
+    sea_loop_start(&sea->built.loop, sea->position_m, sea->speed_m_s);
     sea->reference_m = sea->measured_m;
     sea->reference_speed_m_s = sea->speed_m_s;
     sea->target_from_m = sea->target_to_m = sea->measured_m;
     sea->integral_N = 0.0;
-}
-
-static void schedule_release(struct sea *sea, double now_s)
-{
-    if (sea->latch != SEA_LATCH_CLOSED || !sea->command.latch_armed || sea->release_pending) {
-        return;
-    }
-    sea->release_pending = true;
-    sea->release_time_s = now_s + sea->params.release_latency_s;
-    if (sea->params.release_jitter_s > 0.0) {
-        sea->release_time_s += sea->params.release_jitter_s * rng_uniform(&sea->rng);
-    }
 }
 
 void sea_set_command(struct sea *sea, const struct sea_command *command, double now_s)
@@ -116,6 +111,9 @@ void sea_set_command(struct sea *sea, const struct sea_command *command, double 
             sea->target_clamped = true;
         }
         sea->since_command_s = 0.0;
+        if (sea->params.as_built) {
+            sea_loop_target(&sea->built.loop, sea->target_to_m);
+        }
         if (sea->params.ideal_motor) {
             sea->position_m =
                 clamp(sea->target_to_m, sea->params.end_stop_min_m, sea->params.end_stop_max_m);
@@ -124,7 +122,7 @@ void sea_set_command(struct sea *sea, const struct sea_command *command, double 
     if (!command->latch_armed) {
         sea->release_pending = false;
     } else if (sea->params.release_on == SEA_RELEASE_COMMAND) {
-        schedule_release(sea, now_s);
+        sea_schedule_release(sea, now_s);
     }
 }
 
@@ -220,13 +218,6 @@ static double motion_under(struct sea *sea, double net_N)
     return acceleration;
 }
 
-static double spring_force_N(const struct sea *sea, double ankle_m)
-{
-    const double output_m = sea->latch == SEA_LATCH_CLOSED ? 0.0 : ankle_m;
-    const double compression_m = sea->position_m - output_m;
-    return compression_m > 0.0 ? sea->params.spring_N_per_m * compression_m : 0.0;
-}
-
 static void ideal_period(struct sea *sea)
 {
     const double goal = sea->command.mode == SEA_TORQUE_OFF ? 0.0 : sea->target_to_m;
@@ -236,13 +227,36 @@ static void ideal_period(struct sea *sea)
     sea->measured_m = encoder_m(sea);
 }
 
+/* The motor's way over the period, as the constant acceleration that ends where it does. */
+static void built_period(struct sea *sea, double ankle_m)
+{
+    static const enum sea_loop_mode modes[] = {[SEA_TORQUE_OFF] = SEA_LOOP_OFF,
+                                               [SEA_POSITION] = SEA_LOOP_FOLLOW,
+                                               [SEA_UNLOAD] = SEA_LOOP_UNLOAD};
+    struct sea_built *built = &sea->built;
+    const double h = sea->params.drive_period_s;
+    built->spring_scale = sea_spring_scale(sea);
+    sea_built_period(built, modes[sea->command.mode], sea->latch == SEA_LATCH_CLOSED,
+                     sea_output_of(sea, ankle_m));
+    sea->motor_force_N = built->next.force_N;
+    sea->friction_N = built->next.friction_N;
+    sea->force_limited = built->loop.current_limited || built->next.voltage_limited;
+    sea->acceleration_m_s2 =
+        2.0 * (built->next.position_m - sea->position_m - h * sea->speed_m_s) / (h * h);
+}
+
 void sea_drive_period(struct sea *sea, double ankle_m)
 {
     double target_speed_m_s;
-    sea->spring_force_N = spring_force_N(sea, ankle_m);
+    sea->spring_force_N = sea_spring_force_now_N(sea, ankle_m);
+    sea_hold(sea);
     if (sea->params.ideal_motor) {
         advance_goal(sea);
         ideal_period(sea);
+        return;
+    }
+    if (sea->params.as_built) {
+        built_period(sea, ankle_m);
         return;
     }
     const double measured_m = encoder_m(sea);
@@ -271,9 +285,30 @@ double sea_speed_at_m_s(const struct sea *sea, double tau_s)
     return sea->speed_m_s + tau_s * sea->acceleration_m_s2;
 }
 
+static void finish_built(struct sea *sea)
+{
+    const struct sea_motor *now = &sea->built.motor;
+    const double before_J = now->load_J + now->friction_J, from_J = sea->motor_work_J;
+    sea_built_finish(&sea->built);
+    sea->position_m = now->position_m;
+    sea->speed_m_s = now->speed_m_s;
+    sea->acceleration_m_s2 = 0.0;
+    sea->at_end_stop = now->at_end_stop;
+    sea->temperature_degC = now->winding_degC;
+    sea->friction_loss_J = now->friction_J;
+    sea->motor_work_J += now->load_J + now->friction_J - before_J;
+    if (sea->motor_work_J > from_J) {
+        sea->motor_positive_work_J += sea->motor_work_J - from_J;
+    }
+}
+
 void sea_finish_period(struct sea *sea)
 {
     const struct sea_params *p = &sea->params;
+    if (p->as_built) {
+        finish_built(sea);
+        return;
+    }
     const double h = p->drive_period_s;
     const double from_m = sea->position_m;
     sea->position_m = sea_position_at_m(sea, h);
@@ -304,58 +339,6 @@ void sea_finish_period(struct sea *sea)
         (h / p->thermal_time_s);
 }
 
-void sea_other_foot_contact(struct sea *sea, double now_s)
-{
-    if (sea->params.release_on == SEA_RELEASE_CONTACT ||
-        sea->params.release_on == SEA_RELEASE_CONTACT_OR_EXTENSION) {
-        schedule_release(sea, now_s);
-    }
-}
-
-void sea_ankle_extends(struct sea *sea, double now_s)
-{
-    if (sea->params.release_on == SEA_RELEASE_EXTENSION ||
-        sea->params.release_on == SEA_RELEASE_CONTACT_OR_EXTENSION) {
-        schedule_release(sea, now_s);
-    }
-}
-
-void sea_release_now(struct sea *sea)
-{
-    sea->release_pending = false;
-    if (sea->latch == SEA_LATCH_CLOSED) {
-        sea->latch = SEA_LATCH_RELEASED;
-        sea->releases++;
-    }
-}
-
-void sea_lift_off(struct sea *sea)
-{
-    if (sea->latch == SEA_LATCH_RELEASED) {
-        sea->latch = sea->params.ideal_foot ? SEA_LATCH_CLOSED : SEA_LATCH_SLACK;
-    }
-}
-
-bool sea_reclose(struct sea *sea, double foot_m)
-{
-    if (sea->latch != SEA_LATCH_SLACK || foot_m > sea->params.reclose_m ||
-        sea->position_m > sea->params.reclose_m) {
-        return false;
-    }
-    sea->latch = SEA_LATCH_CLOSED;
-    return true;
-}
-
-bool sea_may_release(const struct sea *sea)
-{
-    return sea->latch == SEA_LATCH_CLOSED && sea->command.latch_armed;
-}
-
-double sea_ankle_force_N(const struct sea *sea, double ankle_m)
-{
-    return sea->latch == SEA_LATCH_CLOSED ? 0.0 : spring_force_N(sea, ankle_m);
-}
-
 void sea_read(const struct sea *sea, double ankle_m, struct sea_output *output)
 {
     const struct sea_params *p = &sea->params;
@@ -367,7 +350,7 @@ void sea_read(const struct sea *sea, double ankle_m, struct sea_output *output)
     output->speed_m_s = sea->speed_m_s;
     output->motor_force_N = sea->motor_force_N;
     output->torque_per_mille = 1000.0 * sea->motor_force_N / p->rated_force_N;
-    output->spring_force_N = spring_force_N(sea, ankle_m);
+    output->spring_force_N = sea_spring_force_now_N(sea, ankle_m);
     output->ankle_force_N = sea_ankle_force_N(sea, ankle_m);
     output->latch = sea->latch;
     output->armed = sea->command.latch_armed;
@@ -376,7 +359,13 @@ void sea_read(const struct sea *sea, double ankle_m, struct sea_output *output)
     output->force_limited = sea->force_limited;
     output->at_end_stop = sea->at_end_stop;
     output->unloaded = output->spring_force_N <= 0.01 * p->spring_N_per_m * p->stroke_max_m;
+    output->latch_slipping = sea->slipping;
+    output->current_A = sea->built.motor.current_A;
     output->temperature_degC = sea->temperature_degC;
+    if (p->as_built) {
+        output->dc_link_V = sea->built.motor.bus_V;
+        return;
+    }
     /* Copper loss and mechanical power come through the source's resistance. */
     output->dc_link_V = p->dc_link_V;
     if (p->dc_link_V > 0.0) {

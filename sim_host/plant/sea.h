@@ -24,6 +24,7 @@
 #include <stdint.h>
 
 #include "sim_host/plant/rng.h"
+#include "sim_host/plant/sea_built.h"
 
 enum sea_latch { SEA_LATCH_CLOSED = 0, SEA_LATCH_RELEASED = 1, SEA_LATCH_SLACK = 2 };
 
@@ -40,19 +41,31 @@ enum sea_release {
     SEA_RELEASE_COMMAND = 3               /* as soon as armed: timed by the controller */
 };
 
-/* Everything a SEA can be. sea_preset() fills all of it; device files override. */
+/* A latch that is broken, from the moment on at which it is set. */
+enum sea_latch_fault {
+    SEA_LATCH_WHOLE = 0,
+    SEA_LATCH_OPENS = 1,      /* opens by itself, now, and works on */
+    SEA_LATCH_STUCK_OPEN = 2, /* does not close any more */
+    SEA_LATCH_STUCK_SHUT = 3  /* does not open any more */
+};
+
+/* Everything a SEA can be. sea_preset() fills all of it, idealised: a motor that is a mass with a force,
+ * a linear spring, a latch that holds everything. sea_params_as_built() makes it an actuator of parts
+ * (sea_config.h); then motor, drive and spring are the config's, and the fields marked (i) say nothing. */
 struct sea_params {
+    bool as_built;
+    struct sea_config built; /* as_built */
     double spring_N_per_m;
-    bool ideal_motor;      /* true: position = clamped target at once, force unlimited */
-    bool ideal_foot;       /* true: after lift-off the foot is at r = 0 and latched at once */
-    double drive_period_s; /* of the position loop, divides 1 ms */
-    double motor_mass_kg;  /* rotor and screw, reflected to metres of spring */
-    double viscous_N_per_m_s;
-    double coulomb_N;            /* also holds the motor at rest */
-    double loop_bandwidth_rad_s; /* position loop */
-    double loop_damping;
-    double loop_integral_rad_s; /* corner of the integral part */
-    double force_limit_N;       /* motor force, both directions (current limit) */
+    bool ideal_motor;            /* true: position = clamped target at once, force unlimited */
+    bool ideal_foot;             /* true: after lift-off the foot is at r = 0 and latched at once */
+    double drive_period_s;       /* of the position loop, divides 1 ms */
+    double motor_mass_kg;        /* (i) rotor and screw, reflected to metres of spring */
+    double viscous_N_per_m_s;    /* (i) */
+    double coulomb_N;            /* (i) also holds the motor at rest */
+    double loop_bandwidth_rad_s; /* (i) position loop */
+    double loop_damping;         /* (i) */
+    double loop_integral_rad_s;  /* (i) corner of the integral part */
+    double force_limit_N;        /* motor force, both directions (current limit) */
     double speed_limit_m_s;
     double acceleration_limit_m_s2;        /* of the drive's reference */
     double stroke_min_m, stroke_max_m;     /* commanded positions are clamped to these */
@@ -61,10 +74,14 @@ struct sea_params {
     double counts_per_m;  /* drive position counts per metre of spring, > 0 */
     double zero_offset_m; /* reported position = true position + this */
     enum sea_release release_on;
-    double release_latency_s;   /* 0 .. 10 ms */
-    double release_jitter_s;    /* 0 .. 10 ms, added: uniform in [0, this) */
+    double release_latency_s;   /* 0 .. 50 ms */
+    double release_jitter_s;    /* 0 .. 50 ms, added: uniform in [0, this) */
     double extension_trigger_m; /* > 0 */
     double reclose_m;           /* >= 0 */
+    double reclose_s;           /* from home until it holds again, 0 .. 0.5 s */
+    double holding_N;           /* more the latch does not hold */
+    double wear_per_release;    /* share of holding_N that each release takes */
+    double slip_m_s;            /* overloaded its output creeps so fast; 0: it opens */
     double rated_force_N;       /* 1000 per mille of object 0x6077 */
     double thermal_rise_K;      /* winding above ambient at rated force for ever */
     double thermal_time_s;
@@ -94,9 +111,11 @@ struct sea_output {
     bool armed;
     bool release_pending; /* cause seen, latency running */
     bool target_clamped;  /* target outside the stroke limits */
-    bool force_limited;   /* motor force at its limit in the last period */
+    bool force_limited;   /* motor force (as built: current or voltage) at its limit, last period */
     bool at_end_stop;
-    bool unloaded; /* spring force below 1 % of spring * stroke_max */
+    bool latch_slipping; /* overloaded, and creeping */
+    double current_A;    /* as built: of the motor */
+    bool unloaded;       /* spring force below 1 % of spring * stroke_max */
     double temperature_degC;
     double dc_link_V;
 };
@@ -115,8 +134,14 @@ struct sea {
     double measured_m, measured_speed_m_s;
     double temperature_degC;
     bool force_limited, at_end_stop, target_clamped;
+    struct sea_built built; /* as_built */
     /* latch */
     enum sea_latch latch;
+    enum sea_latch_fault latch_fault;
+    double output_m; /* where a closed latch holds the spring's output; creeps when overloaded */
+    double home_s;   /* how long everything has been where it can close */
+    bool slipping;
+    bool lets_go; /* by itself: overloaded, or broken */
     bool release_pending;
     double release_time_s; /* walker's time */
     struct rng rng;
@@ -124,7 +149,8 @@ struct sea {
     double motor_work_J; /* by the motor on screw and spring */
     double motor_positive_work_J;
     double friction_loss_J;
-    uint64_t releases; /* counter */
+    uint64_t releases;  /* counters */
+    uint64_t overloads; /* times the latch did not hold the spring */
 };
 
 enum sea_preset_kind { SEA_IDEAL = 0, SEA_REAL = 1 };
@@ -147,6 +173,11 @@ struct sea_subject {
  *   foot follows the motor back. Numbers and reasons: sea_presets.c. */
 void sea_preset(enum sea_preset_kind kind, const struct sea_subject *subject,
                 struct sea_params *params);
+
+/* Params of an actuator as it is built. The config has passed sea_config_check(). The rest of the world
+ * sees its limits in the same fields as a preset's: stroke, speed, the force at the peak current, counts
+ * per metre, the latch's times. */
+void sea_params_as_built(const struct sea_config *config, struct sea_params *params);
 
 /* "ideal" or "real" -> kind; false for any other name. */
 bool sea_preset_from_name(const char *name, enum sea_preset_kind *kind);
@@ -182,17 +213,31 @@ void sea_other_foot_contact(struct sea *sea, double now_s);
 void sea_ankle_extends(struct sea *sea, double now_s);
 
 /* The latch opens now; the spring has reached its motor; the foot is back. sea_lift_off() acts only
- * in RELEASED. sea_reclose() acts only in SLACK, with motor and foot both at or below reclose_m. It
- * returns whether the latch closed. */
-void sea_release_now(struct sea *sea);
+ * in RELEASED. sea_reclose(), once every period of the drive, acts only in SLACK, with motor and foot both
+ * at or below reclose_m for reclose_s. Both return whether the latch moved; a broken one may not. */
+bool sea_release_now(struct sea *sea);
 void sea_lift_off(struct sea *sea);
 bool sea_reclose(struct sea *sea, double foot_m);
+
+/* Breaks or mends the latch, now. */
+void sea_set_latch_fault(struct sea *sea, enum sea_latch_fault fault);
+
+/* Whether an overloaded or broken latch lets go of its spring by itself now: the walk then releases it. */
+bool sea_lets_go(const struct sea *sea);
 
 /* Whether an armed, closed latch waits for a cause or for its latency to pass. */
 bool sea_may_release(const struct sea *sea);
 
-/* Force that the ankle at ankle_m feels now (>= 0; 0 while closed). */
+/* Force that the ankle at ankle_m feels now (0 while closed; below 0 only of a two-way spring). */
 double sea_ankle_force_N(const struct sea *sea, double ankle_m);
+
+/* The straight line through the force of an open latch's spring near ankle_m: force = stiffness
+ * (motor - play_m - ankle). */
+void sea_spring_at(const struct sea *sea, double ankle_m, double *stiffness_N_per_m,
+                   double *play_m);
+
+/* Energy in the spring now, J. */
+double sea_spring_energy_now_J(const struct sea *sea, double ankle_m);
 
 /* Reported counts -> metres in reported coordinates, and back (saturating). */
 double sea_counts_to_m(const struct sea_params *params, int32_t counts);

@@ -6,6 +6,8 @@
 #include "sim_host/plant/range.h"
 
 /* A 16-bit encoder on the motor of a 5 mm screw: 65536 counts * 200 turns/m. */
+#define TWO_PI 6.283185307179586
+
 static const double COUNTS_PER_M = 65536.0 * 200.0;
 
 static void fill_common(const struct sea_subject *subject, struct sea_params *params)
@@ -21,6 +23,7 @@ static void fill_common(const struct sea_subject *subject, struct sea_params *pa
     params->release_on = SEA_RELEASE_CONTACT_OR_EXTENSION;
     params->extension_trigger_m = 2e-4 * length_m;
     params->reclose_m = 2e-4 * length_m;
+    params->holding_N = 1e9;
     params->ambient_degC = 25.0;
     params->dc_link_V = 48.0;
     params->thermal_time_s = 600.0;
@@ -88,6 +91,42 @@ void sea_preset(enum sea_preset_kind kind, const struct sea_subject *subject,
     }
 }
 
+void sea_params_as_built(const struct sea_config *config, struct sea_params *params)
+{
+    const double peak_N = sea_config_force_N(config, config->current_peak_A);
+    memset(params, 0, sizeof *params);
+    params->as_built = true;
+    params->built = *config;
+    params->spring_N_per_m = sea_config_stiffness_N_per_m(config);
+    params->drive_period_s = config->drive_period_s;
+    params->motor_mass_kg = sea_config_mass_kg(config);
+    params->loop_bandwidth_rad_s = config->position_gain_1_s;
+    params->loop_damping = 1.0;
+    params->force_limit_N = peak_N;
+    params->speed_limit_m_s = config->speed_limit_m_s;
+    params->acceleration_limit_m_s2 = peak_N / params->motor_mass_kg;
+    params->stroke_max_m = config->stroke_max_m;
+    params->end_stop_min_m = -config->end_stop_m;
+    params->end_stop_max_m = config->stroke_max_m + config->end_stop_m;
+    params->unload_rate_m_s = config->unload_rate_m_s;
+    params->counts_per_m = config->encoder_counts_per_turn * sea_config_rad_per_m(config) / TWO_PI;
+    params->release_on = SEA_RELEASE_CONTACT_OR_EXTENSION;
+    params->release_latency_s = config->latch_release_s;
+    params->release_jitter_s = config->latch_jitter_s;
+    params->extension_trigger_m = config->latch_trigger_m;
+    params->reclose_m = config->latch_reclose_m;
+    params->reclose_s = config->latch_reclose_s;
+    params->holding_N = config->latch_holding_N;
+    params->wear_per_release = config->latch_wear_per_release;
+    params->slip_m_s = config->latch_slip_m_s;
+    params->rated_force_N = sea_config_force_N(config, config->current_continuous_A);
+    params->thermal_time_s = config->housing_thermal_time_s;
+    params->ambient_degC = config->ambient_degC;
+    params->dc_link_V = config->supply_V;
+    params->dc_link_ohm = config->supply_ohm;
+    params->force_per_current_N_A = config->torque_constant_Nm_A * sea_config_rad_per_m(config);
+}
+
 bool sea_preset_from_name(const char *name, enum sea_preset_kind *kind)
 {
     if (strcmp(name, "ideal") == 0) {
@@ -121,10 +160,14 @@ const char *sea_params_check(const struct sea_params *params)
         {"unload_rate_m_s", params->unload_rate_m_s, 1e-6, 1e3},
         {"counts_per_m", params->counts_per_m, 1.0, 1e9},
         {"zero_offset_m", params->zero_offset_m, -10.0, 10.0},
-        {"release_latency_s", params->release_latency_s, 0.0, 0.01},
-        {"release_jitter_s", params->release_jitter_s, 0.0, 0.01},
+        {"release_latency_s", params->release_latency_s, 0.0, 0.05},
+        {"release_jitter_s", params->release_jitter_s, 0.0, 0.05},
         {"extension_trigger_m", params->extension_trigger_m, 1e-9, 1.0},
         {"reclose_m", params->reclose_m, 0.0, 1.0},
+        {"reclose_s", params->reclose_s, 0.0, 0.5},
+        {"holding_N", params->holding_N, 0.0, 1e9},
+        {"wear_per_release", params->wear_per_release, 0.0, 1e-3},
+        {"slip_m_s", params->slip_m_s, 0.0, 10.0},
         {"rated_force_N", params->rated_force_N, 1e-6, 1e9},
         {"thermal_rise_K", params->thermal_rise_K, 0.0, 1e3},
         {"thermal_time_s", params->thermal_time_s, 1.0, 1e6},

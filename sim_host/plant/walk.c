@@ -189,10 +189,12 @@ bool walk_on_ground(const struct walk *walk, enum side side)
 void walk_ankle_spring(const struct walk *walk, const struct sea *sea, struct walker3_ankle *ankle)
 {
     const bool free_spring = sea->latch != SEA_LATCH_CLOSED;
+    double stiffness_N_per_m, play_m;
+    sea_spring_at(sea, walk->state.q[WALKER3_ANKLE], &stiffness_N_per_m, &play_m);
     *ankle = (struct walker3_ankle){
         .device_smooth = walk->phase == WALK_DOUBLE && !walk->own_push_active,
-        .device_N_per_m = free_spring ? sea->params.spring_N_per_m : 0.0,
-        .position_m = sea->position_m,
+        .device_N_per_m = free_spring ? stiffness_N_per_m : 0.0,
+        .position_m = sea->position_m - play_m,
         .speed_m_s = sea->speed_m_s,
         .acceleration_m_s2 = sea->acceleration_m_s2,
         .own_N_per_m = walk->own_push_active ? walk->params.own_push_N_per_m : 0.0,

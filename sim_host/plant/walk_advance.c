@@ -46,11 +46,11 @@ static void release_due(struct walk_run *run, enum side side)
 {
     struct walk *walk = run->walk;
     struct sea *sea = &run->sea[side];
-    if (!sea->release_pending || sea->release_time_s > walk->time_s + SAME_TIME_S) {
+    const bool due = sea->release_pending && sea->release_time_s <= walk->time_s + SAME_TIME_S;
+    const double motor_m = sea_position_at_m(sea, run->tau_s);
+    if ((!due && !sea_lets_go(sea)) || !sea_release_now(sea)) {
         return;
     }
-    const double motor_m = sea_position_at_m(sea, run->tau_s);
-    sea_release_now(sea);
     walk_post(walk, WALK_EVENT_RELEASE, side, walk->time_s, motor_m);
     if (side == walk->stance && walk->phase != WALK_HELD) {
         walk->current.release_time_s = walk->time_s;
@@ -158,7 +158,8 @@ static bool is_coupled(const struct walk_run *run)
         walk->state.q[WALKER3_ANKLE] > 0.0) {
         return true;
     }
-    if (stance->release_pending || swing->release_pending) {
+    if (stance->release_pending || swing->release_pending || sea_lets_go(stance) ||
+        sea_lets_go(swing)) {
         return true;
     }
     return swing->latch != SEA_LATCH_CLOSED &&

@@ -8,6 +8,8 @@ int afo_walker(int argc, char **argv);
 int afo_host(int argc, char **argv);
 int afo_replay(int argc, char **argv);
 int afo_blackbox(int argc, char **argv);
+int afo_ctl(int argc, char **argv);
+int afo_update(int argc, char **argv);
 int afo_settings(int argc, char **argv);
 int afo_device(int argc, char **argv);
 int afo_eds(int argc, char **argv);
@@ -17,6 +19,7 @@ int afo_soak(int argc, char **argv);
 int afo_pil(int argc, char **argv);
 int afo_g474(int argc, char **argv);
 int afo_slcan(int argc, char **argv);
+int afo_size(int argc, char **argv);
 
 /* Two studies that are files here: a table for the controller, and maps of points. */
 int afo_study_table(int argc, char **argv);

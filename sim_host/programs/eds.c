@@ -108,7 +108,7 @@ static int build_others(struct devices *devices)
     crash.cause = CRASH_HARD_FAULT;
     crash_record_seal(&crash);
     black_box_start(&box, 0, 0);
-    controller_node_attach(controller, &store, NULL, &box, &crash);
+    controller_node_attach(controller, &store, NULL, &box, &crash, NULL);
     controller->objects.build_id++;
     controller->objects.version[0]++;
     controller->device.comm.software_version[0]++;

@@ -7,6 +7,7 @@
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/progress.h"
+#include "sim_host/emulator/g474/chip_trial.h"
 #include "sim_host/programs/commands.h"
 
 struct g474 {
@@ -56,7 +57,9 @@ static int prepare(struct g474 *g474)
     session->seconds = options->seconds;
     session->fault = options->fault;
     session->fault_step = options->fault_step;
-    session->cut = options->cut;
+    session->cuts.at = options->cut;
+    session->cuts.every = options->every;
+    session->lose = options->lose;
     session->on_step = tell_progress;
     session->context = &g474->progress;
     if (chip_session_start(session, &config, options->core, options->emulator.image,
@@ -88,7 +91,7 @@ static int run(struct g474 *g474)
     chip_session_walk(session);
     progress_end(&g474->progress);
     if (session->fault != CHIP_FAULT_NONE && session->trouble[0] == '\0') {
-        chip_session_bring_fault(session);
+        chip_trial_run(session);
     }
     const double wall_s = now_s() - start_s;
     if (commit_output(&g474->log) != 0 || commit_output(&g474->costs) != 0) {

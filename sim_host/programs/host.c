@@ -90,7 +90,7 @@ int afo_host(int argc, char **argv)
         return EXIT_USAGE;
     }
     if (host.recorder.box != NULL) {
-        controller_node_attach(&host.rig.task.node, NULL, NULL, host.recorder.box, NULL);
+        controller_node_attach(&host.rig.task.node, NULL, NULL, host.recorder.box, NULL, NULL);
     }
     host_session_run(&host);
     host.figures.went_down = host.socket.counters.went_down;

@@ -41,10 +41,11 @@ static int configure(struct pil *pil)
         return program_complain("%s", message);
     }
     if (options->recording_path != NULL) {
-        struct recording_format format;
-        recording_format_default(&format);
-        if (recording_options_apply(options->recording_path, &format, options->walk.open_loop,
-                                    &pil->config, message) != 0) {
+        struct recording_options recording;
+        recording_options_init(&recording);
+        recording.path = options->recording_path;
+        recording.open_loop = options->walk.open_loop;
+        if (recording_options_apply(&recording, &pil->config, message) != 0) {
             return program_complain("%s", message);
         }
     }

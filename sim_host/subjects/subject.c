@@ -7,6 +7,8 @@ void subject_default(struct subject *subject)
 {
     person_default(&subject->person);
     device_file_default(&subject->device);
+    subject->actuators.as_built = false;
+    subject->is_person = false;
 }
 
 /* What a description can say and the controller cannot do. */
@@ -21,7 +23,7 @@ static const char *unsupported(const struct device_file *file)
             return "no foot switches are read";
         }
     }
-    return file->plant_keys > 0 ? "no key of a [plant] section is known" : NULL;
+    return NULL;
 }
 
 static int check_supported(const struct device_file *file, const char *path, char *message)
@@ -44,8 +46,9 @@ int subject_read(struct subject *subject, const char *person_path, const char *d
     if (device_path == NULL) {
         return 0;
     }
-    return device_file_read(&subject->device, device_path, message) == 0
-               ? check_supported(&subject->device, device_path, message)
+    return device_file_read(&subject->device, device_path, message) == 0 &&
+                   check_supported(&subject->device, device_path, message) == 0
+               ? actuators_of(&subject->device, device_path, &subject->actuators, message)
                : -1;
 }
 

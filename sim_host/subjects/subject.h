@@ -14,13 +14,20 @@
 #include "sim_host/gait/gait_curve.h"
 #include "sim_host/nodes/walker_nodes.h"
 #include "sim_host/persons/person.h"
+#include "sim_host/subjects/actuators.h"
 
 enum { SUBJECT_MESSAGE_MAX = 768 };
 
 struct subject {
     struct person person;
     struct device_file device;
+    struct actuators actuators; /* of the plant: by the device's [plant] sections, or idealised */
+    bool is_person;             /* a person walks; the compass' gaits need not suit the spring */
 };
+
+/* Time there is to load a spring at the highest cadence that is provided for, 130 steps a minute: from
+ * the own heel strike to shortly before the other's, s. */
+#define SUBJECT_LOAD_S (0.8 * 60.0 / 130.0)
 
 /* The paper's walker with virtual drives. */
 void subject_default(struct subject *subject);

@@ -37,6 +37,23 @@ static int check_spring(const struct subject *subject, double length_scale, char
     return -1;
 }
 
+/* The spring that the compass' gaits are computed with: the nearest one that suits. A person's law does
+ * not ask for them, and their spring may be any. */
+static double clipped_length_scale(const struct subject *subject, double length_scale)
+{
+    const double least = GAIT_CURVE_FLOOR * subject->person.leg_length_m / 0.005;
+    const double most = GAIT_CURVE_CEILING * subject->person.leg_length_m / 0.3;
+    return length_scale < least ? least : (length_scale > most ? most : length_scale);
+}
+
+static void set_spring(struct subject *subject, double spring_N_per_m)
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        device_file_set(&subject->device, (enum side)leg, DEVICE_LEG_spring_N_per_m,
+                        spring_N_per_m);
+    }
+}
+
 static int make_speed_table(const struct subject *subject, double length_scale,
                             struct speed_table *table, char *message)
 {
@@ -60,6 +77,11 @@ static int make_speed_table(const struct subject *subject, double length_scale,
         table->speed_rad_s[i] = (real)points[i].speed_rad_s;
     }
     return 0;
+}
+
+static double smaller(double a, double b)
+{
+    return a < b ? a : b;
 }
 
 /* What the laws beyond eq. (16) need, and eq. (16)'s gain for this very walker; a walker whose branch cannot be
@@ -143,9 +165,76 @@ static const struct gait_branch *branch_of(const struct subject *subject, double
     return entry != NULL && entry->branch.count > 0 ? &entry->branch : NULL;
 }
 
-static double smaller(double a, double b)
+/* What a reference may ask of motors as they are built: with room for a stop, which asks for 1.6 times as
+ * much, and for the way back behind a push, without load, which asks for twice as much. */
+#define FREE_SHARE 0.3
+#define LOADED_SHARE 0.9
+
+static double reference_acceleration_m_s2(const struct subject *subject, double r0_m)
 {
-    return a < b ? a : b;
+    double least = 1000.0;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct sea_config *config = &subject->actuators.config[leg];
+        const double most_N = 0.75 * r0_m * sea_config_stiffness_N_per_m(config);
+        least = smaller(least, FREE_SHARE * sea_config_acceleration_m_s2(config, 0.0));
+        least = smaller(least, LOADED_SHARE * sea_config_acceleration_m_s2(config, most_N));
+    }
+    return least;
+}
+
+/* The prescribed push-off must be one that the actuator as it is built can give. */
+static int check_actuators(const struct subject *subject, const struct control_params *params,
+                           char *message)
+{
+    const struct sea_duty duty = {.precompression_m = (double)params->start_r0_m,
+                                  .load_s = SUBJECT_LOAD_S};
+    char why[SUBJECT_MESSAGE_MAX / 2];
+    for (int leg = 0; leg < SIDE_COUNT && subject->actuators.as_built; leg++) {
+        if (sea_config_can_be_built(&subject->actuators.config[leg], &duty, why, sizeof why) != 0) {
+            snprintf(message, SUBJECT_MESSAGE_MAX, "%s: %s", device_leg_name(leg), why);
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static int check_lever(const struct subject *subject, int leg, char *message)
+{
+    const double stroke_m =
+        device_file_number(&subject->device, (enum side)leg, DEVICE_LEG_stroke_max_m);
+    const double lever_m =
+        device_file_number(&subject->device, (enum side)leg, DEVICE_LEG_ankle_lever_m);
+    const struct device_leg *own = &subject->device.description.leg[leg];
+    if (device_leg_is_driven(own) && own->ankle == DEVICE_ANKLE_LEVER && stroke_m > lever_m) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "%s: stroke over lever: stroke_max_m is %g m, and a lever of %g m cannot move the "
+                 "spring's end so far",
+                 device_leg_name(leg), stroke_m, lever_m);
+        return -1;
+    }
+    return 0;
+}
+
+/* The device's own numbers against each other, before anything moves. The law may ask for up to
+ * r0_max_m: nothing says so when the motor then stalls before it. */
+static int check_device(const struct subject *subject, const struct control_params *params,
+                        char *message)
+{
+    const double force_N = subject_force_max_N(subject);
+    const double greatest_N = subject_spring_N_per_m(subject) * (double)params->r0_max_m;
+    if (check_actuators(subject, params, message) != 0 ||
+        check_lever(subject, SIDE_LEFT, message) != 0 ||
+        check_lever(subject, SIDE_RIGHT, message) != 0) {
+        return -1;
+    }
+    if (greatest_N > 1.0001 * force_N) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "spring over motor: at r0_max_m, %g m, the spring pushes with %.4g N, and the "
+                 "motor gives %.4g N (force_max_N)",
+                 (double)params->r0_max_m, greatest_N, force_N);
+        return -1;
+    }
+    return 0;
 }
 
 /* Puts what control_params_validate found into words. */
@@ -241,12 +330,23 @@ int subject_control_params(const struct subject *subject, struct control_params 
         .engage_ramp_steps = REAL(10.0),
         .terrain_speed_rad_s = REAL(0.0), /* nobody gets faster than asked unless it is said so */
     };
-    if (check_spring(subject, length_scale, message) != 0 ||
-        make_speed_table(subject, length_scale, &params->table, message) != 0) {
+    struct subject compass = *subject;
+    double compass_scale = length_scale;
+    if (subject->is_person) {
+        const double ratio = length_scale / clipped_length_scale(subject, length_scale);
+        compass_scale = length_scale / ratio;
+        set_spring(&compass, spring_N_per_m * ratio * ratio);
+    }
+    if (check_spring(&compass, compass_scale, message) != 0 ||
+        make_speed_table(&compass, compass_scale, &params->table, message) != 0) {
         return -1;
     }
     double kp;
-    params->branch = branch_of(subject, length_scale, (double)params->kp_m_s_rad, &kp);
+    params->branch = branch_of(&compass, compass_scale, (double)params->kp_m_s_rad, &kp);
+    if (subject->actuators.as_built) {
+        params->sea_acceleration_m_s2 =
+            (real)reference_acceleration_m_s2(subject, (double)params->start_r0_m);
+    }
     params->kp_m_s_rad = (real)kp;
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         if (subject->person.control_overridden[i]) {
@@ -264,6 +364,9 @@ int subject_control_params(const struct subject *subject, struct control_params 
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "r0_max_m %g m is more than the SEA's stroke_max_m, %g m",
                  (double)params->r0_max_m, stroke);
+        return -1;
+    }
+    if (check_device(subject, params, message) != 0) {
         return -1;
     }
     const int verdict = control_params_validate(params);

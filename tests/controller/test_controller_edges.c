@@ -70,8 +70,8 @@ START_TEST(standing_still_its_zero_is_found)
     run(100);
     ck_assert_int_eq(output.state, SUPERVISOR_STANDBY);
     input.zero_requested = true;
-    input.leg[SIDE_LEFT] = (struct leg_measurement){0.021f, 0.004f, 0};
-    input.leg[SIDE_RIGHT] = (struct leg_measurement){-0.013f, -0.002f, 0};
+    input.leg[SIDE_LEFT] = (struct leg_measurement){0.021f, 0.004f, 0, FOOT_UNKNOWN};
+    input.leg[SIDE_RIGHT] = (struct leg_measurement){-0.013f, -0.002f, 0, FOOT_UNKNOWN};
     run(1);
     input.zero_requested = false;
     int ticks = 0;
@@ -106,8 +106,9 @@ START_TEST(a_zero_too_far_away_is_refused)
     struct leg_measurement leg[SIDE_COUNT] = {{0}};
     struct zeroing zeroing;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        leg[side] = (struct leg_measurement){cases[_i].angle_rad, cases[_i].ankle_m, 0};
-        leg[1 - side] = (struct leg_measurement){0.0f, 0.0f, 0};
+        leg[side] =
+            (struct leg_measurement){cases[_i].angle_rad, cases[_i].ankle_m, 0, FOOT_UNKNOWN};
+        leg[1 - side] = (struct leg_measurement){0.0f, 0.0f, 0, FOOT_UNKNOWN};
         zeroing_start(&zeroing);
         for (int i = 0; i < 20000 && zeroing.state == ZEROING_RUNNING; i++) {
             zeroing_update(&zeroing, leg);
@@ -120,8 +121,9 @@ END_TEST
 /* No number, or none at all, is no sample; a few of them are borne. */
 START_TEST(a_zero_without_samples_is_refused)
 {
-    static const struct leg_measurement bad[] = {
-        {NAN, 0.0f, 0}, {0.0f, INFINITY, 0}, {0.0f, 0.0f, 1}};
+    static const struct leg_measurement bad[] = {{NAN, 0.0f, 0, FOOT_UNKNOWN},
+                                                 {0.0f, INFINITY, 0, FOOT_UNKNOWN},
+                                                 {0.0f, 0.0f, 1, FOOT_UNKNOWN}};
     struct leg_measurement leg[SIDE_COUNT] = {{0}};
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct zeroing zeroing;
@@ -133,7 +135,7 @@ START_TEST(a_zero_without_samples_is_refused)
         ck_assert_int_eq(zeroing.state, ZEROING_RUNNING);
         zeroing_update(&zeroing, leg);
         ck_assert_int_eq(zeroing.state, ZEROING_NO_SAMPLE);
-        leg[side] = (struct leg_measurement){0.0f, 0.0f, 0};
+        leg[side] = (struct leg_measurement){0.0f, 0.0f, 0, FOOT_UNKNOWN};
     }
 }
 END_TEST

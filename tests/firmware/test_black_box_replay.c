@@ -56,7 +56,7 @@ static void start(void)
     config.wrap_bus = record;
     black_box_start(&box, 0xB01D, params_guard_crc(&params));
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
-    controller_node_attach(&loop.rig.task.node, NULL, NULL, &box, NULL);
+    controller_node_attach(&loop.rig.task.node, NULL, NULL, &box, NULL, NULL);
     tool = sim_bus_port(&loop.bus, sim_bus_attach(&loop.bus, "tool", NULL, NULL));
 }
 

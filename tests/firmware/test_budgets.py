@@ -45,14 +45,14 @@ def board(request):
 
 def test_flash(board):
     sizes = sections(image(board))
-    used = sizes[".text"] + sizes.get(".ARM.exidx", 0) + sizes.get(".data", 0)
+    used = sum(sizes.get(name, 0) for name in (".starter", ".vectors", ".program_header", ".text", ".ARM.exidx", ".data"))
     print(f"{board}: {used} bytes of flash")
     assert used <= FLASH_BYTES
 
 
 def test_static_ram(board):
     sizes = sections(image(board))
-    used = sizes.get(".data", 0) + sizes[".bss"] + sizes[".noinit"]
+    used = sum(sizes.get(name, 0) for name in (".data", ".bss", ".noinit", ".crash"))
     print(f"{board}: {used} bytes of static RAM besides the black box")
     assert used <= RAM_BYTES
     assert sizes[".blackbox"] == 64 * 1024

@@ -446,7 +446,7 @@ END_TEST
 START_TEST(a_black_box_is_started_and_frozen)
 {
     static struct black_box box;
-    controller_node_attach(&node, NULL, NULL, &box, NULL);
+    controller_node_attach(&node, NULL, NULL, &box, NULL, NULL);
     ck_assert_uint_eq(write_u32(0x2F, 0x2040, 1, BLACK_BOX_CLOSING), DEVICE_STATE);
     ck_assert(!black_box_is_valid(&box));
     ck_assert_uint_eq(write_u32(0x2F, 0x2040, 1, BLACK_BOX_RECORDING), 0);

@@ -56,6 +56,14 @@ def test_a_person_is_always_asked(tmp_path):
     assert subprocess.run(command, cwd=ROOT, capture_output=True).returncode == 0
 
 
+def test_the_crash_record_lies_where_every_build_looks_for_it():
+    """Its address is a promise to images of other builds, like the layout that its magic names."""
+    for image in ("afo-nucleo-g474re", "afo-mps2-an386"):
+        text = subprocess.run(["arm-none-eabi-nm", str(ROOT / "build/arm" / f"{image}.elf")], capture_output=True, text=True,
+                              check=True).stdout
+        assert [line.split()[0] for line in text.splitlines() if line.endswith(" crash_record")] == ["2000ff00"]
+
+
 def test_both_programmers_write_settings_and_image():
     text = make("flash", "PERSON=sim_host/persons/paper.ini", "DEVICE=sim_host/devices/virtual.ini", path="/usr/bin:/bin").stdout
     assert "afo settings --person 'sim_host/persons/paper.ini' --device 'sim_host/devices/virtual.ini'" in text
@@ -77,10 +85,12 @@ def test_the_programmer_s_work_area_lies_on_nothing_that_is_kept():
     assert text.index("source [find target/stm32g4x.cfg]") < area.start()  # whose own setting it replaces
     begin, size = (int(number, 16) for number in area.groups())
     assert 0x20000000 <= begin and begin + size <= 0x20020000  # DS12288: 128 KiB, CCM SRAM included
-    regions = re.findall(r"\(rw\) : ORIGIN = (0x\w+), LENGTH = (\d+)K", (board / "link.ld").read_text())
-    assert len(regions) == 2
-    for origin, length in regions:
-        assert begin + size <= int(origin, 16) or begin >= int(origin, 16) + int(length) * 1024
+    kept = re.findall(r"(\w+) \(rw\) : ORIGIN = (0x\w+), LENGTH = (\d+)(K?)", (board / "link.ld").read_text())
+    kept = [(int(origin, 16), int(length) * (1024 if kilo else 1)) for name, origin, length, kilo in kept if name != "RAM"]
+    assert len(kept) == 2
+    # stlink, src/stlink-lib/flash_loader.c: the loader at the beginning of RAM, some 100 bytes, behind it up to 0x8000.
+    for at, length in ((begin, size), (0x20000000, 0x8000 + 0x400)):
+        assert all(at + length <= origin or at >= origin + bytes_kept for origin, bytes_kept in kept)
     for target in ("flash", "debug"):
         command = make(target, path="/usr/bin:/bin").stdout
         assert "-f firmware/boards/nucleo_g474re/openocd.cfg" in command and "target/stm32g4x" not in command

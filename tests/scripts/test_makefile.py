@@ -113,7 +113,7 @@ def test_builds_side_by_side(tree):
 def test_version_and_build_id(tree):
     make(tree)
     version, build_id, _ = say(tree)
-    assert version == "0.2.0"  # no git here
+    assert version == "0.3.0"  # no git here
     environment = dict(os.environ, GIT_AUTHOR_NAME="x", GIT_AUTHOR_EMAIL="x@x", GIT_COMMITTER_NAME="x",
                        GIT_COMMITTER_EMAIL="x@x")
     (tree / ".gitignore").write_text("/build/\n")
@@ -121,10 +121,10 @@ def test_version_and_build_id(tree):
         subprocess.run(["git", *command], cwd=tree, check=True, env=environment)
     make(tree)
     commit = subprocess.check_output(["git", "rev-parse", "--short=10", "HEAD"], cwd=tree, text=True).strip()
-    assert say(tree)[:2] == [f"0.2.0+g{commit}", build_id]
+    assert say(tree)[:2] == [f"0.3.0+g{commit}", build_id]
     (tree / "model" / "one.c").write_text(TREE["model/one.c"] + "/* changed */\n")
     make(tree)
-    assert say(tree)[0] == f"0.2.0+g{commit}.dirty"
+    assert say(tree)[0] == f"0.3.0+g{commit}.dirty"
     assert say(tree)[1] != build_id
 
 

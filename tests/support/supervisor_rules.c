@@ -30,7 +30,13 @@ enum supervisor_state supervisor_rule(enum supervisor_state state, unsigned cond
         if (HAS(FAULT)) {
             return SUPERVISOR_FAULT;
         }
-        return HAS(WALK_REQUESTED) && HAS(PLAUSIBLE) ? SUPERVISOR_ENGAGING : state;
+        if (!HAS(PLAUSIBLE)) {
+            return state;
+        }
+        if (HAS(WALK_REQUESTED)) {
+            return SUPERVISOR_ENGAGING;
+        }
+        return HAS(MOTION_REQUESTED) ? SUPERVISOR_COMMISSIONING : state;
     case SUPERVISOR_ENGAGING:
         if (HAS(FAULT) || !HAS(WALK_REQUESTED)) {
             return SUPERVISOR_UNLOADING;
@@ -48,6 +54,9 @@ enum supervisor_state supervisor_rule(enum supervisor_state state, unsigned cond
             return HAS(LATCHED) ? SUPERVISOR_FAULT : SUPERVISOR_STANDBY;
         }
         return HAS(TIMEOUT) ? SUPERVISOR_FAULT : state;
+    case SUPERVISOR_COMMISSIONING:
+        return HAS(FAULT) || !HAS(MOTION_REQUESTED) || HAS(WALK_REQUESTED) ? SUPERVISOR_UNLOADING
+                                                                           : state;
     case SUPERVISOR_FAULT:
         return HAS(RESET) && HAS(STANDSTILL) && !HAS(FAULT) ? SUPERVISOR_INIT : state;
     default:
@@ -103,6 +112,17 @@ static const char *judge(int from, int to, unsigned conditions)
     if (to == SUPERVISOR_ENGAGING && from != to &&
         !(from == SUPERVISOR_STANDBY && HAS(PLAUSIBLE) && HAS(WALK_REQUESTED))) {
         return "engages without being asked, or without the checks";
+    }
+    if (to == SUPERVISOR_COMMISSIONING &&
+        (HAS(FAULT) || HAS(WALK_REQUESTED) || !HAS(MOTION_REQUESTED))) {
+        return "moves for a tool that is not there, for a walk, or with a fault";
+    }
+    if (to == SUPERVISOR_COMMISSIONING && from != to &&
+        !(from == SUPERVISOR_STANDBY && HAS(PLAUSIBLE))) {
+        return "commissions without the checks";
+    }
+    if (from == SUPERVISOR_COMMISSIONING && to != from && to != SUPERVISOR_UNLOADING) {
+        return "leaves a motion without unloading";
     }
     if (to == SUPERVISOR_STANDBY && from == SUPERVISOR_UNLOADING && fault && HAS(LATCHED)) {
         return "forgets a fault";

@@ -24,8 +24,8 @@ static union {
 } link;
 
 __attribute__((section(".blackbox"))) static struct black_box black_box;
-__attribute__((section(".noinit"))) struct crash_record crash_record;
-__attribute__((section(".noinit"))) struct crash_streak crash_streak;
+__attribute__((section(".crash.record"))) struct crash_record crash_record;
+__attribute__((section(".crash.streak"))) struct crash_streak crash_streak;
 /* RUN_MARK while running: found at a start without a crash record, the watchdog bit. */
 __attribute__((section(".noinit"))) static uint32_t run_mark;
 

@@ -4,6 +4,28 @@ CPU_nucleo_g474re := cortex_m4f
 PORTS_nucleo_g474re := port_cortex_m port_fdcan port_stm32g474
 INTERRUPTS_nucleo_g474re := tim2_handler fdcan1_handler
 
+# What runs first: a program of its own, with object files of its own, in the first pages of flash.
+STARTER := $(ARM_BUILD)/starter/starter
+STARTER_SRC := $(addprefix firmware/boards/nucleo_g474re/starter/,starter.c) hal/storage/crc.c hal/storage/program_image.c \
+        hal/storage/program_slots.c hal/port_stm32g474/flash_store.c hal/port_stm32g474/signs.c
+STARTER_OBJ := $(STARTER_SRC:%.c=$(ARM_BUILD)/starter/%.o)
+STARTER_FLAGS := -mcpu=cortex-m4 -mthumb -O2 -std=c11 $(WARN) -fno-short-enums -ffunction-sections -fdata-sections -fno-common -I.
+$(ARM_BUILD)/starter/%.o: %.c firmware/boards/nucleo_g474re/board.mk
+	@mkdir -p $(@D)
+	$(call SAY,ARM    $<)
+	$(Q)CCACHE_DISABLE=1 arm-none-eabi-gcc $(STARTER_FLAGS) -MMD -MP -c $< -o $@
+$(STARTER).elf: $(STARTER_OBJ) firmware/boards/nucleo_g474re/starter/starter.ld
+	$(call SAY,LINK   $@)
+	$(Q)arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,--fatal-warnings \
+	        -T firmware/boards/nucleo_g474re/starter/starter.ld -Wl,-Map=$(STARTER).map $(STARTER_OBJ) -o $@
+$(STARTER).o: $(STARTER).elf
+	$(Q)arm-none-eabi-objcopy -O binary --pad-to 0x08002000 --gap-fill 0xFF $< $(STARTER).bin
+	$(Q)arm-none-eabi-ld -r -b binary $(STARTER).bin -o $@
+	$(Q)arm-none-eabi-objcopy --rename-section .data=.starter,alloc,load,readonly,data,contents $@
+-include $(STARTER_OBJ:.o=.d)
+EXTRA_nucleo_g474re := $(STARTER).o
+SEAL_nucleo_g474re := scripts/seal-image --version '$(VERSION)' --build-id $(BUILD_ID)
+
 OPENOCD ?= openocd
 OPENOCD_nucleo_g474re := -f firmware/boards/nucleo_g474re/openocd.cfg
 SETTINGS_AT_nucleo_g474re := 0x0807E000
@@ -14,7 +36,6 @@ $(Q)if command -v $(OPENOCD) >/dev/null; then \
                 -c 'program $(call IMAGE,nucleo_g474re).elf verify reset exit' || \
         { echo 'flash: not written; is the board plugged in at its ST-Link?' >&2; exit 1; }; \
 elif command -v st-flash >/dev/null; then \
-        echo 'flash: st-flash loads its helper over the black box, whose record is lost' >&2; \
         $(if $(PERSON)$(DEVICE),st-flash write $(SETTINGS_BIN) $(SETTINGS_AT_nucleo_g474re) &&) \
         st-flash --reset write $(call IMAGE,nucleo_g474re).bin 0x08000000; \
 else echo 'flash: neither openocd nor st-flash is here (scripts/setup flash)' >&2; exit 1; fi

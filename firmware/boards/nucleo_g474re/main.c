@@ -24,8 +24,13 @@ static bool ports_run;
 static const struct fdcan_filter can_filters[] = {CAN_FILTERS(FILTER)};
 
 __attribute__((section(".blackbox"))) static struct black_box black_box;
-__attribute__((section(".noinit"))) struct crash_record crash_record;
-__attribute__((section(".noinit"))) struct crash_streak crash_streak;
+__attribute__((section(".crash.record"))) struct crash_record crash_record;
+__attribute__((section(".crash.streak"))) struct crash_streak crash_streak;
+
+__attribute__((section(".program_header"),
+               used)) static const struct program_header program_header = {
+    .magic = PROGRAM_MAGIC,
+    .hardware = PROGRAM_HARDWARE_NUCLEO_G474RE}; /* scripts/seal-image: the rest */
 
 void fdcan1_handler(void);
 void tim2_handler(void);
@@ -99,14 +104,25 @@ static bool restarted(uint32_t reset_flags)
 }
 
 /* Without the crystal there is no 1 Mbit/s and so no bus: the drives, which hear
- * nothing, stay or go unloaded by themselves. Another try a second later. */
+ * nothing, stay or go unloaded by themselves. Another try a second later. The watchdog, where it
+ * runs already, must not leave a record of its own: the wait is bounded and ends in a reset. */
 static _Noreturn void give_up(enum crash_cause cause, uint32_t detail)
 {
-    const uint32_t polls = clock_tree_wait_polls(clock_tree_hz(), RETRY_MS);
+    const uint32_t polls = clock_tree_wait_polls(clock_tree_hz(), 1);
 
-    for (volatile uint32_t poll = 0; poll < polls; poll++) {
+    for (uint32_t time_ms = 0; time_ms < (uint32_t)RETRY_MS; time_ms++) {
+        iwdg_watchdog.ops->feed(iwdg_watchdog.context);
+        for (volatile uint32_t poll = 0; poll < polls; poll++) {
+        }
     }
     cortex_m4_crash(cause, detail);
+}
+
+static void must_hold(uint32_t lost_register)
+{
+    if (lost_register != 0u) {
+        give_up(CRASH_LOST_WRITE, lost_register);
+    }
 }
 
 static void start_ports(void)
@@ -116,10 +132,11 @@ static void start_ports(void)
                                         tim2_clock_now_ns, &timer};
     enum fdcan_result result;
 
-    board_io_init();
-    tim2_clock_init(&timer, CORE_HZ);
+    must_hold(board_io_init());
+    must_hold(tim2_clock_init(&timer, CORE_HZ));
     ports_run = true;
     result = fdcan_init(&can, &config);
+    must_hold(can.lost_register);
     if (result != FDCAN_OK) {
         give_up(CRASH_ASSERTION, (uint32_t) - (int32_t)result);
     }
@@ -133,11 +150,15 @@ int main(void)
     const uint32_t reset_flags = clock_tree_take_reset_flags();
     const enum clock_tree_result clocks = clock_tree_init();
     const struct nv_store nv = flash_store_interface(&flash);
+    const struct program_slots program = flash_store_programs(&flash);
+    const struct clock clock = tim2_clock_interface(&timer);
     struct orthosis_config config = {
+        .clock = &clock,
         .stop = pc0_emergency_stop,
         .watchdog = &iwdg_watchdog,
         .drive_power = &pc1_drive_power_enable,
         .nv = &nv,
+        .program = &program,
         .black_box = &black_box,
         .crash = &crash_record,
         .streak = &crash_streak,
@@ -148,15 +169,21 @@ int main(void)
         give_up(CRASH_CLOCK_FAILED, (uint32_t) - (int32_t)clocks);
     }
     flash_store_init(&flash);
+    must_hold(iwdg_start()); /* before anything reaches the bus */
     start_ports();
     config.bus = fdcan_bus(&can);
     orthosis_init(&orthosis, &config);
-    const struct clock clock = tim2_clock_interface(&timer);
-    iwdg_start();
     for (;;) {
         if (clock_take_tick(&clock)) {
             control_task_show_missed(&orthosis.task, clock_missed_ticks(&clock));
             orthosis_start_cycle(&orthosis);
+            if (orthosis_program_is_damaged(&orthosis)) {
+                cortex_m4_crash(CRASH_PROGRAM, 0);
+            }
+            if (orthosis_wants_restart(&orthosis)) {
+                fdcan_silence();
+                cortex_m4_reset();
+            }
         }
         (void)orthosis_poll(&orthosis);
         idle_until_interrupt(&can, &timer);

@@ -9,12 +9,11 @@
 
 enum {
     PAGE = 4096,
-    STORE_BYTES = CHIP_FLASH_BYTES - CHIP_STORE_OFFSET,
     EXCEPTION_NMI = 2,
     STALL_LOOP = 0xE7FE /* b . */
 };
 #define FLASH_BASE 0x08000000u
-#define STORE_BASE (FLASH_BASE + CHIP_STORE_OFFSET)
+#define SECOND_BANK (FLASH_BASE + CHIP_BANK_BYTES)
 #define RAM_BASE 0x20000000u
 
 /* ---- Findings ------------------------------------------------------------------------------ */
@@ -72,6 +71,7 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
 {
     struct chip *chip = context;
 
+    chip_flash_copy(chip);
     if (chip->cycles >= chip->due && look_around(chip)) {
         core_stop(&chip->core);
         return;
@@ -93,7 +93,7 @@ static void sleep_on(struct chip *chip)
 
 static uint32_t stalled(const struct chip *chip)
 {
-    for (uint32_t offset = 0x100; offset < CHIP_STORE_OFFSET; offset += 2) {
+    for (uint32_t offset = 0x100; offset < CHIP_BANK_BYTES; offset += 2) {
         if (*(const uint16_t *)(const void *)(chip->flash + offset) == STALL_LOOP) {
             return FLASH_BASE + offset;
         }
@@ -135,6 +135,7 @@ static void reset(struct chip *chip, bool power_on)
     struct core *core = &chip->core;
     const uint64_t now_ns = chip_now_ns(chip);
 
+    chip_flash_copy(chip);
     chip->base_ns = now_ns;
     chip->base_cycles = chip->cycles;
     chip_clocks_reset(chip, power_on);
@@ -218,7 +219,7 @@ static int load_image(struct chip *chip, const char *path)
         snprintf(chip->message, sizeof chip->message, "cannot read the image %s", path);
         return -1;
     }
-    const size_t length = fread(chip->flash, 1, CHIP_STORE_OFFSET, file);
+    const size_t length = fread(chip->flash, 1, CHIP_BANK_BYTES, file);
     fclose(file);
     if (length < 1024 || chip->flash[3] != RAM_BASE >> 24 || chip->flash[7] != FLASH_BASE >> 24) {
         snprintf(chip->message, sizeof chip->message,
@@ -230,30 +231,45 @@ static int load_image(struct chip *chip, const char *path)
     return 0;
 }
 
+static void put_word(struct flash_model *model, uint32_t offset, const uint8_t *bytes)
+{
+    uint64_t word;
+
+    memcpy(&word, bytes, 8);
+    if (word != UINT64_MAX && offset < CHIP_FLASH_BYTES) {
+        model->word[offset / 2048][offset % 2048 / 8] = word;
+        model->state[offset / 2048][offset % 2048 / 8] = WORD_WRITTEN;
+    }
+}
+
 static void load_store(struct chip *chip, const uint8_t *store, uint32_t bytes)
 {
-    struct flash_model *model = &chip->flash_registers;
-
-    for (uint32_t i = 0; i + 8 <= bytes && i < STORE_BYTES; i += 8) {
-        uint64_t word;
-        memcpy(&word, store + i, 8);
-        if (word != UINT64_MAX) {
-            model->word[i / 2048][i % 2048 / 8] = word;
-            model->state[i / 2048][i % 2048 / 8] = WORD_WRITTEN;
-        }
+    for (uint32_t i = 0; i + 8 <= bytes; i += 8) {
+        put_word(&chip->flash_registers, MODEL_STORE_PAGE * 2048 + i, store + i);
+    }
+    for (uint32_t i = 0; i < CHIP_BANK_BYTES; i += 8) {
+        put_word(&chip->flash_registers, i, chip->flash + i);
     }
 }
 
 static int map_all(struct chip *chip)
 {
-    static const uint32_t windows[][2] = {{STORE_BASE, STORE_BYTES}, {0x40000000u, PAGE},
-                                          {0x40003000u, PAGE},       {0x40006000u, 2 * PAGE},
-                                          {0x4000A000u, PAGE},       {0x40021000u, 2 * PAGE},
-                                          {0x48000000u, 2 * PAGE},   {0xE0001000u, PAGE},
-                                          {0xE000E000u, PAGE},       {0xE0042000u, PAGE}};
+    static const uint32_t windows[][2] = {{SECOND_BANK, CHIP_BANK_BYTES},
+                                          {0x40000000u, PAGE},
+                                          {0x40003000u, PAGE},
+                                          {0x40006000u, 3 * PAGE},
+                                          {0x4000A000u, PAGE},
+                                          {0x40021000u, 2 * PAGE},
+                                          {0x48000000u, 2 * PAGE},
+                                          {0xE0001000u, PAGE},
+                                          {0xE000E000u, PAGE},
+                                          {0xE0042000u, PAGE}};
     struct core *core = &chip->core;
 
-    if (core_map_memory(core, FLASH_BASE, CHIP_STORE_OFFSET, chip->flash, false) != 0 ||
+    if (core_map_memory(core, FLASH_BASE, CHIP_STARTER_BYTES, chip->flash, false) != 0 ||
+        core_map_watched(core, FLASH_BASE + CHIP_STARTER_BYTES,
+                         CHIP_BANK_BYTES - CHIP_STARTER_BYTES,
+                         chip->flash + CHIP_STARTER_BYTES) != 0 ||
         core_map_memory(core, RAM_BASE, CHIP_RAM_BYTES, chip->ram, true) != 0) {
         return -1;
     }
@@ -268,7 +284,8 @@ static int map_all(struct chip *chip)
 int chip_start(struct chip *chip, const char *core_path, const char *image_path,
                const uint8_t *store, uint32_t store_bytes)
 {
-    const struct core_callbacks callbacks = {chip, on_block, chip_read, chip_write};
+    const struct core_callbacks callbacks = {chip, on_block, chip_read, chip_write,
+                                             chip_write_flash};
 
     memset(chip, 0, sizeof *chip);
     chip->flash = aligned_alloc(PAGE, CHIP_FLASH_BYTES);
@@ -293,6 +310,9 @@ int chip_start(struct chip *chip, const char *core_path, const char *image_path,
     fdcan_model_init(&chip->can);
     flash_model_init(&chip->flash_registers);
     chip->flash_registers.busy_time = UINT32_MAX; /* until flash_done_ns */
+    chip->flash_registers.first_page = CHIP_STARTER_BYTES / 2048;
+    chip->flash_registers.changed = chip_flash_changed;
+    chip->flash_registers.changed_context = chip;
     chip->flash_registers.nmi = on_nmi;
     chip->flash_registers.nmi_context = chip;
     load_store(chip, store, store_bytes);

@@ -27,7 +27,9 @@
 
 enum {
     CHIP_FLASH_BYTES = 512 * 1024,
-    CHIP_STORE_OFFSET = 0x7E000, /* the flash model's pages */
+    CHIP_BANK_BYTES = CHIP_FLASH_BYTES / 2,
+    CHIP_STARTER_BYTES = 8 * 1024, /* which nothing writes */
+    CHIP_UART_MAX = 512,
     CHIP_RAM_BYTES = 128 * 1024,
     CHIP_INTERRUPTS = 102,
     CHIP_EXCEPTIONS = 16 + CHIP_INTERRUPTS,
@@ -90,8 +92,9 @@ struct chip_port {
 
 struct chip {
     struct core core;
-    uint8_t *flash, *ram;
-    uint8_t *block_instructions; /* by half-word of flash: of the block that begins there */
+    uint8_t *flash, *ram;              /* of flash, what the core fetches: the first bank */
+    uint32_t changed_from, changed_to; /* of it, by the flash model, and not copied yet */
+    uint8_t *block_instructions;       /* by half-word of flash: of the block that begins there */
     uint16_t *block_bytes;
     /* Time. */
     uint64_t cycles, instructions;
@@ -116,6 +119,12 @@ struct chip {
     uint64_t flash_done_ns;
     uint64_t permit_edge_ns; /* when PC1 changed last */
     uint64_t permit_edges;
+    /* What the virtual COM port said last, and how often LD2 went on. */
+    char uart[CHIP_UART_MAX];
+    uint32_t uart_count;
+    uint32_t uart_reg[3]; /* CR1, BRR; when the next character may be put */
+    uint64_t uart_ready_ns;
+    uint32_t led_edges;
     bool hang; /* for tests: the program loops for ever from now on, interrupts go on */
     /* Findings. */
     char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];
@@ -149,6 +158,11 @@ void chip_set_crystal(struct chip *chip, bool works);
 /* Holds a pin at a level from outside. */
 void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high);
 
+/* Flash from `offset` on is as erased. */
+void chip_erase(struct chip *chip, uint32_t offset, uint32_t bytes);
+/* A bit of a word of flash has changed, and the error correction does not see it. */
+void chip_damage(struct chip *chip, uint32_t offset);
+
 /* True while FDCAN1 is a node of a bus at 1 Mbit/s: pins, clock and bit timing. */
 bool chip_can_is_on_bus(const struct chip *chip);
 /* Something about FDCAN1 changed outside of the program: its interrupt may be due. */
@@ -165,6 +179,11 @@ void chip_find(struct chip *chip, const char *format, ...) __attribute__((format
 void chip_fire(struct chip *chip);
 /* For the core: accesses to registers and to the parameter memory; context is the chip. */
 uint32_t chip_read(void *context, uint32_t address, uint32_t bytes);
+/* A store into the first bank of flash. */
+/* The flash model changed: noted, and copied before the next block. context is the chip. */
+void chip_flash_changed(void *context, uint32_t offset, uint32_t bytes);
+void chip_flash_copy(struct chip *chip);
+void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 /* A register changed: interrupts and due times are looked at again before the next block. */
 void chip_update(struct chip *chip);

@@ -14,6 +14,7 @@ enum {
     APB1RSTR1 = 0x38,
     AHB2ENR = 0x4C,
     APB1ENR1 = 0x58,
+    APB1ENR2 = 0x5C,
     CCIPR = 0x88,
     CSR = 0x94
 };
@@ -138,6 +139,10 @@ bool chip_has_clock(const struct chip *chip, uint32_t address, const char **name
         (address >= 0x4000A400u && address < 0x4000AC00u)) {
         *name = "FDCAN1";
         return has(chip, APB1ENR1, FDCAN_CLOCK);
+    }
+    if (address >= 0x40008000u && address < 0x40008400u) {
+        *name = "LPUART1";
+        return has(chip, APB1ENR2, 1);
     }
     if (address >= 0x40007000u && address < 0x40007400u) {
         *name = "PWR";

@@ -219,6 +219,7 @@ static void fire_watchdog(struct chip *chip)
 {
     if (chip_now_ns(chip) >= chip->watchdog.due_ns) {
         chip->watchdog.due_ns = CHIP_NEVER;
+        chip->uart_reg[0] = chip->uart_reg[1] = 0;
         chip->reset_asked = true;
         chip->reset_cause = (uint32_t)CHIP_RESET_WATCHDOG | (uint32_t)CHIP_RESET_PIN;
     }
@@ -227,7 +228,7 @@ static void fire_watchdog(struct chip *chip)
 /* ---- Pins ----------------------------------------------------------------------------------------- */
 
 enum { MODER = 0x00, PUPDR = 0x0C, IDR = 0x10, ODR = 0x14, BSRR = 0x18, BRR = 0x28 };
-enum { PORT_C = 2, PERMIT_PIN = 1 };
+enum { PORT_C = 2, PERMIT_PIN = 1, LED_PIN = 5 };
 
 static uint32_t pin_field(const struct chip_port *port, uint32_t offset, unsigned pin)
 {
@@ -260,6 +261,15 @@ static uint32_t pins_read(void *context, uint32_t offset)
     return offset == IDR ? input_of(port) : port->reg[offset / 4];
 }
 
+static void watch_led(struct chip *chip, bool before)
+{
+    const struct chip_port *a = &chip->port[0];
+
+    if (!before && (a->reg[ODR / 4] >> LED_PIN & 1) != 0 && pin_field(a, MODER, LED_PIN) == 1) {
+        chip->led_edges++;
+    }
+}
+
 static void watch_permit(struct chip *chip, bool before)
 {
     const struct chip_port *c = &chip->port[PORT_C];
@@ -276,6 +286,7 @@ static void pins_write(void *context, uint32_t offset, uint32_t value)
     struct chip *chip = context;
     struct chip_port *port = &chip->port[offset / 0x400];
     const bool permit = (chip->port[PORT_C].reg[ODR / 4] >> PERMIT_PIN & 1) != 0;
+    const bool led = (chip->port[0].reg[ODR / 4] >> LED_PIN & 1) != 0;
     uint32_t *odr = &port->reg[ODR / 4];
 
     offset %= 0x400;
@@ -295,12 +306,71 @@ static void pins_write(void *context, uint32_t offset, uint32_t value)
         break;
     }
     watch_permit(chip, permit);
+    watch_led(chip, led);
 }
 
 void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high)
 {
     chip->port[port].driven |= 1u << pin;
     chip->port[port].level = (chip->port[port].level & ~(1u << pin)) | (high ? 1u << pin : 0);
+}
+
+/* ---- LPUART1 ---------------------------------------------------------------------------------------- */
+
+enum { UART_CR1 = 0x00, UART_BRR = 0x0C, UART_ISR = 0x1C, UART_TDR = 0x28 };
+enum { UART_BITS = 10, UART_TXE = 1 << 7, UART_ENABLED = 1 | 1 << 3 };
+
+static uint32_t uart_read(void *context, uint32_t offset)
+{
+    const struct chip *chip = context;
+
+    switch (offset) {
+    case UART_CR1:
+        return chip->uart_reg[0];
+    case UART_BRR:
+        return chip->uart_reg[1];
+    case UART_ISR:
+        return chip_now_ns(chip) >= chip->uart_ready_ns ? UART_TXE : 0;
+    default:
+        return 0;
+    }
+}
+
+/* RM0440, "LPUART baud rate generation". The line is read at 115200 baud: 3 % off is too much. */
+static void uart_send(struct chip *chip, uint32_t value)
+{
+    const uint32_t divisor = chip->uart_reg[1];
+    const double baud = divisor != 0 ? 256e3 * chip->clocks.core_khz / divisor : 0;
+    const struct chip_port *a = &chip->port[0];
+
+    if ((chip->uart_reg[0] & UART_ENABLED) != UART_ENABLED || pin_field(a, MODER, 2) != 2 ||
+        (a->reg[0x20 / 4] >> 8 & 0xF) != 12 || baud < 112000 || baud > 118700) {
+        chip_find(chip, "LPUART1 sends with %.0f baud, and PA2 is %s", baud,
+                  pin_field(a, MODER, 2) == 2 ? "its pin" : "no pin of it");
+        return;
+    }
+    MODEL_CHECK(chip_now_ns(chip) >= chip->uart_ready_ns,
+                "LPUART1 was given a character too early");
+    chip->uart_ready_ns = chip_now_ns(chip) + (uint64_t)(UART_BITS * 1e9 / baud);
+    if (chip->uart_count == CHIP_UART_MAX - 1) {
+        memmove(chip->uart, chip->uart + CHIP_UART_MAX / 2, CHIP_UART_MAX / 2);
+        chip->uart_count -= CHIP_UART_MAX / 2;
+    }
+    chip->uart[chip->uart_count++] = (char)value;
+    chip->uart[chip->uart_count] = '\0';
+}
+
+static void uart_write(void *context, uint32_t offset, uint32_t value)
+{
+    struct chip *chip = context;
+
+    if (offset == UART_CR1) {
+        chip->uart_reg[0] = value;
+    } else if (offset == UART_BRR) {
+        chip->uart_reg[1] = value;
+    } else if (offset == UART_TDR) {
+        uart_send(chip, value);
+    }
 }
 
 /* ---- All of them ------------------------------------------------------------------------------------ */
@@ -351,6 +421,7 @@ void chip_io_map(struct chip *chip)
 {
     mmio_model_map(0x40000000u, 0x400, timer_read, timer_write, chip);
     mmio_model_map(0x40003000u, 0x400, watchdog_read, watchdog_write, chip);
+    mmio_model_map(0x40008000u, 0x400, uart_read, uart_write, chip);
     mmio_model_map(0x48000000u, 0x400 * CHIP_PORTS, pins_read, pins_write, chip);
     mmio_model_map(0xE0042000u, 0x400, debug_read, debug_write, chip);
 }

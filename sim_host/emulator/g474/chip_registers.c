@@ -3,13 +3,9 @@
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 
-/* DS12288, flash memory characteristics: typical. */
-enum { ERASE_NS = 22000000, PROGRAM_NS = 82000 };
-
 static bool in_store(uint32_t address)
 {
-    return address - (0x08000000u + CHIP_STORE_OFFSET) <
-           (uint32_t)(CHIP_FLASH_BYTES - CHIP_STORE_OFFSET);
+    return address - (0x08000000u + CHIP_BANK_BYTES) < (uint32_t)CHIP_BANK_BYTES;
 }
 
 static bool is_reachable(struct chip *chip, uint32_t address)
@@ -58,14 +54,30 @@ uint32_t chip_read(void *context, uint32_t address, uint32_t bytes)
 }
 
 /* What the models count in polls takes time here. */
-static void time_flash(struct chip *chip, uint32_t address)
+static void time_flash(struct chip *chip, bool is_program)
 {
     if (chip->flash_registers.busy == UINT32_MAX && chip->flash_done_ns == CHIP_NEVER) {
-        chip->flash_done_ns = chip_now_ns(chip) + (in_store(address) ? PROGRAM_NS : ERASE_NS);
+        chip->flash_done_ns = chip_now_ns(chip) + (is_program ? MODEL_PROGRAM_NS : MODEL_ERASE_NS);
+        if (chip->flash_registers.worked_on == 0) {
+            wait_for_flash(chip); /* the core cannot fetch meanwhile */
+        }
     }
     if (chip->flash_registers.power_off) {
         chip_stop(chip);
     }
+}
+
+void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t value)
+{
+    struct chip *chip = context;
+
+    MODEL_CHECK(bytes == 4 && address % 4 == 0, "flash %#x was written by %u bytes", address,
+                bytes);
+    flash_model_store(&chip->flash_registers, (address & ~3u) - 0x08000000u, value);
+    /* The engine stores what the flash may refuse: put right before the next block. */
+    chip_flash_changed(chip, (address & ~7u) - 0x08000000u, 8);
+    time_flash(chip, true);
+    chip_update(chip);
 }
 
 void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value)
@@ -83,7 +95,7 @@ void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value)
     }
     mmio_model_store(word, value);
     if (in_store(word) || word - 0x40022000u < 0x400u) {
-        time_flash(chip, word);
+        time_flash(chip, in_store(word));
         chip_clocks_apply(chip);
     }
     if (word - 0x40006400u < 0x400u || word - 0x48000000u < 0x400u) {

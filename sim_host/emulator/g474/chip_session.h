@@ -9,6 +9,7 @@
 #include "controller/supervisor/supervisor.h"
 #include "hal/storage/crash_record.h"
 #include "sim_host/emulator/g474/chip_bridge.h"
+#include "sim_host/emulator/g474/chip_cuts.h"
 #include "sim_host/loop/walk_record.h"
 
 enum chip_fault {
@@ -23,6 +24,15 @@ enum chip_fault {
     CHIP_FAULT_TORN_SETTINGS,
     CHIP_FAULT_ECC,
     CHIP_FAULT_SAVE_CUT,
+    CHIP_FAULT_LOAD_CUT,
+    CHIP_FAULT_LOST_WRITE,
+    CHIP_FAULT_HALF_WRITTEN,
+    CHIP_FAULT_DAMAGED_PROGRAM,
+    CHIP_FAULT_UPDATE,
+    CHIP_FAULT_UPDATE_OLDER,
+    CHIP_FAULT_UPDATE_OTHER_BOARD,
+    CHIP_FAULT_UPDATE_WALKING,
+    CHIP_FAULT_UPDATE_CUT,
     CHIP_FAULT_COUNT
 };
 
@@ -32,6 +42,8 @@ struct chip_fault_kind {
     enum supervisor_fault latched;
     uint32_t or_latched;
     enum crash_cause crash; /* the record it must leave */
+    const char
+        *says; /* it does not run in the end, and the virtual COM port says so; NULL: it runs */
 };
 
 /* By enum chip_fault. */
@@ -42,7 +54,10 @@ struct chip_session {
     uint32_t steps, fault_step;
     double seconds; /* walks at least this long */
     enum chip_fault fault;
-    uint32_t cut; /* the flash operation of a save at which power fails */
+    struct chip_cuts cuts;              /* its `every` and `at` */
+    uint32_t old_crc, new_crc, cut_crc; /* of programs: at first, ordered and running, sent */
+    uint32_t params_crc;                /* of the settings in force before a cut */
+    uint32_t lose;                      /* the register whose writes are lost */
     void (*on_step)(void *context, uint32_t steps); /* NULL = nobody */
     void *context;
     /* Its parts. */
@@ -53,7 +68,7 @@ struct chip_session {
     struct can_bus tool; /* a port of its own, to ask the image over SDO */
     /* Results. */
     struct crash_record crash; /* as fetched over SDO at the end of a fault */
-    bool started, reached, fell, crash_known, cut_hit;
+    bool started, reached, fell, crash_known;
     char trouble[256];
 };
 
@@ -66,8 +81,16 @@ void chip_session_free(struct chip_session *session);
 
 /* To the last step, or to where the fault comes. */
 void chip_session_walk(struct chip_session *session);
-/* Brings the fault and judges what the image made of it. */
-void chip_session_bring_fault(struct chip_session *session);
+/* Lets so many periods pass. */
+void chip_session_pass(struct chip_session *session, unsigned ticks);
+/* Notes what is wrong; the first counts. */
+void chip_session_complain(struct chip_session *session, const char *text);
+/* Whether the fault is power that fails while the image writes its flash. */
+bool chip_fault_is_cut(enum chip_fault fault);
+/* Whether a new program is sent to the image, with or without a cut. */
+bool chip_fault_is_update(enum chip_fault fault);
+/* Length of the program in flash, as its header says. */
+uint32_t chip_session_image_bytes(const struct chip *chip);
 
 /* True when both springs are unloaded. */
 bool chip_session_is_safe(const struct chip_session *session);

@@ -20,15 +20,15 @@ enum {
     ACR_DCEN = 1 << 10,
     ACR_DCRST = 1 << 12
 };
-/* DS12288, flash memory characteristics: the longest page erase and 64-bit programming. */
-#define PAGE_ERASE_MS 24.47
-#define WORD_PROGRAM_MS 0.08335
 #define CR_LOCK 0x80000000u
 #define ECCR_ECCD 0x80000000u
 #define SR_ERRORS 0xC3FAu
 
 static bool power_fails(struct flash_model *model)
 {
+    if (model->on_operation != NULL) {
+        model->on_operation(model->operation_context);
+    }
     if (model->operations++ == model->power_fails_at) {
         model->power_off = true;
     }
@@ -37,24 +37,32 @@ static bool power_fails(struct flash_model *model)
 
 /* Errata sheet ES0430 of the STM32G471 to G484, "Data cache might be corrupted during flash
  * memory read-while-write operation": its workaround is to have the cache off meanwhile. */
-static void begin(struct flash_model *model, double longest_ms)
+static void begin(struct flash_model *model, uint32_t time_ns, uint32_t page)
 {
-    model->elapsed_ms += longest_ms;
+    model->worked_on = page / MODEL_BANK_PAGES;
+    model->elapsed_ms += 1e-6 * time_ns;
     MODEL_CHECK((model->acr & ACR_DCEN) == 0, "an operation began with the data cache on");
     model->busy = model->busy_time;
 }
 
+static void tell_change(const struct flash_model *model, uint32_t page, uint32_t index,
+                        uint32_t words)
+{
+    if (model->changed != NULL) {
+        model->changed(model->changed_context, (page * MODEL_PAGE_WORDS + index) * 8, words * 8);
+    }
+}
+
 static void erase(struct flash_model *model)
 {
-    uint32_t page = (model->cr >> 3) & 0x7F;
-    bool fails;
+    const uint32_t bank = (model->cr & CR_BKER) != 0 ? 1 : 0;
+    const uint32_t page = ((model->cr >> 3) & 0x7F) + bank * MODEL_BANK_PAGES;
 
-    if ((model->cr & CR_BKER) == 0 || page < MODEL_FIRST_PAGE) {
+    if (page < model->first_page) {
         model->foreign_erases++;
         return;
     }
-    page -= MODEL_FIRST_PAGE;
-    fails = power_fails(model);
+    const bool fails = power_fails(model);
     for (int i = 0; i < MODEL_PAGE_WORDS; i++) {
         if (fails && i % 3 == 0) {
             model->state[page][i] = WORD_TORN; /* not yet what the erase makes of it */
@@ -63,7 +71,8 @@ static void erase(struct flash_model *model)
         model->word[page][i] = UINT64_MAX;
         model->state[page][i] = WORD_ERASED;
     }
-    begin(model, PAGE_ERASE_MS);
+    tell_change(model, page, 0, MODEL_PAGE_WORDS);
+    begin(model, MODEL_ERASE_NS, page);
 }
 
 static void write_cr(struct flash_model *model, uint32_t value)
@@ -202,13 +211,11 @@ static void program(struct flash_model *model, uint32_t page, uint32_t index, ui
         model->word[page][index] = value;
         model->state[page][index] = WORD_WRITTEN;
     }
-    begin(model, WORD_PROGRAM_MS);
+    begin(model, MODEL_PROGRAM_NS, page);
 }
 
-static void memory_write(void *context, uint32_t offset, uint32_t value)
+void flash_model_store(struct flash_model *model, uint32_t offset, uint32_t value)
 {
-    struct flash_model *model = context;
-
     if (model->power_off) {
         return;
     }
@@ -232,6 +239,12 @@ static void memory_write(void *context, uint32_t offset, uint32_t value)
         return;
     }
     program(model, offset / 2048, offset % 2048 / 8, ((uint64_t)value << 32) | model->half_value);
+    tell_change(model, offset / 2048, offset % 2048 / 8, 1);
+}
+
+static void memory_write(void *context, uint32_t offset, uint32_t value)
+{
+    flash_model_store(context, offset, value);
 }
 
 void flash_model_power_up(struct flash_model *model)
@@ -255,7 +268,8 @@ void flash_model_init(struct flash_model *model)
     model->optr = 0xFFEFF8AA; /* as delivered: two banks (bit 22) */
     model->busy_time = 20;
     model->torn_raises_nmi = true;
+    model->first_page = MODEL_STORE_PAGE;
     flash_model_power_up(model);
     mmio_model_map(0x40022000, 0x78, register_read, register_write, model);
-    mmio_model_map(0x0807E000, 4 * 2048, memory_read, memory_write, model);
+    mmio_model_map(0x08000000, MODEL_PAGES * 2048, memory_read, memory_write, model);
 }

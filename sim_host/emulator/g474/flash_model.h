@@ -1,5 +1,4 @@
-/* A model of the STM32G474's flash interface and of the four pages the parameter
- * store uses, written from the description in RM0440, not from the driver.
+/* A model of the STM32G474's flash interface and of both banks, written from the description in RM0440, not from the driver.
  *
  * Modelled: the lock and its keys, page erase, 64-bit programming in two halves,
  * error flags, busy time, error correction with its non-maskable interrupt, the
@@ -11,17 +10,22 @@
 #include <stdint.h>
 
 enum {
-    MODEL_PAGES = 4,
+    MODEL_PAGES = 256, /* those of the first bank, then those of the second */
+    MODEL_BANK_PAGES = 128,
     MODEL_PAGE_WORDS = 256, /* of 64 bits */
-    MODEL_FIRST_PAGE = 124
+    MODEL_STORE_PAGE = 252  /* the first of the parameter memory */
 };
+
+/* DS12288, "Flash memory characteristics": a page's erase takes 22.02 ms typically and 24.47 ms
+ * at most, a word's programming 81.7 us and 83.35 us. The models take the longest. */
+enum { MODEL_ERASE_NS = 24470000, MODEL_PROGRAM_NS = 83350 };
 
 enum model_word_state { WORD_ERASED, WORD_WRITTEN, WORD_TORN };
 
 struct flash_model {
     uint32_t acr, cr, sr, eccr, optr;
     uint64_t word[MODEL_PAGES][MODEL_PAGE_WORDS];
-    enum model_word_state state[MODEL_PAGES][MODEL_PAGE_WORDS];
+    uint8_t state[MODEL_PAGES][MODEL_PAGE_WORDS]; /* enum model_word_state */
     uint64_t cached[MODEL_PAGES][MODEL_PAGE_WORDS];
     bool in_cache[MODEL_PAGES][MODEL_PAGE_WORDS];
     int keys;      /* right keys so far; -1 = locked until reset */
@@ -30,18 +34,28 @@ struct flash_model {
     bool half_written; /* the first half of a word waits for the second */
     uint32_t half_address, half_value;
     uint32_t operations, power_fails_at;
+    void (*on_operation)(void *context); /* before each; NULL = nobody looks */
+    void *operation_context;
     bool power_off;
     bool torn_raises_nmi; /* reading a torn word: detected, or silently wrong */
     void (*nmi)(void *context);
     void *nmi_context;
-    uint32_t foreign_erases; /* of pages that are not the store's */
+    /* What an operation changed, as bytes from the beginning of flash; NULL = nobody asks. */
+    void (*changed)(void *context, uint32_t offset, uint32_t bytes);
+    void *changed_context;
+    uint32_t first_page;     /* that may be erased */
+    uint32_t foreign_erases; /* of pages before it */
+    uint32_t worked_on;      /* the bank of the last operation */
     double elapsed_ms;       /* in erases and programming, at their longest (DS12288) */
 };
 
-/* Erased pages, two banks, power on; mapped at its addresses. */
+/* Erased pages, two banks, power on; mapped at its addresses. Only the store may be erased. */
 void flash_model_init(struct flash_model *model);
 
 /* Reset with power back: registers at their reset values, contents kept. */
 void flash_model_power_up(struct flash_model *model);
+
+/* A store of a word of 32 bits into flash, `offset` bytes from its beginning. */
+void flash_model_store(struct flash_model *model, uint32_t offset, uint32_t value);
 
 #endif

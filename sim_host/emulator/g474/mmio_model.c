@@ -18,12 +18,19 @@ static struct region regions[REGION_MAX];
 static int region_count;
 static int locked;
 static void (*on_sleep)(void);
+static uint32_t lost_address;
 
 void mmio_model_reset(void)
 {
     region_count = 0;
     locked = 0;
     on_sleep = NULL;
+    lost_address = 0;
+}
+
+void mmio_model_lose(uint32_t address)
+{
+    lost_address = address;
 }
 
 void mmio_model_map(uint32_t base, uint32_t bytes, mmio_model_read read, mmio_model_write write,
@@ -77,7 +84,7 @@ uint32_t mmio_model_load(uint32_t address)
 void mmio_model_store(uint32_t address, uint32_t value)
 {
     const struct region *region = find(address);
-    if (region != NULL) {
+    if (region != NULL && (lost_address == 0 || address != lost_address)) {
         region->write(region->context, address - region->base, value);
     }
 }

@@ -25,6 +25,10 @@ void mmio_model_on_sleep(void (*function)(void));
 /* Nesting of mmio_model_lock; a test ends with 0. */
 int mmio_model_locked(void);
 
+/* Writes to this register are lost from now on, as one into a block whose clock has not come
+ * yet is; 0, as after a reset: none is. */
+void mmio_model_lose(uint32_t address);
+
 /* One access of a word. */
 uint32_t mmio_model_load(uint32_t address);
 void mmio_model_store(uint32_t address, uint32_t value);

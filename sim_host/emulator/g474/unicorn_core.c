@@ -19,6 +19,7 @@ enum {
     PERMIT_EXECUTE = 4,
     HOOK_INTERRUPT = 1 << 0,
     HOOK_BLOCK = 1 << 3,
+    HOOK_STORE = 1 << 11,
     HOOK_BAD_MEMORY = 0x3F << 4, /* read, write, fetch: unmapped and forbidden */
     HOOK_BAD_INSTRUCTION = 1 << 14,
     ERROR_NONE = 0,
@@ -42,6 +43,7 @@ struct core_functions {
                          uint64_t (*read)(void *, uint64_t, unsigned, void *), void *read_context,
                          void (*write)(void *, uint64_t, unsigned, uint64_t, void *),
                          void *write_context);
+    int (*write_memory)(void *engine, uint64_t address, const void *bytes, uint64_t size);
     int (*read_register)(void *engine, int which, void *value);
     int (*write_register)(void *engine, int which, const void *value);
     int (*add_hook)(void *engine, size_t *handle, int kind, void *function, void *context,
@@ -101,6 +103,7 @@ static int find_functions(struct core *core)
         {"uc_ctl", &functions.control},
         {"uc_mem_map_ptr", &functions.map_memory},
         {"uc_mmio_map", &functions.map_registers},
+        {"uc_mem_write", &functions.write_memory},
         {"uc_reg_read", &functions.read_register},
         {"uc_reg_write", &functions.write_register},
         {"uc_hook_add", &functions.add_hook},
@@ -232,6 +235,36 @@ int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memo
     const uint32_t permits =
         (uint32_t)PERMIT_READ | (uint32_t)(writable ? PERMIT_WRITE : PERMIT_EXECUTE);
     return check(core, functions.map_memory(core->engine, base, bytes, permits, memory));
+}
+
+static void on_store(void *engine, int kind, uint64_t address, int bytes, int64_t value,
+                     void *context)
+{
+    struct core *core = context;
+    (void)engine;
+    (void)kind;
+    core->callbacks.store(core->callbacks.context, (uint32_t)address, (uint32_t)bytes,
+                          (uint32_t)value);
+}
+
+int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory)
+{
+    const uint32_t permits =
+        (uint32_t)PERMIT_READ | (uint32_t)PERMIT_WRITE | (uint32_t)PERMIT_EXECUTE;
+    void (*const store)(void *, int, uint64_t, int, int64_t, void *) = on_store;
+    size_t handle;
+    void *function;
+
+    memcpy(&function, &store, sizeof function);
+    return check(core, functions.map_memory(core->engine, base, bytes, permits, memory)) != 0
+               ? -1
+               : check(core, functions.add_hook(core->engine, &handle, HOOK_STORE, function, core,
+                                                base, (uint64_t)base + bytes - 1));
+}
+
+void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count)
+{
+    (void)check(core, functions.write_memory(core->engine, address, bytes, count));
 }
 
 int core_map_registers(struct core *core, uint32_t base, uint32_t bytes)

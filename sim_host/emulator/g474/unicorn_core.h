@@ -56,6 +56,8 @@ struct core_callbacks {
     /* Accesses to what core_map_registers mapped. 1, 2 or 4 bytes. */
     uint32_t (*read)(void *context, uint32_t address, uint32_t bytes);
     void (*write)(void *context, uint32_t address, uint32_t bytes, uint32_t value);
+    /* Before a store into what core_map_watched mapped; the store then happens all the same. */
+    void (*store)(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 };
 
 enum { CORE_MAP_MAX = 16, CORE_MESSAGE_MAX = 256 };
@@ -90,6 +92,10 @@ void core_close(struct core *core);
 /* `bytes` of memory at `base`, which stay the caller's. Both multiples of 4096. */
 int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable);
 /* Every access in the range calls read or write. */
+/* Memory that is read, fetched and written; each store is told first. */
+int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory);
+/* Changes memory from outside; what was translated from it is translated anew. */
+void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count);
 int core_map_registers(struct core *core, uint32_t base, uint32_t bytes);
 
 uint32_t core_get(struct core *core, enum core_register which);

@@ -33,7 +33,7 @@ START_TEST(a_person_keeps_their_own_speed)
     step_law_init(&law, &params);
     double mean = 0.0, given = 0.0;
     for (int k = 1; k <= 400; k++) {
-        const double v = 1.4 + 0.1 * sin(0.7 * k) + (k > 200 ? 0.2 : 0.0);
+        const double v = 1.4 + 0.05 * sin(0.7 * k) + (k > 200 ? 0.02 : 0.0);
         mean = k == 1 ? v : mean;
         const double wanted = 0.04 - 0.02 * (mean - v);
         const real r0 = step(v, 0.1); /* whatever speed is asked for */
@@ -44,6 +44,24 @@ START_TEST(a_person_keeps_their_own_speed)
         given += k > 300 ? (double)r0 : 0.0;
     }
     assert_close(given / 100.0, 0.04, 2e-5, 0.0); /* over time what was prescribed */
+}
+END_TEST
+
+/* Whatever they do, the energy of a push, which goes with r0^2, is at most 1.1 times the prescribed. */
+START_TEST(a_persons_push_has_no_more_than_was_prescribed)
+{
+    params.law = (real)LAW_PERSON;
+    params.start_r0_m = 0.04f;
+    params.kp_m_s_rad = 1.0f;
+    params.r0_max_m = 0.5f;
+    params.r0_change_max_m = 0.5f;
+    step_law_init(&law, &params);
+    double most = 0.0;
+    for (int k = 1; k <= 200; k++) {
+        const double r0 = (double)step(k > 20 ? 1.4 * 1.3 : 1.4 + 0.2 * sin(2.0 * k), 0.1);
+        most = fmax(most, r0);
+    }
+    ck_assert_msg(most * most <= 1.09 * 0.04 * 0.04 && most > 0.0411, "%g m", most);
 }
 END_TEST
 
@@ -232,6 +250,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_add_checked_fixture(tests, setup, NULL);
     tcase_add_test(tests, a_person_keeps_their_own_speed);
+    tcase_add_test(tests, a_persons_push_has_no_more_than_was_prescribed);
     tcase_add_test(tests, a_persons_push_off_keeps_to_the_limits);
     tcase_add_test(tests, a_persons_mean_begins_with_a_number);
     tcase_add_loop_test(tests, what_is_no_number_leaves_the_last_answer, 0, 6);

@@ -317,11 +317,13 @@ START_TEST(a_released_spring_must_move_the_ankle)
     enum supervisor_fault fault;
     start(&rig, SUPERVISOR_WALKING);
     load(&rig, REAL(0.1), REAL(10.0));
+    rig.command[SIDE_LEFT].latch_armed = true;
     ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
     rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
     expect(&rig, SUPERVISOR_FAULT_SPRING, 100, 104, true);
     start(&rig, SUPERVISOR_WALKING); /* it does */
     load(&rig, REAL(0.1), REAL(10.0));
+    rig.command[SIDE_LEFT].latch_armed = true;
     ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
     rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
     for (int i = 0; i < 300; i++) {
@@ -332,6 +334,42 @@ START_TEST(a_released_spring_must_move_the_ankle)
     }
     rig.input.leg[SIDE_LEFT].ankle_extension_m = REAL(0.121); /* beyond its motor */
     expect(&rig, SUPERVISOR_FAULT_SPRING, 21, 23, true);
+}
+END_TEST
+
+START_TEST(a_latch_opens_only_when_armed)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    start(&rig, SUPERVISOR_WALKING); /* by itself */
+    load(&rig, REAL(0.1), REAL(10.0));
+    ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
+    rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    expect(&rig, SUPERVISOR_FAULT_SPRING, 1, 1, true);
+    start(&rig, SUPERVISOR_WALKING); /* as it was disarmed: the release was under way */
+    load(&rig, REAL(0.1), REAL(10.0));
+    rig.command[SIDE_LEFT].latch_armed = true;
+    ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
+    rig.command[SIDE_LEFT].latch_armed = false;
+    ck_assert_int_eq(ticks_until(&rig, 8, true, &fault), 8);
+    rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    ck_assert_int_eq(ticks_until(&rig, 20, true, &fault), 20);
+}
+END_TEST
+
+START_TEST(a_person_s_latch_closes_behind_an_empty_spring)
+{
+    struct rig rig;
+    enum supervisor_fault fault;
+    start(&rig, SUPERVISOR_WALKING);
+    rig.params.body = (real)BODY_PERSON;
+    rig.command[SIDE_LEFT].latch_armed = true;
+    ck_assert_int_eq(ticks_until(&rig, 20, true, &fault), 20);
+    rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    rig.input.sea[SIDE_LEFT].precompression_m = REAL(0.0004); /* on its way back */
+    ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
+    rig.input.sea[SIDE_LEFT].precompression_m = REAL(0.0);
+    expect(&rig, SUPERVISOR_FAULT_SPRING, 10, 12, true);
 }
 END_TEST
 
@@ -400,6 +438,8 @@ int main(void)
     tcase_add_test(tests, a_wrong_force_is_never_forgotten);
     tcase_add_test(tests, ankle_against_latch);
     tcase_add_test(tests, a_released_spring_must_move_the_ankle);
+    tcase_add_test(tests, a_latch_opens_only_when_armed);
+    tcase_add_test(tests, a_person_s_latch_closes_behind_an_empty_spring);
     tcase_add_test(tests, following_error);
     tcase_add_test(tests, drives_that_disobey);
     tcase_add_test(tests, standstill_and_slack);

@@ -22,7 +22,7 @@ static void stand(const struct stance *stance, int ticks)
             const double noise = stance->noise_rad * ((n * 7919 + side * 31) % 13 - 6) / 4.0;
             leg[side] = (struct leg_measurement){
                 (real)(stance->offset_rad[side] + sway + noise), (real)stance->offset_m[side],
-                (uint16_t)(n >= stance->lost_from && n < stance->lost_to ? 1 : 0)};
+                (uint16_t)(n >= stance->lost_from && n < stance->lost_to ? 1 : 0), FOOT_UNKNOWN};
         }
         zeroing_update(&zeroing, leg);
     }

@@ -9,7 +9,7 @@ struct walk {
 
 static void strike(struct walk *walk, enum side side)
 {
-    struct gait_state gait = {0};
+    struct gait_state gait = {.walk_shown = true};
     gait.event[GAIT_HEEL_STRIKE] =
         (struct gait_event){.happened = true, .side = side, .tick = walk->tick};
     ck_assert(!step_monitor_update(&walk->monitor, &gait, walk->tick));
@@ -18,7 +18,7 @@ static void strike(struct walk *walk, enum side side)
 /* An apex `ms` after the last one, with one heel strike of the other foot between. */
 static void step(struct walk *walk, enum side side, uint32_t ms)
 {
-    struct gait_state gait = {0};
+    struct gait_state gait = {.walk_shown = true};
     strike(walk, side);
     walk->tick += ms;
     gait.event[GAIT_APEX] = (struct gait_event){.happened = true, .side = side, .tick = walk->tick};
@@ -31,6 +31,39 @@ static void start(struct walk *walk)
     step_monitor_init(&walk->monitor);
     step(walk, SIDE_LEFT, 0);
 }
+
+START_TEST(a_step_that_is_not_shown_to_be_walking_is_not_steady)
+{
+    struct walk walk;
+    struct gait_state gait = {.walk_shown = false};
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 600);
+    ck_assert_uint_eq(walk.monitor.steady, 1);
+    strike(&walk, SIDE_RIGHT);
+    walk.tick += 600;
+    gait.event[GAIT_APEX] =
+        (struct gait_event){.happened = true, .side = SIDE_RIGHT, .tick = walk.tick};
+    ck_assert(step_monitor_update(&walk.monitor, &gait, walk.tick + 40));
+    ck_assert_uint_eq(walk.monitor.steady, 0);
+    ck_assert_uint_eq(walk.monitor.unsteady, 1);
+}
+END_TEST
+
+START_TEST(what_denies_walking_ends_it_at_once)
+{
+    struct walk walk;
+    const struct gait_state denied = {.walk_shown = true, .walk_denied = true};
+    start(&walk);
+    step(&walk, SIDE_RIGHT, 600);
+    step(&walk, SIDE_LEFT, 600);
+    ck_assert(!step_monitor_update(&walk.monitor, &denied, walk.tick + 50));
+    ck_assert_uint_eq(walk.monitor.steady, 0);
+    ck_assert_uint_ge(walk.monitor.unsteady, STEP_MONITOR_IRREGULAR);
+    step(&walk, SIDE_RIGHT, 600); /* forgiven by the next steady step */
+    ck_assert_uint_eq(walk.monitor.unsteady, 0);
+}
+END_TEST
 
 START_TEST(equal_steps_are_steady_from_the_third_apex_on)
 {
@@ -87,7 +120,7 @@ START_TEST(the_same_leg_twice_is_no_steady_step)
     step(&walk, SIDE_RIGHT, 600);
     step(&walk, SIDE_LEFT, 600);
     ck_assert_uint_eq(walk.monitor.steady, 1);
-    struct gait_state gait = {0};
+    struct gait_state gait = {.walk_shown = true};
     strike(&walk, SIDE_RIGHT);
     walk.tick += 600;
     gait.event[GAIT_APEX] =
@@ -102,7 +135,7 @@ END_TEST
 START_TEST(a_step_without_heel_strike_is_none)
 {
     struct walk walk;
-    struct gait_state gait = {0};
+    struct gait_state gait = {.walk_shown = true};
     start(&walk);
     step(&walk, SIDE_RIGHT, 600);
     step(&walk, SIDE_LEFT, 600);
@@ -183,6 +216,8 @@ int main(void)
 {
     Suite *suite = suite_create("step monitor");
     TCase *tests = tcase_create("all");
+    tcase_add_test(tests, a_step_that_is_not_shown_to_be_walking_is_not_steady);
+    tcase_add_test(tests, what_denies_walking_ends_it_at_once);
     tcase_add_test(tests, equal_steps_are_steady_from_the_third_apex_on);
     tcase_add_loop_test(tests, a_step_unlike_the_others_begins_anew, 0,
                         (int)(sizeof breaks / sizeof breaks[0]));

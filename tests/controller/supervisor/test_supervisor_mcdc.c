@@ -297,7 +297,8 @@ START_TEST(torque_and_assistance_by_state)
     for (int state = 0; state < SUPERVISOR_STATES; state++) {
         const bool assisting = state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING;
         see(&assist, assisting ? 1u : 0u, supervisor_may_assist((enum supervisor_state)state));
-        see(&enable, assisting || state == SUPERVISOR_UNLOADING ? 1u : 0u,
+        const bool moves = state == SUPERVISOR_UNLOADING || state == SUPERVISOR_COMMISSIONING;
+        see(&enable, assisting || moves ? 1u : 0u,
             supervisor_may_enable((enum supervisor_state)state));
     }
     ck_assert_int_eq(count_pairs(&enable), 1);

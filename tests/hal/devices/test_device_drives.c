@@ -105,12 +105,12 @@ START_TEST(a_board_tells_whether_its_latch_holds)
     make_odrive(&device.leg[SIDE_RIGHT]);
     start();
     ck_assert_int_eq(read_leg(SIDE_RIGHT).latch, LATCH_UNKNOWN);
-    ck_assert(give(0x384, &holds, 1));
+    ck_assert(give(0x386, &holds, 1));
     ck_assert_int_eq(read_leg(SIDE_RIGHT).latch, LATCH_CLOSED);
-    ck_assert(give(0x384, &open, 1));
+    ck_assert(give(0x386, &open, 1));
     ck_assert_int_eq(read_leg(SIDE_RIGHT).latch, LATCH_OPEN);
-    ck_assert(!give(0x383, &holds, 1)); /* there is no board at the left leg */
-    ck_assert(give(0x384, at_minus_10_turns, 2));
+    ck_assert(!give(0x385, &holds, 1)); /* there is no board at the left leg */
+    ck_assert(give(0x386, at_minus_10_turns, 2));
     ck_assert_uint_eq(*drives.rx_malformed, 1);
     for (int i = 0; i <= HEARTBEAT_TIMEOUT_TICKS; i++) {
         sea_drives_age(&drives);

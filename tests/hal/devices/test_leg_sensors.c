@@ -150,10 +150,41 @@ START_TEST(frames_beyond_one_a_cycle_are_counted)
 }
 END_TEST
 
+START_TEST(a_foot_switch_is_read_ages_and_falls_silent)
+{
+    struct leg_sensors sensors;
+    struct can_msg frame = {.id = 0x384, .length = 1, .data = {1}};
+    leg_sensors_init(&sensors, straight);
+    const struct leg_sensor_reading *right = &sensors.reading[SIDE_RIGHT];
+    ck_assert_int_eq(right->foot, FOOT_UNKNOWN);
+    ck_assert(leg_sensors_receive(&sensors, &frame));
+    ck_assert_int_eq(right->foot, FOOT_DOWN);
+    ck_assert_int_eq(sensors.reading[SIDE_LEFT].foot, FOOT_UNKNOWN);
+    for (int i = 0; i < FOOT_AGE_MAX_TICKS; i++) {
+        leg_sensors_age(&sensors);
+        ck_assert_int_eq(right->foot, FOOT_DOWN);
+    }
+    leg_sensors_age(&sensors);
+    ck_assert_int_eq(right->foot, FOOT_UNKNOWN);
+    frame.data[0] = 0;
+    ck_assert(leg_sensors_receive(&sensors, &frame));
+    ck_assert_int_eq(right->foot, FOOT_UP);
+    frame.data[0] = FOOT_HAS_FAULT | FOOT_IS_DOWN;
+    ck_assert(leg_sensors_receive(&sensors, &frame));
+    ck_assert_int_eq(right->foot, FOOT_UNKNOWN);
+    frame.length = 2;
+    frame.data[0] = FOOT_IS_DOWN;
+    ck_assert(leg_sensors_receive(&sensors, &frame));
+    ck_assert_int_eq(right->foot, FOOT_UNKNOWN);
+    ck_assert_uint_eq(sensors.rx_malformed, 1);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("leg_sensors");
     TCase *tests = tcase_create("all");
+    tcase_add_test(tests, a_foot_switch_is_read_ages_and_falls_silent);
     tcase_add_test(tests, counts_become_radians_and_metres);
     tcase_add_test(tests, offset_and_direction_of_the_mounting);
     tcase_add_test(tests, lever_ankle_is_the_sine_and_never_negative);

@@ -157,6 +157,27 @@ START_TEST(a_core_that_does_not_leave_init_mode_is_given_up)
 }
 END_TEST
 
+/* Bit timing, time stamps, filters and their number, queue, interrupts. */
+START_TEST(a_lost_write_is_told_and_keeps_it_off_the_bus)
+{
+    static const uint32_t address[] = {0x4000641C, 0x40006420, 0x40006480, 0x400064C0, 0x400064DC,
+                                       0x400064E0, 0x40006454, 0x4000645C, 0x4000A400, 0x4000A404};
+    struct fdcan_config made = config();
+
+    mmio_model_reset();
+    fdcan_model_init(&model);
+    memset(model.ram, 0xA7, sizeof model.ram);
+    mmio_model_lose(address[_i]);
+    ck_assert_int_eq(fdcan_init(&can, &made), FDCAN_LOST_WRITE);
+    ck_assert_uint_eq(can.lost_register, address[_i]);
+    ck_assert_uint_eq(model.reg[0x18 / 4] & 1, 1);
+    ck_assert_int_eq(send(0x100, 0, 0), CAN_DOWN);
+    mmio_model_lose(0);
+    ck_assert_int_eq(fdcan_init(&can, &made), FDCAN_OK);
+    ck_assert_uint_eq(can.lost_register, 0);
+}
+END_TEST
+
 /* ---- Receiving ---------------------------------------------------------------- */
 
 START_TEST(only_what_the_filters_name_is_received)
@@ -619,6 +640,7 @@ int main(void)
     tcase_add_test(tcase, the_bit_timing_is_1_mbit_with_the_sample_at_87_5_percent);
     tcase_add_test(tcase, a_clock_that_gives_no_exact_bit_rate_is_refused);
     tcase_add_test(tcase, a_core_that_does_not_leave_init_mode_is_given_up);
+    tcase_add_loop_test(tcase, a_lost_write_is_told_and_keeps_it_off_the_bus, 0, 10);
     tcase_add_test(tcase, only_what_the_filters_name_is_received);
     tcase_add_test(tcase, data_and_length_arrive_as_sent);
     tcase_add_test(tcase, a_data_length_code_above_8_means_8);

@@ -165,6 +165,17 @@ START_TEST(a_wait_lasts_as_long_at_any_clock)
 }
 END_TEST
 
+/* Clock security and FDCAN's clock: nothing else would notice that they are not set. */
+START_TEST(a_lost_write_to_the_clock_tree_is_told)
+{
+    static const uint32_t address[] = {0x40021000, 0x40021088};
+
+    chip.rcc[0x88 / 4] = 3u << 24;
+    mmio_model_lose(address[_i]);
+    ck_assert_int_eq(clock_tree_init(), _i == 0 ? CLOCK_TREE_NO_CRYSTAL : CLOCK_TREE_LOST_WRITE);
+}
+END_TEST
+
 START_TEST(a_stopped_crystal_is_told_from_other_nmis)
 {
     ck_assert(!clock_tree_crystal_failed());
@@ -264,6 +275,19 @@ START_TEST(the_timer_counts_microseconds_and_starts_clean)
     ck_assert_uint_eq(tim[0x00] & 1, 1);
     ck_assert(chip.rcc[0x58 / 4] & 1);
     ck_assert(!clock_take_tick(&ticks));
+}
+END_TEST
+
+START_TEST(a_lost_write_to_the_timer_is_told)
+{
+    static const uint32_t address[] = {0x40000000, 0x4000000C, 0x40000028, 0x40000034};
+
+    memset(tim, 0, sizeof tim);
+    mmio_model_lose(address[_i]);
+    ck_assert_uint_eq(tim2_clock_init(&timer, 170000000), address[_i]);
+    mmio_model_lose(0);
+    memset(tim, 0, sizeof tim);
+    ck_assert_uint_eq(tim2_clock_init(&timer, 170000000), 0);
 }
 END_TEST
 
@@ -417,7 +441,10 @@ static uint32_t feeds, unlocked, started;
 static uint32_t iwdg_read(void *context, uint32_t offset)
 {
     (void)context;
-    return offset == 0x0C && feeds == 0 && iwdg[3] > 0 ? iwdg[3]-- && 1u : 0u;
+    if (offset == 0x0C) {
+        return feeds == 0 && iwdg[3] > 0 ? iwdg[3]-- && 1u : 0u;
+    }
+    return offset == 0 ? 0u : iwdg[offset / 4];
 }
 
 static void iwdg_write(void *context, uint32_t offset, uint32_t value)
@@ -438,7 +465,7 @@ START_TEST(the_watchdog_bites_after_120_ms)
     mmio_model_reset();
     mmio_model_map(0x40003000, sizeof iwdg, iwdg_read, iwdg_write, NULL);
     iwdg[3] = 50; /* busy for some polls */
-    iwdg_start();
+    ck_assert_uint_eq(iwdg_start(), 0);
     ck_assert_uint_eq(started, 1);
     ck_assert_uint_eq(feeds, 1);
     /* RM0440: time-out = reload * 4 * 2^PR / 32 kHz. */
@@ -446,6 +473,18 @@ START_TEST(the_watchdog_bites_after_120_ms)
     ck_assert_uint_le(iwdg[2], 0xFFF);
     iwdg_watchdog.ops->feed(iwdg_watchdog.context);
     ck_assert_uint_eq(feeds, 2);
+}
+END_TEST
+
+/* Its reset values: 512 ms with the first divisor. */
+START_TEST(a_lost_write_to_the_watchdog_is_told)
+{
+    mmio_model_reset();
+    mmio_model_map(0x40003000, sizeof iwdg, iwdg_read, iwdg_write, NULL);
+    memset(iwdg, 0, sizeof iwdg);
+    iwdg[2] = 0xFFF;
+    mmio_model_lose(0x40003008);
+    ck_assert_uint_eq(iwdg_start(), 0x40003008);
 }
 END_TEST
 
@@ -463,14 +502,34 @@ static void gpio_write(void *context, uint32_t offset, uint32_t value)
     }
 }
 
+static void pins_at_reset(void)
+{
+    memset(port_a, 0, sizeof port_a);
+    memset(port_c, 0, sizeof port_c);
+    port_a[0] = 0xABFFFFFF; /* the debug port is on PA13 and PA14 */
+    port_c[0] = 0xFFFFFFFF;
+}
+
+START_TEST(a_lost_write_to_the_pins_is_told)
+{
+    static const uint32_t address[] = {0x48000000, 0x4800000C, 0x48000024, 0x48000800, 0x4800080C};
+
+    clock_setup();
+    mmio_model_map(0x48000000, sizeof port_a, gpio_read, gpio_write, port_a);
+    mmio_model_map(0x48000800, sizeof port_c, gpio_read, gpio_write, port_c);
+    pins_at_reset();
+    mmio_model_lose(address[_i]);
+    ck_assert_uint_eq(board_io_init(), address[_i]);
+}
+END_TEST
+
 START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
 {
     clock_setup();
     mmio_model_map(0x48000000, sizeof port_a, gpio_read, gpio_write, port_a);
     mmio_model_map(0x48000800, sizeof port_c, gpio_read, gpio_write, port_c);
-    port_a[0] = 0xABFFFFFF; /* reset values: the debug port is on PA13 and PA14 */
-    port_c[0] = 0xFFFFFFFF;
-    board_io_init();
+    pins_at_reset();
+    ck_assert_uint_eq(board_io_init(), 0);
     ck_assert_uint_eq(port_a[0], 0xABFFFFFF - (1u << 22) - (1u << 24)); /* 11 -> 10, twice */
     ck_assert_uint_eq(port_a[0x24 / 4], 0x00099000);
     ck_assert_uint_eq(port_c[0], 0xFFFFFFF4);   /* 0: input, 1: output */
@@ -505,10 +564,12 @@ int main(void)
                         without_crystal_pll_or_regulator_the_core_stays_on_the_rc_oscillator, 0, 3);
     tcase_add_test(clocks, without_boost_mode_the_core_stays_on_the_rc_oscillator);
     tcase_add_test(clocks, a_wait_lasts_as_long_at_any_clock);
+    tcase_add_loop_test(clocks, a_lost_write_to_the_clock_tree_is_told, 0, 2);
     tcase_add_test(clocks, a_stopped_crystal_is_told_from_other_nmis);
     tcase_add_test(clocks, the_reset_cause_is_taken_once);
     tcase_add_checked_fixture(timers, timer_setup, NULL);
     tcase_add_test(timers, the_timer_counts_microseconds_and_starts_clean);
+    tcase_add_loop_test(timers, a_lost_write_to_the_timer_is_told, 0, 4);
     tcase_add_test(timers, each_period_is_taken_once_and_none_is_forgotten);
     tcase_add_test(timers, time_never_runs_back_at_the_overflow);
     tcase_add_loop_test(timers, an_interrupt_that_comes_late_does_not_stop_the_clock, 0, 2);
@@ -516,6 +577,8 @@ int main(void)
     tcase_add_test(timers, an_interrupt_within_the_timers_reads_the_right_time);
     tcase_add_test(timers, the_loop_does_not_sleep_over_what_has_come);
     tcase_add_test(rest, the_watchdog_bites_after_120_ms);
+    tcase_add_test(rest, a_lost_write_to_the_watchdog_is_told);
+    tcase_add_loop_test(rest, a_lost_write_to_the_pins_is_told, 0, 5);
     tcase_add_test(rest, the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0);
     suite_add_tcase(suite, clocks);
     suite_add_tcase(suite, timers);

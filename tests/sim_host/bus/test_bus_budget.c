@@ -142,7 +142,8 @@ static void walk_the_bus(void)
     const int others = sim_bus_attach(&bus, "nodes", answer, NULL);
     for (unsigned i = 0; i < ROWS; i++) {
         port[i] = sim_bus_port(&bus, rows[i].node == NODE_CONTROLLER ? controller : others);
-        rows[i].apart = rows[i].id == FRAME_NMT || strncmp(rows[i].name, "EMCY", 4) == 0;
+        rows[i].apart =
+            rows[i].id == FRAME_NMT || strncmp(rows[i].name, "EMCY", 4) == 0 || rows[i].kind == 'O';
     }
     nodes = sim_bus_port(&bus, others);
     sim_bus_set_tap(&bus, note, NULL);
@@ -201,6 +202,14 @@ START_TEST(the_last_sensor_frame_by_hand)
             assert_close(rows[i].budget_us, 55 + 2 * 115 + 135 + 2 * 105 + 135 + 166, 1e-9, 0);
         }
     }
+}
+END_TEST
+
+/* A device with foot switches has a table of its own. */
+START_TEST(the_frames_of_foot_switches_fit_too)
+{
+    ck_assert_int_eq(system("scripts/bus-budget --bitrate 1000000 --optional >/dev/null"), 0);
+    ck_assert_int_ne(system("scripts/bus-budget --bitrate 800000 --optional >/dev/null"), 0);
 }
 END_TEST
 
@@ -273,6 +282,7 @@ int main(void)
     tcase_add_test(tcase, the_computation_in_c_is_the_script_s);
     tcase_add_test(tcase, the_tick_that_fits_is_the_script_s);
     tcase_add_test(tcase, a_rate_that_does_not_fit_is_refused_with_one_that_does);
+    tcase_add_test(tcase, the_frames_of_foot_switches_fit_too);
     tcase_add_test(tcase, it_says_when_a_rate_does_not_fit_and_which_does);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

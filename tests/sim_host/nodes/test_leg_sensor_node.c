@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "hal/bus/bytes.h"
+#include "hal/bus/frame_table.h"
 #include "sim_host/nodes/leg_sensor_node.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/node_bench.h"
@@ -110,11 +111,46 @@ START_TEST(device_type_and_sizes_can_be_read)
 }
 END_TEST
 
+START_TEST(a_foot_switch_is_told_on_change_and_from_time_to_time)
+{
+    const struct leg_sensor_node_config config = {
+        .side = SIDE_LEFT, .node_id = 3, .has_foot_switch = true};
+    bench_init(&bench, 3, poll_node, NULL, &node);
+    ck_assert_int_eq(leg_sensor_node_init(&node, &config, bench.node_bus, 0), 0);
+    bench.syncs = true;
+    bench_nmt(&bench, 1);
+    leg_sensor_node_measure_foot(&node, FOOT_DOWN);
+    bench_run(&bench, 10);
+    const struct can_msg *told = bench_last(&bench, 0x383);
+    ck_assert_ptr_nonnull(told);
+    ck_assert_uint_eq(told->length, 1);
+    ck_assert_uint_eq(told->data[0], FOOT_IS_DOWN);
+    bench_run(&bench, 20);
+    leg_sensor_node_measure_foot(&node, FOOT_UP);
+    bench_run(&bench, 2);
+    ck_assert_uint_eq(bench_last(&bench, 0x383)->data[0], 0);
+    leg_sensor_node_measure_foot(&node, FOOT_UNKNOWN);
+    bench_run(&bench, 10);
+    ck_assert_uint_eq(bench_last(&bench, 0x383)->data[0], FOOT_HAS_FAULT);
+}
+END_TEST
+
+START_TEST(without_a_foot_switch_nothing_is_told)
+{
+    bench_nmt(&bench, 1);
+    leg_sensor_node_measure_foot(&node, FOOT_DOWN);
+    bench_run(&bench, 200);
+    ck_assert_ptr_null(bench_last(&bench, 0x383));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("leg_sensor_node");
     TCase *tcase = tcase_create("all");
     tcase_add_checked_fixture(tcase, setup, NULL);
+    tcase_add_test(tcase, a_foot_switch_is_told_on_change_and_from_time_to_time);
+    tcase_add_test(tcase, without_a_foot_switch_nothing_is_told);
     tcase_add_test(tcase, sync_is_answered_with_five_bytes_when_operational);
     tcase_add_test(tcase, values_saturate_and_a_bad_one_raises_an_alarm);
     tcase_add_test(tcase, a_preset_moves_the_zero_and_the_code_sequence_turns_the_sign);

@@ -61,7 +61,7 @@ START_TEST(bad_parameters_are_named)
     params.stroke_max_m = -1.0;
     ck_assert_str_eq(sea_params_check(&params), "stroke_max_m");
     params = real_params();
-    params.release_latency_s = 0.02;
+    params.release_latency_s = 0.06;
     ck_assert_str_eq(sea_params_check(&params), "release_latency_s");
     params = real_params();
     params.release_on = (enum sea_release)9;
@@ -421,6 +421,40 @@ START_TEST(work_and_friction_balance)
 }
 END_TEST
 
+START_TEST(at_constant_speed_the_force_is_constant)
+{
+    /* A new target every tick, on a straight line: nothing accelerates, so the force has no
+     * business to change but by the spring's, k v t. */
+    const struct sea_subject subjects[] = {PAPER, ADULT};
+    for (int i = 0; i < 2; i++) {
+        struct sea sea;
+        struct sea_params params;
+        sea_preset(SEA_REAL, &subjects[i], &params);
+        sea_init(&sea, &params, 1);
+        const double speed_m_s = 0.5 * params.speed_limit_m_s;
+        const double full_N = params.spring_N_per_m * params.stroke_max_m;
+        double squares = 0.0;
+        int count = 0;
+        for (int tick = 1; tick < 250; tick++) {
+            command(&sea, SEA_POSITION, tick * 1e-3 * speed_m_s, false);
+            for (int k = 0; k < 10; k++) {
+                sea_drive_period(&sea, 0.0);
+                if (tick > 180) {
+                    const double steady_N = sea.spring_force_N + params.coulomb_N +
+                                            params.viscous_N_per_m_s * sea.speed_m_s;
+                    const double off_N = sea.motor_force_N - steady_N;
+                    squares += off_N * off_N;
+                    count++;
+                }
+                sea_finish_period(&sea);
+            }
+        }
+        const double ripple = sqrt(squares / count) / full_N;
+        ck_assert_msg(ripple < 0.02, "ripple of %g of the full force", ripple);
+    }
+}
+END_TEST
+
 START_TEST(it_warms_up_under_load)
 {
     struct sea sea;
@@ -454,6 +488,7 @@ int main(void)
     tcase_add_test(motor, counts_saturate);
     tcase_add_test(motor, ideal_motor_is_where_it_is_told);
     tcase_add_test(motor, work_and_friction_balance);
+    tcase_add_test(motor, at_constant_speed_the_force_is_constant);
     tcase_add_test(motor, it_warms_up_under_load);
     tcase_add_test(latch, only_an_armed_latch_releases);
     tcase_add_test(latch, causes_are_chosen_by_name);

@@ -1,0 +1,104 @@
+/* What the chip runs first: carries out an ordered update, and starts the program if it is whole.
+ *
+ * A program that is not whole does not run. Then LD2 blinks (three short, three long), and the
+ * virtual COM port says why, again and again. Nothing is sent on the bus: the drives hear nothing
+ * and stay or go unloaded by themselves. It needs no crystal and no interrupt.
+ */
+#include "hal/port_cortex_m/cortex_m4.h"
+#include "hal/port_stm32g474/flash_registers.h"
+#include "hal/port_stm32g474/flash_store.h"
+#include "hal/port_stm32g474/signs.h"
+
+extern uint32_t starter_stack_top[], starter_bss_start[], starter_bss_end[];
+
+enum { UNIT_MS = 150, SHORTS_AND_LONGS = 6 };
+
+static struct flash_store flash;
+
+void starter_reset(void);
+void starter_nmi(void);
+void starter_stop(void);
+
+__attribute__((section(".vectors"), used)) static const union vector vectors[16] = {
+    {.stack = starter_stack_top}, {.handler = starter_reset}, {.handler = starter_nmi},
+    {.handler = starter_stop},    {.handler = starter_stop},  {.handler = starter_stop},
+    {.handler = starter_stop},    {.handler = starter_stop},  {.handler = starter_stop},
+    {.handler = starter_stop},    {.handler = starter_stop},  {.handler = starter_stop},
+    {.handler = starter_stop},    {.handler = starter_stop},  {.handler = starter_stop},
+    {.handler = starter_stop},
+};
+
+static const char *reason_of(enum program_verdict verdict)
+{
+    switch (verdict) {
+    case PROGRAM_NO_HEADER:
+        return "afo: there is no program; flash one (make flash)\r\n";
+    case PROGRAM_BAD_LENGTH:
+        return "afo: the program's length is impossible; flash it again (make flash)\r\n";
+    case PROGRAM_OTHER_HARDWARE:
+        return "afo: the program is for another board; flash one for this board (make flash)\r\n";
+    default:
+        return "afo: the program is not whole (CRC); flash it again (make flash)\r\n";
+    }
+}
+
+/* For good: a reset tries again. */
+static _Noreturn void say(const char *text)
+{
+    signs_init(FALLBACK_HZ);
+    for (uint32_t blink = 0;; blink = (blink + 1u) % (2u * SHORTS_AND_LONGS)) {
+        const bool lit = blink % 2u == 0u, is_long = blink / 2u >= 3u;
+        if (blink == 0u) {
+            signs_write(text);
+        }
+        signs_light(lit);
+        signs_wait(FALLBACK_HZ, (uint32_t)UNIT_MS * (lit && is_long ? 3u : 1u));
+    }
+}
+
+static _Noreturn void run(uint32_t slot)
+{
+    SCB_VTOR = slot;
+    cortex_m4_barrier();
+    __asm volatile("msr msp, %0\n"
+                   "bx %1\n" ::"r"(*(const volatile uint32_t *)slot),
+                   "r"(*(const volatile uint32_t *)(slot + 4u)));
+    __builtin_unreachable();
+}
+
+int main(void)
+{
+    const struct program_slots slots = flash_store_programs(&flash);
+    struct program_header header;
+
+    flash_store_init(&flash);
+    if (program_slots_is_ordered(&slots)) {
+        (void)program_slots_install(&slots);
+    }
+    const enum program_verdict verdict = program_slots_check(&slots, &header);
+    if (verdict != PROGRAM_GOOD) {
+        say(reason_of(verdict));
+    }
+    run(slots.slot);
+}
+
+/* The error correction gave up on a word: the read that met it says so. */
+void starter_nmi(void)
+{
+    if (!flash_store_survives_nmi(&flash)) {
+        starter_stop();
+    }
+}
+
+void starter_stop(void)
+{
+    say("afo: the starter failed; flash the program again (make flash)\r\n");
+}
+
+void starter_reset(void)
+{
+    for (volatile uint32_t *to = starter_bss_start; to < starter_bss_end; to++) {
+        *to = 0;
+    }
+    (void)main();
+}

@@ -1,0 +1,74 @@
+#include "sim_host/emulator/g474/chip_cuts.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { EXIT_GOOD_CUT = 0, EXIT_BAD_CUT = 1 };
+
+/* Before each operation; the copy returns from here and meets its end in the operation. */
+static void before_operation(void *context)
+{
+    struct chip_cuts *cuts = context;
+    struct flash_model *flash = &cuts->chip->flash_registers;
+    const uint32_t operation = flash->operations - cuts->first;
+    int status = 0;
+
+    if (operation % cuts->every != 0) {
+        return;
+    }
+    fflush(NULL);
+    const pid_t copy = fork();
+    if (copy == 0) {
+        cuts->in_copy = true;
+        cuts->at = operation;
+        flash->power_fails_at = flash->operations;
+        flash->on_operation = NULL;
+        return;
+    }
+    cuts->tried++;
+    if (copy < 0 || waitpid(copy, &status, 0) != copy || !WIFEXITED(status) ||
+        WEXITSTATUS(status) != EXIT_GOOD_CUT) {
+        cuts->bad++;
+    }
+}
+
+void chip_cuts_begin(struct chip_cuts *cuts, struct chip *chip)
+{
+    struct flash_model *flash = &chip->flash_registers;
+
+    cuts->chip = chip;
+    cuts->first = flash->operations;
+    cuts->resets = chip->resets;
+    if (cuts->every == 0) {
+        flash->power_fails_at = cuts->first + cuts->at;
+    } else {
+        flash->on_operation = before_operation;
+        flash->operation_context = cuts;
+    }
+}
+
+void chip_cuts_finish(struct chip_cuts *cuts)
+{
+    struct flash_model *flash = &cuts->chip->flash_registers;
+
+    flash->on_operation = NULL;
+    flash->power_fails_at = UINT32_MAX;
+    cuts->operations = flash->operations - cuts->first;
+    cuts->hit = cuts->chip->resets != cuts->resets;
+    if (!cuts->hit) {
+        chip_power_cycle(cuts->chip);
+    }
+}
+
+void chip_cuts_end(const struct chip_cuts *cuts, const char *trouble)
+{
+    if (!cuts->in_copy) {
+        return;
+    }
+    if (trouble != NULL) {
+        fprintf(stderr, "power cut in operation %u: %s\n", cuts->at, trouble);
+    }
+    _exit(trouble != NULL ? EXIT_BAD_CUT : EXIT_GOOD_CUT);
+}

@@ -1,0 +1,162 @@
+/* When a person's latch may be armed. */
+#include "controller/estimator/arm_window.h"
+#include "tests/support/assert_close.h"
+
+struct bench {
+    struct arm_window window;
+    struct control_params params;
+    struct arm_view view;
+    uint32_t tick;
+    uint32_t opened_tick, closed_tick; /* of the last step; 0 = did not */
+};
+
+static void start(struct bench *bench, double switches, double strike_error_s)
+{
+    *bench = (struct bench){.tick = 1000, .view.own_foot = FOOT_DOWN};
+    bench->params.foot_switches = (real)switches;
+    bench->params.strike_error_s = (real)strike_error_s;
+}
+
+static void pass(struct bench *bench, uint32_t ms)
+{
+    for (uint32_t i = 0; i < ms; i++) {
+        const bool before = arm_window_is_open(&bench->window, &bench->params, bench->tick);
+        bench->tick++;
+        arm_window_update(&bench->window, &bench->params, &bench->view, bench->tick);
+        const bool now = arm_window_is_open(&bench->window, &bench->params, bench->tick);
+        if (now && !before) {
+            bench->opened_tick = bench->tick;
+        } else if (!now && before) {
+            bench->closed_tick = bench->tick;
+        }
+    }
+}
+
+/* A step whose foot lands lag_ms behind the slowing of its leg; then its stance. Returns the tick of
+ * the contact. */
+static uint32_t step(struct bench *bench, uint32_t lag_ms)
+{
+    bench->opened_tick = bench->closed_tick = 0;
+    bench->view = (struct arm_view){.swings = true,
+                                    .contact_tick = bench->view.contact_tick,
+                                    .own_foot = FOOT_DOWN,
+                                    .own_leg_turns_back = true};
+    pass(bench, 300);
+    bench->view.slowing = true;
+    pass(bench, lag_ms);
+    const uint32_t contact_tick = bench->tick + 1;
+    bench->view.contact_tick = contact_tick;
+    pass(bench, 20);
+    bench->view.slowing = bench->view.swings = false;
+    pass(bench, 30);
+    bench->view.own_leg_turns_back = false;
+    bench->view.own_foot = FOOT_UP;
+    pass(bench, 200);
+    return contact_tick;
+}
+
+START_TEST(it_opens_a_stated_time_ahead_of_the_contact)
+{
+    static const uint32_t lags_ms[] = {30, 60, 120, 200};
+    struct bench bench;
+    start(&bench, 1.0, 0.0);
+    (void)step(&bench, lags_ms[_i]);
+    ck_assert_uint_eq(bench.opened_tick, 0); /* nothing learned yet */
+    (void)step(&bench, lags_ms[_i]);
+    for (int i = 0; i < 5; i++) {
+        const uint32_t contact_tick = step(&bench, lags_ms[_i]);
+        const double lead_s = 1e-3 * ((double)contact_tick - bench.opened_tick);
+        assert_close(lead_s, (double)ARM_LEAD_S, 0.002, 0.0);
+        ck_assert_uint_gt(bench.closed_tick, contact_tick);
+        ck_assert_uint_le(bench.closed_tick, contact_tick + 32);
+    }
+}
+END_TEST
+
+/* Each sign alone closes it, and for the rest of the step. */
+START_TEST(any_sign_of_the_own_toe_off_closes_it)
+{
+    struct bench bench;
+    start(&bench, 1.0, 0.0);
+    for (int i = 0; i < 4; i++) {
+        (void)step(&bench, 60);
+    }
+    bench.view = (struct arm_view){.swings = true,
+                                   .slowing = false,
+                                   .contact_tick = bench.view.contact_tick,
+                                   .own_foot = FOOT_DOWN,
+                                   .own_leg_turns_back = true};
+    pass(&bench, 300);
+    bench.view.slowing = true;
+    pass(&bench, 55);
+    ck_assert(arm_window_is_open(&bench.window, &bench.params, bench.tick));
+    const struct arm_view well = bench.view;
+    switch (_i) {
+    case 0:
+        bench.view.own_foot = FOOT_UP;
+        break;
+    case 1:
+        bench.view.own_foot = FOOT_UNKNOWN;
+        break;
+    default:
+        bench.view.own_leg_turns_back = false;
+        break;
+    }
+    pass(&bench, 1);
+    ck_assert(!arm_window_is_open(&bench.window, &bench.params, bench.tick));
+    bench.view = well;
+    pass(&bench, 20);
+    ck_assert(!arm_window_is_open(&bench.window, &bench.params, bench.tick));
+}
+END_TEST
+
+START_TEST(it_closes_when_no_contact_comes)
+{
+    struct bench bench;
+    start(&bench, 1.0, 0.0);
+    for (int i = 0; i < 4; i++) {
+        (void)step(&bench, 60);
+    }
+    bench.view.own_foot = FOOT_DOWN;
+    bench.view.own_leg_turns_back = bench.view.swings = true;
+    pass(&bench, 300);
+    bench.view.slowing = true;
+    pass(&bench, 100);
+    ck_assert(arm_window_is_open(&bench.window, &bench.params, bench.tick));
+    pass(&bench, 60);
+    ck_assert(!arm_window_is_open(&bench.window, &bench.params, bench.tick));
+}
+END_TEST
+
+START_TEST(without_switches_it_opens_behind_the_strike_or_not_at_all)
+{
+    struct bench bench;
+    start(&bench, 0.0, _i == 0 ? 0.0 : 0.03);
+    bench.view = (struct arm_view){.swings = true, .own_leg_turns_back = true};
+    pass(&bench, 300);
+    bench.view.slowing = true;
+    pass(&bench, 50);
+    arm_window_strike(&bench.window, bench.tick, REAL(0.02));
+    const uint32_t strike_tick = bench.tick - 20;
+    pass(&bench, 40);
+    if (_i == 0) {
+        ck_assert_uint_eq(bench.opened_tick, 0);
+    } else {
+        ck_assert_uint_ge(bench.opened_tick, strike_tick + 30);
+        ck_assert_uint_le(bench.opened_tick, strike_tick + 32);
+        ck_assert_uint_ge(bench.closed_tick, strike_tick + 60);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("arm_window");
+    TCase *all = tcase_create("all");
+    tcase_add_loop_test(all, it_opens_a_stated_time_ahead_of_the_contact, 0, 4);
+    tcase_add_loop_test(all, any_sign_of_the_own_toe_off_closes_it, 0, 3);
+    tcase_add_test(all, it_closes_when_no_contact_comes);
+    tcase_add_loop_test(all, without_switches_it_opens_behind_the_strike_or_not_at_all, 0, 2);
+    suite_add_tcase(suite, all);
+    return run_suite(suite);
+}
