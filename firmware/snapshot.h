@@ -19,8 +19,8 @@ struct snapshot_source {
     struct device_drives *drives;
 };
 
-/* Size of every snapshot of this build. */
-size_t snapshot_size(void);
+/* Size of every snapshot of this build with these drives. */
+size_t snapshot_size(const struct snapshot_source *source);
 
 /* Copies the state of *context (a struct snapshot_source) to `out`. Returns the
  * size, 0 when it exceeds `capacity`. Between ticks only. Cost: one copy. */

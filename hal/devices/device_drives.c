@@ -1,5 +1,7 @@
 #include "hal/devices/device_drives.h"
 
+#include <stddef.h>
+
 /* Half widths of the MIT fields for the gains, the same for all of these motors. */
 #define MIT_KP_RANGE 500.0f
 #define MIT_KD_RANGE 5.0f
@@ -84,6 +86,12 @@ static bool has_protocol(const struct device_drives *drives, unsigned protocol)
 {
     return drives->state.protocol[SIDE_LEFT] == protocol ||
            drives->state.protocol[SIDE_RIGHT] == protocol;
+}
+
+size_t device_drives_state_bytes(const struct device_drives *drives)
+{
+    const bool makers = has_protocol(drives, DEVICE_CANSIMPLE) || has_protocol(drives, DEVICE_MIT);
+    return makers ? sizeof drives->state : offsetof(struct device_drives_state, cansimple);
 }
 
 static void sum_malformed(struct device_drives *drives)

@@ -6,6 +6,8 @@
 #ifndef HAL_DEVICES_DEVICE_DRIVES_H
 #define HAL_DEVICES_DEVICE_DRIVES_H
 
+#include <stddef.h>
+
 #include "hal/devices/device_description.h"
 #include "hal/devices/latch_boards.h"
 #include "hal/devices/sea_drive_cansimple.h"
@@ -15,11 +17,11 @@
 /* What is known of them: no pointers, the same bytes everywhere (firmware/snapshot.h). */
 struct device_drives_state {
     struct cia402_drives cia402;
-    struct cansimple_drives cansimple;
-    struct mit_drives mit;
     struct latch_boards latches;
-    uint8_t protocol[SIDE_COUNT]; /* enum device_protocol */
-    bool enabled[SIDE_COUNT];     /* as a leg without a drive was told last */
+    uint8_t protocol[SIDE_COUNT];      /* enum device_protocol */
+    bool enabled[SIDE_COUNT];          /* as a leg without a drive was told last */
+    struct cansimple_drives cansimple; /* from here on of makers' protocols only */
+    struct mit_drives mit;
 };
 
 struct device_drives {
@@ -27,6 +29,9 @@ struct device_drives {
     struct sea_drives own[DEVICE_MIT + 1]; /* by protocol: of the state above */
     uint32_t rx_malformed;                 /* of all of them; saturates */
 };
+
+/* How much of the state says anything: without a drive of a maker's protocol, less. O(1). */
+size_t device_drives_state_bytes(const struct device_drives *drives);
 
 /* Starts with nothing received. *device must be valid; it is not kept. Do not
  * move the drives afterwards. */
