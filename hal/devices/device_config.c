@@ -80,6 +80,7 @@ void device_node_setup(const struct device_description *device, float leg_length
         config->ankle_bits[leg] = (uint8_t)own->ankle_sensor_bits;
         config->leg_counts_per_turn[leg] = (uint32_t)own->leg_counts_per_turn;
         config->latch_object[leg] = (uint32_t)own->latch_object;
+        config->foot_switch[leg] = own->foot_switches == DEVICE_SWITCHES_LEG_SENSOR;
         config->sensor_has_others_pdos[leg] = own->leg_sensor_node != NODE_SENSOR_LEFT + leg;
     }
 }

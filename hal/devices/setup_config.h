@@ -28,7 +28,9 @@ struct node_setup_config {
     bool interpolated[SIDE_COUNT];    /* mode 7 with 0x60C1:01 instead of mode 8 with 0x607A */
     bool own_target[SIDE_COUNT];      /* the target PDO has this drive's alone */
     bool has_others_pdos[SIDE_COUNT]; /* the drive's other PDOs are switched off */
-    bool sensor_has_others_pdos[SIDE_COUNT];
+    bool sensor_has_others_pdos
+        [SIDE_COUNT];             /* its cyclic one is switched off, its foot switch's moved */
+    bool foot_switch[SIDE_COUNT]; /* to its place here; without one, switched off */
     uint32_t leg_object[SIDE_COUNT],
         ankle_object[SIDE_COUNT];                         /* index << 8 | sub; 0: 0x2020:01, :02 */
     uint8_t leg_bits[SIDE_COUNT], ankle_bits[SIDE_COUNT]; /* 0: 24, 16 */

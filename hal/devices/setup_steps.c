@@ -294,6 +294,21 @@ static uint32_t or_standard(uint32_t value, uint32_t standard)
 
 enum { LEG_OBJECT = 0x202001, ANKLE_OBJECT = 0x202002, LEG_BITS = 24, ANKLE_BITS = 16 };
 
+/* A sensor with another number than here has its PDOs elsewhere: where others have theirs. */
+static struct setup_step other_sensor_pdo(unsigned part, bool foot_switch, enum side leg,
+                                          uint32_t node)
+{
+    const uint32_t foot = leg == SIDE_LEFT ? FRAME_FOOT_LEFT : FRAME_FOOT_RIGHT;
+    switch (part) {
+    case 0:
+        return TRY(0x1800, 1, 4, COB_OFF | (0x180u + node));
+    case 1:
+        return TRY(0x1802, 1, 4, COB_OFF | (0x380u + node));
+    default:
+        return unless(!foot_switch, TRY(0x1802, 1, 4, foot));
+    }
+}
+
 static struct setup_step sensor_step(const struct node_setup_config *config,
                                      const struct setup_place *place)
 {
@@ -325,8 +340,11 @@ static struct setup_step sensor_step(const struct node_setup_config *config,
     case 2:
         return AWAIT(0x6503, 0, 0, 0xFFFF); /* alarms: none */
     case 3:
+    case 4:
+    case 5:
         return config->sensor_has_others_pdos[leg]
-                   ? TRY(0x1800, 1, 4, COB_OFF | (0x180u + place->node))
+                   ? other_sensor_pdo(step - COMMON_STEPS - PDO_STEPS - 3, config->foot_switch[leg],
+                                      leg, place->node)
                    : SKIP;
     default:
         return END;

@@ -19,9 +19,6 @@ static const char *unsupported(const struct device_file *file)
         if (own->ankle_sensor_node != 0 && own->ankle_sensor_node != own->leg_sensor_node) {
             return "one sensor tells leg angle and ankle";
         }
-        if (own->foot_switches != DEVICE_SWITCHES_NONE) {
-            return "no foot switches are read";
-        }
     }
     return NULL;
 }
