@@ -489,8 +489,8 @@ START_TEST(the_device_is_described_over_sdo)
     ck_assert_uint_eq(read_u32(0x2053, 1) & 0xFF, DEVICE_OK);
     ck_assert_uint_eq(write_u32(0x23, 0x2052, node_number, 3), 0); /* the left sensor's number */
     ck_assert_uint_eq(read_u32(0x2053, 1) & 0xFF, DEVICE_BAD_NODE_TAKEN);
-    ck_assert_uint_eq(read_u32(0x2053, 2) & 0xFF, SIDE_LEFT); /* the later one of the two */
-    ck_assert_uint_eq(read_u32(0x2053, 3) & 0xFF, DEVICE_LEG_leg_sensor_node + 1);
+    ck_assert_uint_eq(read_u32(0x2053, 2) & 0xFF, SIDE_RIGHT); /* the later one of the two */
+    ck_assert_uint_eq(read_u32(0x2053, 3) & 0xFF, node_number);
     node.rules.powered = true;
     ck_assert_uint_ne(write_float(0x2051, stroke, 0.3f), 0);
     assert_close(node.objects.device.leg[SIDE_LEFT].stroke_max_m, 0.2, 1e-7, 0.0);
