@@ -318,7 +318,9 @@ static void write_plant(FILE *stream, const struct device_file *file, int leg)
     for (int i = 0; i < file->plant_keys; i++) {
         const struct device_plant_key *entry = &file->plant[i];
         if (entry->leg == leg) {
-            fprintf(stream, begun ? "" : "\n[%s]\n", names[leg + 1]);
+            if (!begun) {
+                fprintf(stream, "\n[%s]\n", names[leg + 1]);
+            }
             begun = true;
             fprintf(stream, "%s = %s\n", entry->key, entry->value);
         }
