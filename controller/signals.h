@@ -100,6 +100,8 @@ struct controller_input {
     bool node_error;              /* one of them reports an error of its own */
     bool emergency_stop;          /* true = pressed, or its state unknown */
     bool foreign_node;            /* somebody else sends with identifiers of this bus */
+    bool node_written;            /* somebody else wrote to a drive or sensor over SDO */
+    bool node_changed;            /* a drive is no longer as it was set up */
     bool parameters_corrupt;      /* their checksum is no longer that of the checked ones */
     bool walk_requested;          /* the operator asks for assistance */
     bool reset_requested;         /* clear a latched fault; obeyed at standstill only */

@@ -24,7 +24,8 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
  * set up: what was asked of it is not kept, and its answer would mean nothing to a replay. */
 static bool was_dear(const struct bus_recorder *recorder)
 {
-    return recorder->frames > QUIET_FRAMES || control_task_was_busy(recorder->source.task);
+    return recorder->frames > QUIET_FRAMES || control_task_was_busy(recorder->source.task) ||
+           recorder->source.task->audit.under_way;
 }
 
 static void end_tick(struct bus_recorder *recorder)

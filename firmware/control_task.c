@@ -137,6 +137,8 @@ static void collect_input(const struct control_task *task, struct controller_inp
         .node_error = network_has_error(&task->network),
         .emergency_stop = task->emergency_stop,
         .foreign_node = task->foreign,
+        .node_written = tool_watch_is_written(&task->tools),
+        .node_changed = task->audit.memory.deviates != 0,
         .parameters_corrupt = task->node.guard.corrupt,
         .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
         .reset_requested = task->node.objects.reset_requested != 0,
@@ -176,9 +178,10 @@ static bool send_commands(struct control_task *task)
         const unsigned index = NETWORK_DRIVE_LEFT + (unsigned)leg;
         command[leg] = (struct sea_drive_command){
             .precompression_m = request->precompression_m,
-            .enable = request->enable,
+            .enable = request->enable && (task->tools.shut_down & (1u << leg)) == 0,
             .latch_armed = request->latch_armed,
             .clear_fault = task->node.objects.reset_requested != 0,
+            .repeat = tool_watch_is_written(&task->tools),
             .unconfigured = task->network.node[index].id != 0 &&
                             !bring_up_is_configured(&task->bring_up, index),
             .operational = task->network.node[index].state == NMT_OPERATIONAL};
@@ -237,6 +240,19 @@ static void bring_nodes_up(struct control_task *task)
     }
 }
 
+/* A drive that is no longer as it was set up is treated like one that somebody wrote to. */
+static void audit_drives(struct control_task *task)
+{
+    struct setup_failure found;
+    struct controller_node *node = &task->node;
+    if (drive_audit_update(&task->audit, &task->bring_up, &task->network, &task->config.bus,
+                           task->tick, task->now_ns, &found,
+                           &node->objects.counters.audits_unanswered)) {
+        telemetry_report_refused_node(&node->objects, &node->device, &found);
+        tool_watch_distrust(&task->tools, network_index(&task->network, found.node), found.index);
+    }
+}
+
 static unsigned run_tick(struct control_task *task)
 {
     struct controller_input input;
@@ -249,12 +265,23 @@ static unsigned run_tick(struct control_task *task)
     count_late_answers(&task->node.objects.counters, &input);
     task->foreign = input.foreign_node;
     controller_update(&task->controller, &input, &task->output);
+    const unsigned stuck =
+        task->output.state == SUPERVISOR_UNLOADING
+            ? tool_watch_find_stuck(&task->tools, &task->config.drives, task->output.sea,
+                                    task->node.objects.params.leg_length_m)
+            : 0;
     const bool sent = send_commands(task);
-    stop_by_nmt(task, drive_watch_update(&task->watch, &task->config.drives, task->output.state));
+    stop_by_nmt(task,
+                stuck | drive_watch_update(&task->watch, &task->config.drives, task->output.state));
+    tool_watch_end_tick(&task->tools, &task->bring_up, &task->config.drives,
+                        supervisor_may_enable(task->output.state));
     task->node.objects.reset_requested = 0;
     task->node.objects.zero_requested = 0;
     input_digest_end_tick(&task->node.objects.input_digest);
     bring_nodes_up(task);
+    if (task->config.configure_nodes) {
+        audit_drives(task);
+    }
     network_update(&task->network, &task->config.bus, task->bring_up.configured);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);
@@ -267,15 +294,27 @@ static unsigned run_tick(struct control_task *task)
            (task->output.new_step ? (unsigned)CONTROL_TASK_NEW_STEP : 0u);
 }
 
+static bool hear_tool(struct control_task *task, const struct can_msg *message)
+{
+    const bool heard =
+        tool_watch_receive(&task->tools, &task->bring_up, message, &task->node.objects);
+    if (heard) {
+        drive_audit_give_way(&task->audit);
+    }
+    return heard;
+}
+
 static void deliver_frame(struct control_task *task, const struct can_msg *message)
 {
     const bool masters = frame_is_masters(message->id);
     task->foreign = task->foreign || masters;
-    if (!masters && (leg_sensors_receive(&task->sensors, message) ||
-                     sea_drives_receive(&task->config.drives, message) ||
-                     network_receive(&task->network, message) ||
-                     node_setup_receive(&task->bring_up.setup, message, task->now_ns) ||
-                     controller_node_receive(&task->node, message, task->now_ns))) {
+    if (!masters &&
+        (leg_sensors_receive(&task->sensors, message) ||
+         sea_drives_receive(&task->config.drives, message) || hear_tool(task, message) ||
+         drive_audit_receive(&task->audit, &task->bring_up, message, task->now_ns) ||
+         network_receive(&task->network, message) ||
+         node_setup_receive(&task->bring_up.setup, message, task->now_ns) ||
+         controller_node_receive(&task->node, message, task->now_ns))) {
         input_digest_add(&task->node.objects.input_digest, message);
         return;
     }

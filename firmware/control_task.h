@@ -19,7 +19,9 @@
 #include "controller/controller.h"
 #include "firmware/bring_up.h"
 #include "firmware/controller_node.h"
+#include "firmware/drive_audit.h"
 #include "firmware/drive_watch.h"
+#include "firmware/tool_watch.h"
 #include "hal/bus/can_bus.h"
 #include "hal/canopen/network.h"
 #include "hal/devices/leg_sensors.h"
@@ -53,6 +55,8 @@ struct control_task {
     struct network network;
     struct bring_up bring_up; /* of the network's nodes */
     struct drive_watch watch;
+    struct tool_watch tools;
+    struct drive_audit audit;
     struct leg_sensors sensors;
     struct controller_node node; /* commands, parameters and telemetry over CAN */
     struct controller controller;

@@ -40,8 +40,9 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->step_count = 5;
     objects->record_count = 4;
     objects->param_count = CONTROL_PARAM_COUNT;
-    objects->counter_count = 22;
+    objects->counter_count = 25;
     objects->drive_count = 5;
+    objects->tool_count = 3;
     objects->identity_count = 3;
     objects->setup_count = 6;
     objects->crash_count = 3;

@@ -23,10 +23,13 @@ struct controller_counters {
         send_failures; /* ticks with command frames that the bus did not take; those that a full queue
                                gave up later are in tx_refused */
     uint32_t error_frames;
-    uint32_t foreign_frames; /* received, nobody's */
-    uint32_t late_answers;   /* operational legs, answers missing when their tick was processed */
-    uint32_t forced_stops;   /* NMT stops: a drive stayed enabled, or a foreign node spoke */
-    uint32_t missed_ticks;   /* periods that ended while an earlier one waited: the main says so */
+    uint32_t foreign_frames;  /* received, nobody's */
+    uint32_t late_answers;    /* operational legs, answers missing when their tick was processed */
+    uint32_t forced_stops;    /* NMT stops: a drive stayed enabled, or a foreign node spoke */
+    uint32_t foreign_uploads; /* SDO requests of others to drives and sensors that read */
+    uint32_t foreign_downloads; /* ... and that write: a fault, once the node is set up */
+    uint32_t audits_unanswered; /* read-backs of the drives' objects that were not answered */
+    uint32_t missed_ticks; /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
     /* The controller's: pushes by what became of them (enum push_outcome; [0] is not used), and ticks
@@ -69,6 +72,10 @@ struct controller_objects {
     int16_t drive_temperature_0_1_degC[SIDE_COUNT];
     uint16_t drive_supply_10_mV[SIDE_COUNT];
     uint8_t drive_warnings; /* bit 0 left, bit 1 right */
+    /* 0x2022: the object of a drive or sensor that somebody else wrote last; node 0 = none yet */
+    uint8_t tool_count, tool_node, tool_sub;
+    uint16_t
+        tool_index; /* 0: by a segment or a block of a transfer that the controller did not hear begin */
     /* 0x2030: identity */
     char version[32];
     uint32_t build_id;

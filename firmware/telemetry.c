@@ -59,7 +59,10 @@ static void show_step(struct controller_objects *objects, const struct step_reco
 static void report_fault(struct co_device *device, const struct controller_objects *objects,
                          uint8_t before)
 {
-    const uint8_t vendor[5] = {objects->state, objects->fault, 0, 0, 0};
+    const bool written = objects->fault == (uint8_t)SUPERVISOR_FAULT_NODE_WRITTEN;
+    const uint8_t vendor[5] = {objects->state, objects->fault, written ? objects->tool_node : 0,
+                               written ? (uint8_t)(objects->tool_index & 0xFFu) : 0,
+                               written ? (uint8_t)(objects->tool_index >> 8) : 0};
     if (objects->fault != 0) {
         co_device_raise_for(device, CONTROLLER_EMCY_FAULT, objects->fault, CO_ERROR_GENERIC,
                             vendor);

@@ -223,7 +223,7 @@ void write_rules_written(void *context, const struct co_entry *entry)
 }
 
 /* Counters are fetched now; the image may be read while nothing writes it any more. */
-void write_rules_reading(void *context, const struct co_entry *entry)
+uint32_t write_rules_reading(void *context, const struct co_entry *entry)
 {
     struct write_rules *rules = (struct write_rules *)context;
     struct controller_objects *objects = rules->objects;
@@ -240,7 +240,7 @@ void write_rules_reading(void *context, const struct co_entry *entry)
         show_program(rules);
     }
     if (entry->index != INDEX_BLACK_BOX || rules->black_box == NULL) {
-        return;
+        return CO_ABORT_NONE;
     }
     const struct black_box_header *header = &rules->black_box->header;
     objects->black_box_state = (uint8_t)header->state;
@@ -248,6 +248,7 @@ void write_rules_reading(void *context, const struct co_entry *entry)
     objects->black_box_image.bytes = (const uint8_t *)rules->black_box;
     objects->black_box_image.length =
         header->state == (uint32_t)BLACK_BOX_FROZEN ? sizeof *rules->black_box : 0;
+    return CO_ABORT_NONE;
 }
 
 void write_rules_show_attached(const struct write_rules *rules)

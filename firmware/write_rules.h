@@ -46,7 +46,7 @@ struct write_rules {
 uint32_t write_rules_writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
                              unsigned length);
 void write_rules_written(void *context, const struct co_entry *entry);
-void write_rules_reading(void *context, const struct co_entry *entry);
+uint32_t write_rules_reading(void *context, const struct co_entry *entry);
 /* A program that is received (0x1F50), at standstill without torque only. */
 uint32_t write_rules_begin(void *context, const struct co_entry *entry, uint32_t total);
 uint32_t write_rules_take(void *context, const struct co_entry *entry, const uint8_t *bytes,

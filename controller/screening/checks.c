@@ -330,6 +330,12 @@ enum supervisor_fault checks_find(const struct checks *checks, const struct cont
     if (input->foreign_node) {
         return SUPERVISOR_FAULT_FOREIGN;
     }
+    if (input->node_written) {
+        return SUPERVISOR_FAULT_NODE_WRITTEN;
+    }
+    if (input->node_changed) {
+        return SUPERVISOR_FAULT_NODE_CHANGED;
+    }
     if (input->parameters_corrupt) {
         return SUPERVISOR_FAULT_PARAMETERS;
     }

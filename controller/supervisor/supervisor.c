@@ -112,6 +112,8 @@ const char *supervisor_fault_name(enum supervisor_fault fault)
                                                          "value not finite",
                                                          "spring not unloaded in time",
                                                          "restarted by itself",
-                                                         "foreign node on the bus"};
+                                                         "foreign node on the bus",
+                                                         "a tool wrote to a drive or sensor",
+                                                         "a drive's setting has changed"};
     return (unsigned)fault < SUPERVISOR_FAULTS ? names[fault] : "unknown";
 }

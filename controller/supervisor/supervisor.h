@@ -65,10 +65,12 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_FOLLOWING = 13, /* the motor does not follow its reference */
     SUPERVISOR_FAULT_LEGS = 14,      /* the same leg carried the body twice in a row */
     SUPERVISOR_FAULT_NOT_FINITE = 15,
-    SUPERVISOR_FAULT_UNLOAD = 16,    /* springs not known to be slack in time */
-    SUPERVISOR_FAULT_RESTARTED = 17, /* the processor restarted by itself: crash or watchdog */
-    SUPERVISOR_FAULT_FOREIGN = 18,   /* another node sends with identifiers of this bus */
-    SUPERVISOR_FAULTS = 19
+    SUPERVISOR_FAULT_UNLOAD = 16,       /* springs not known to be slack in time */
+    SUPERVISOR_FAULT_RESTARTED = 17,    /* the processor restarted by itself: crash or watchdog */
+    SUPERVISOR_FAULT_FOREIGN = 18,      /* another node sends with identifiers of this bus */
+    SUPERVISOR_FAULT_NODE_WRITTEN = 19, /* somebody else wrote to a drive or sensor over SDO */
+    SUPERVISOR_FAULT_NODE_CHANGED = 20, /* a drive's setting is not what it was at the set-up */
+    SUPERVISOR_FAULTS = 21
 };
 
 /* Conditions, one bit each. */

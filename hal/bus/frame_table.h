@@ -116,6 +116,13 @@ static inline bool frame_is_masters(uint32_t id)
            id == FRAME_LATCH_COMMAND_RIGHT;
 }
 
+/* SDO requests to the nodes: while they run only the controller configures them, so it must hear
+ * who else asks. */
+static inline bool frame_is_node_request(uint32_t id)
+{
+    return id >= FRAME_SDO_REQUEST_DRIVE_LEFT && id <= FRAME_SDO_REQUEST_SENSOR_RIGHT;
+}
+
 /* What the numbers in the frames mean. */
 enum {
     LEG_ANGLE_COUNTS_PER_TURN = 1 << 24, /* LEG_STATE bytes 0..2, signed */

@@ -10,6 +10,7 @@ enum {
     TPDO_COMMUNICATION = 0x1800,
     TPDO_MAPPING = 0x1A00,
     PROGRAM_DATA = 0x1F50, /* CiA 302-3 begins here, the profile's area at 0x2000 */
+    HISTORY = 0x1003,
     STORE_PARAMETERS = 0x1010,
     RESTORE_PARAMETERS = 0x1011,
     SUB_COB_ID = 1,
@@ -127,7 +128,7 @@ static uint32_t writing_consumer(const struct co_device *device, uint8_t sub, ui
         const uint32_t other = device->comm.consumer[i];
         if (i + 1 != sub && node != 0 && (wanted & 0xFFFFU) != 0 && (other >> 16 & 0xFFU) == node &&
             (other & 0xFFFFU) != 0) {
-            return CO_ABORT_ACCESS; /* CiA 301: one entry per node, 0x06040043 or this */
+            return CO_ABORT_INCOMPATIBLE; /* CiA 301 clause 7.5.2.19: one entry per node */
         }
     }
     return CO_ABORT_NONE;
@@ -157,6 +158,9 @@ uint32_t co_comm_writing(void *context, const struct co_entry *entry, const uint
     default:
         break;
     }
+    if (index == HISTORY) { /* 0 empties it, and nothing else may be written */
+        return bytes[0] == 0 ? CO_ABORT_NONE : CO_ABORT_VALUE;
+    }
     if (index == 0x1005) {
         return writing_sync(&device->comm, bytes_get_u32(bytes));
     }
@@ -180,7 +184,7 @@ void co_comm_written(void *context, const struct co_entry *entry)
         }
         return;
     }
-    if (entry->index == 0x1003) {
+    if (entry->index == HISTORY) {
         memset(device->comm.history, 0, sizeof device->comm.history);
     } else if (entry->index == 0x1016) {
         device->consumers[entry->sub - 1] = (struct co_consumer_state){.state = 0xFF};
@@ -197,12 +201,15 @@ void co_comm_written(void *context, const struct co_entry *entry)
     }
 }
 
-void co_comm_reading(void *context, const struct co_entry *entry)
+uint32_t co_comm_reading(void *context, const struct co_entry *entry)
 {
     struct co_device *device = context;
     if (is_applications(entry->index) && device->config.ops->access.reading != NULL) {
-        device->config.ops->access.reading(device->config.context, entry);
+        return device->config.ops->access.reading(device->config.context, entry);
     }
+    /* CiA 301 clause 7.5.2.4: where no error is, there is nothing to read. */
+    return entry->index == HISTORY && entry->sub > device->comm.history_count ? CO_ABORT_NO_DATA
+                                                                              : CO_ABORT_NONE;
 }
 
 /* Domains are the application's; its tables say which can be written. */

@@ -14,7 +14,7 @@
 const struct co_entry co_comm_objects[] = {
     CO_ANY(OWNER, device_type, 0x1000, 0, CO_UNSIGNED32, FIXED, "Device type"),
     CO_ANY(OWNER, error_register, 0x1001, 0, CO_UNSIGNED8, RO | CO_MAP_TX, "Error register"),
-    CO_OBJECT(OWNER, history_count, 0x1003, 0, CO_UNSIGNED8, RW, 0, 0, "Pre-defined error field"),
+    CO_ANY(OWNER, history_count, 0x1003, 0, CO_UNSIGNED8, RW, "Pre-defined error field"),
     HISTORY(1),
     HISTORY(2),
     HISTORY(3),

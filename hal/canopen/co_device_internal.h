@@ -30,7 +30,7 @@ bool co_device_send(struct co_device *device, uint32_t id, const uint8_t *data, 
 uint32_t co_comm_writing(void *context, const struct co_entry *entry, const uint8_t *bytes,
                          unsigned length);
 void co_comm_written(void *context, const struct co_entry *entry);
-void co_comm_reading(void *context, const struct co_entry *entry);
+uint32_t co_comm_reading(void *context, const struct co_entry *entry);
 uint32_t co_comm_begin(void *context, const struct co_entry *entry, uint32_t total);
 uint32_t co_comm_take(void *context, const struct co_entry *entry, const uint8_t *bytes,
                       unsigned length, bool last);

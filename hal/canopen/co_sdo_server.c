@@ -165,7 +165,7 @@ static uint32_t take_segment(struct co_sdo_server *server, const uint8_t *bytes,
                              bool last)
 {
     if (server->domain == NULL && server->position + count > CO_VALUE_MAX) {
-        return CO_ABORT_MEMORY;
+        return CO_ABORT_TOO_LONG; /* no object is longer */
     }
     if (server->domain == NULL) {
         memcpy(server->buffer + server->position, bytes, count);
@@ -215,12 +215,12 @@ static bool initiate_upload(struct co_sdo_server *server, uint8_t *answer)
 {
     const struct co_entry *entry;
     void *base;
-    const uint32_t refused = find(server, CO_READ | CO_CONST, &entry, &base);
+    uint32_t refused = find(server, CO_READ | CO_CONST, &entry, &base);
+    if (refused == CO_ABORT_NONE && server->hooks != NULL && server->hooks->reading != NULL) {
+        refused = server->hooks->reading(server->context, entry);
+    }
     if (refused != CO_ABORT_NONE) {
         return send_abort(server, refused, answer);
-    }
-    if (server->hooks != NULL && server->hooks->reading != NULL) {
-        server->hooks->reading(server->context, entry);
     }
     server->source = server->buffer;
     if (entry->type == CO_DOMAIN) {

@@ -14,12 +14,12 @@
 
 /* The owner's say in an access: called before a value is stored (bytes in bus
  * order; returning an abort code refuses it), after it was stored, and before a
- * value is read. Any may be NULL. */
+ * value is read (returning an abort code refuses it, too). Any may be NULL. */
 struct co_access_hooks {
     uint32_t (*writing)(void *context, const struct co_entry *entry, const uint8_t *bytes,
                         unsigned length);
     void (*written)(void *context, const struct co_entry *entry);
-    void (*reading)(void *context, const struct co_entry *entry);
+    uint32_t (*reading)(void *context, const struct co_entry *entry);
     /* A domain that may be written: a transfer of `total` bytes (0: not told) begins, and the
      * next `length` bytes of it, `last` with the end. Each returns CO_ABORT_NONE, or the abort
      * code that ends the transfer. NULL: no domain can be written. */

@@ -269,6 +269,9 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg
     }
     const uint16_t controlword = next_controlword(axis, command);
     const bool armed = command->latch_armed && state_of(axis->statusword) == CIA402_ENABLED;
+    if (command->repeat) {
+        axis->sender.ticks_since_sent = SLOW_PDO_TICKS;
+    }
     return axis->config.no_outputs
                ? sea_latch_send_controlword(&axis->sender, leg, controlword, bus)
                : sea_latch_send(&axis->sender, leg, controlword, armed, bus);

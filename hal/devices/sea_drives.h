@@ -33,7 +33,8 @@ struct sea_drive_command {
     float precompression_m;
     bool enable;
     bool latch_armed;
-    bool clear_fault;  /* ask the drive to leave its fault state; one tick is enough */
+    bool clear_fault; /* ask the drive to leave its fault state; one tick is enough */
+    bool repeat; /* send it though it is not new: somebody else may have told the drive otherwise */
     bool unconfigured; /* not set up: frames of ours would mean something else to it */
     bool operational;  /* it obeys PDOs now */
 };

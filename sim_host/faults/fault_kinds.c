@@ -6,5 +6,6 @@ const struct fault_kind_info fault_kinds[FAULT_KINDS] = {FAULT_TABLE(FAULT_INFO)
 
 bool fault_kind_is_foreign(enum fault_kind kind)
 {
-    return kind >= FAULT_FOREIGN_SENSOR && kind <= FAULT_FOREIGN_NMT;
+    return (kind >= FAULT_FOREIGN_SENSOR && kind <= FAULT_FOREIGN_NMT) ||
+           kind == FAULT_FOREIGN_SDO || kind == FAULT_FOREIGN_SDO_CONTROLLER;
 }

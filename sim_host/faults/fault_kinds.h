@@ -90,7 +90,9 @@ enum fault_group {
     X(REQUEST_ENDS, "walk request withdrawn", COMMAND, 1, 10, 5, 1000, 0, 0, "")                \
     X(SPEED_JUMPS, "speed command jumps", COMMAND, 0, 0, 100, 3000, 0.2, 1.1, "rad/s")          \
     X(PARAMETER_FLIPS, "parameter changes in memory", COMMAND, 1, 700, 3000, 3000, 0, 0, "")    \
-    X(CONTROLLER_BUS_OFF, "controller driven to bus-off", BUS, 60, 120, 5, 1000, 0, 0, "")
+    X(CONTROLLER_BUS_OFF, "controller driven to bus-off", BUS, 60, 120, 5, 1000, 0, 0, "")      \
+    X(FOREIGN_SDO, "strange tool writes to a node", BUS, 1, 20, 1, 1500, 0, 1, "")              \
+    X(FOREIGN_SDO_CONTROLLER, "strange tool writes to the controller", BUS, 0, 0, 1, 1500, 0, 1, "")
 
 #define FAULT_ENUM(NAME, ...) FAULT_##NAME,
 enum fault_kind { FAULT_TABLE(FAULT_ENUM) FAULT_KINDS };

@@ -3,6 +3,7 @@
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
+#include "sim_host/faults/strange_tool.h"
 
 enum rhythm { FIXED_PHASE, DRIFTING, FAST, SLOW, SPORADIC, ONCE, RHYTHMS };
 
@@ -102,8 +103,9 @@ static struct can_msg nmt_frame(const struct fault_shot *shot)
         .data = {commands[(unsigned)shot->magnitude % 3u], (uint8_t)injector_node_id(shot)}};
 }
 
-static struct can_msg frame_of(const struct fault_shot *shot, const struct loop *loop)
+static struct can_msg frame_of(struct shot_state *state, const struct loop *loop)
 {
+    const struct fault_shot *shot = &state->shot;
     switch (shot->kind) {
     case FAULT_FOREIGN_SENSOR:
         return sensor_frame(shot);
@@ -115,6 +117,9 @@ static struct can_msg frame_of(const struct fault_shot *shot, const struct loop 
         return command_frame(shot);
     case FAULT_FOREIGN_NMT:
         return nmt_frame(shot);
+    case FAULT_FOREIGN_SDO:
+    case FAULT_FOREIGN_SDO_CONTROLLER:
+        return strange_tool_frame(state, loop);
     default:
         return (struct can_msg){.id = FRAME_SYNC};
     }
@@ -124,7 +129,7 @@ void foreign_node_send(struct shot_state *state, struct loop *loop)
 {
     struct sim_bus_port *port = &loop->bus.ports[INJECTOR_PORT_FOREIGN];
     const struct can_bus bus = sim_bus_port(&loop->bus, INJECTOR_PORT_FOREIGN);
-    const struct can_msg message = frame_of(&state->shot, loop);
+    const struct can_msg message = frame_of(state, loop);
     can_bus_recover(&bus);
     /* One mailbox: while the last frame waits there is no other. */
     if (port->tx_count == 0 && can_bus_send(&bus, &message) == CAN_OK) {

@@ -9,7 +9,7 @@
  * Another node may have sent with an identifier of the controller, which hears it and stops. A
  * frame that the task did not make is taken for such a one: it is fed, the task's own must be
  * in the log besides, and its next digest must agree; if not, that frame is the difference. What
- * no controller hears (an NMT command, an SDO request) is in no digest: whether another node sent it or the recorded
+ * no controller hears (an NMT command, a record of a step) is in no digest: whether another node sent it or the recorded
  * controller did, which the task did not, only the caller can say (unheard_frames). A
  * foreign SYNC cannot be told so from an own one; a black box knows which was which.
  *

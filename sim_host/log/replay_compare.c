@@ -68,7 +68,8 @@ static void suspect(struct replay *replay, struct replay_frame *frame, const str
     }
     replay->differs = replay->fresh;
     replay->suspects++;
-    frame->foreign = frame_is_masters(frame->message.id); /* the others pass no filter */
+    frame->foreign = frame_is_masters(frame->message.id) ||
+                     frame_is_node_request(frame->message.id); /* the others pass no filter */
     if (!frame->foreign && replay->unheard_frames++ == 0) {
         describe(replay, replay->unheard_message, frame, sent);
     }

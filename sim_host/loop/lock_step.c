@@ -50,7 +50,8 @@ bool lock_step_answered(const struct control_task *task, unsigned expected)
             return false;
         }
     }
-    return !node_setup_is_waiting(&task->bring_up.setup);
+    return !node_setup_is_waiting(&task->bring_up.setup) &&
+           !(task->audit.under_way && co_sdo_client_is_busy(&task->audit.client));
 }
 
 bool lock_step_knows_all(const struct control_task *task)

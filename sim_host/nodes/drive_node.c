@@ -175,11 +175,12 @@ static void written(void *context, const struct co_entry *entry)
     node->objects.mode_display = node->objects.mode;
 }
 
-static void reading(void *context, const struct co_entry *entry)
+static uint32_t reading(void *context, const struct co_entry *entry)
 {
     struct drive_node *node = context;
     (void)entry;
     drive_state_update_statusword(node);
+    return CO_ABORT_NONE;
 }
 
 static void on_sync(void *context, uint64_t now_ns)

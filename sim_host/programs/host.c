@@ -24,7 +24,8 @@ static int open_bus(struct host *host)
     struct socketcan_filter filters[SOCKETCAN_FILTERS_MAX];
     unsigned count = 0;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        const bool heard = table[i].sender != NODE_CONTROLLER || frame_is_masters(table[i].id);
+        const bool heard = table[i].sender != NODE_CONTROLLER || frame_is_masters(table[i].id) ||
+                           frame_is_node_request(table[i].id);
         if (heard && table[i].id != FRAME_SYNC && count < SOCKETCAN_FILTERS_MAX) {
             filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
         }

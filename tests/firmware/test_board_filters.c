@@ -79,6 +79,19 @@ START_TEST(everything_is_heard_and_the_answers_apart)
 }
 END_TEST
 
+START_TEST(a_tool_that_asks_the_nodes_is_heard)
+{
+    unsigned requests = 0;
+    for (uint32_t id = 0; id <= CAN_ID_STANDARD_MAX; id++) {
+        if (frame_is_node_request(id)) {
+            requests++;
+            ck_assert_int_eq(queue_of(id), 1);
+        }
+    }
+    ck_assert_uint_eq(requests, 4);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("board_filters");
@@ -86,6 +99,7 @@ int main(void)
     tcase_add_test(tests, what_others_send_is_heard);
     tcase_add_test(tests, a_second_master_is_heard);
     tcase_add_test(tests, everything_is_heard_and_the_answers_apart);
+    tcase_add_test(tests, a_tool_that_asks_the_nodes_is_heard);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -1,5 +1,6 @@
 /* The tick's boundary is the own SYNC on the bus, and what goes out is always safe. */
 #include "firmware/control_task.h"
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/devices/sea_drive_cia402.h"
 #include "tests/support/assert_close.h"
@@ -325,6 +326,116 @@ START_TEST(somebody_elses_commands_are_a_fault)
     ck_assert_uint_eq(stop->data[0], 2);
     ck_assert_uint_eq(stop->data[1], 0);
     ck_assert_uint_eq(b.task.node.objects.counters.forced_stops, 1);
+}
+END_TEST
+
+static void put_sdo(struct bench *b, uint32_t id, uint8_t command, uint16_t index, uint8_t sub)
+{
+    struct can_msg message = {.id = id, .length = 8, .data = {command}};
+    bytes_put_u16(message.data + 1, index);
+    message.data[3] = sub;
+    fake_bus_put(&b->fake, &message);
+}
+
+/* Whatever it writes and however it begins. The links are alive: the controller unloads by its own
+ * targets and stops nobody, for what was written may be what a drive does when it is stopped. */
+START_TEST(a_tool_that_writes_to_a_node_is_a_fault)
+{
+    static const uint8_t downloads[] = {0x2B, 0x23, 0x22, 0x21, 0x20, 0x00, 0x1F, 0xC6, 0xC1};
+    for (uint32_t node = 1; node <= 4; node++) {
+        struct bench b;
+        start(&b);
+        run_ticks(&b, 110, 0x1227);
+        ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+        fake_bus_clear(&b.fake);
+        put_sdo(&b, 0x600 + node, downloads[_i], 0x6007, 0);
+        run_ticks(&b, 1, 0x1227);
+        ck_assert_int_eq(b.task.output.state, SUPERVISOR_UNLOADING);
+        ck_assert_int_eq(b.task.output.fault, SUPERVISOR_FAULT_NODE_WRITTEN);
+        ck_assert_ptr_null(fake_bus_last(&b.fake, 0x000));
+        ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x201));
+        ck_assert_ptr_nonnull(
+            fake_bus_last(&b.fake, 0x301)); /* told again: it may have been told */
+        ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x302)); /* otherwise */
+        ck_assert_uint_eq(b.task.node.objects.tool_node, node);
+        const bool named = downloads[_i] >> 5 == 1;
+        ck_assert_uint_eq(b.task.node.objects.tool_index, named ? 0x6007 : 0);
+        ck_assert_uint_eq(b.task.node.objects.counters.foreign_downloads, 1);
+        const struct can_msg *told = fake_bus_last(&b.fake, 0x090);
+        ck_assert_ptr_nonnull(told);
+        ck_assert_uint_eq(told->data[4], SUPERVISOR_FAULT_NODE_WRITTEN);
+        ck_assert_uint_eq(told->data[5], node);
+        ck_assert_uint_eq(bytes_get_u16(told->data + 6), named ? 0x6007 : 0);
+    }
+}
+END_TEST
+
+/* Loaded, and its motor stands: a tick with the left drive at 0.2 m. */
+static void run_stuck_ticks(struct bench *b, int count)
+{
+    for (int i = 0; i < count; i++) {
+        put_heartbeats(b);
+        put(b, 0x181, 6, UINT64_C(200000) << 16 | 0x1227);
+        put(b, 0x182, 6, 0x1227);
+        put(b, 0x283, 5, 0x050000);
+        put(b, 0x284, 5, 0xFB0000);
+        put_own_sync(b);
+        (void)control_task_poll(&b->task);
+    }
+}
+
+START_TEST(a_written_drive_that_does_not_follow_is_stopped)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 110, 0x1227);
+    put_sdo(&b, 0x601, 0x23, 0x6080, 0);
+    run_stuck_ticks(&b, 1);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_UNLOADING);
+    fake_bus_clear(&b.fake);
+    run_stuck_ticks(&b, 25);
+    ck_assert_ptr_null(fake_bus_last(&b.fake, 0x000)); /* it has time to */
+    run_stuck_ticks(&b, 100);
+    const struct can_msg *stop = fake_bus_last(&b.fake, 0x000);
+    ck_assert_ptr_nonnull(stop);
+    ck_assert_uint_eq(stop->data[0], 2);
+    ck_assert_uint_eq(stop->data[1], 1); /* that one alone */
+}
+END_TEST
+
+/* What it does when it is stopped is no longer known: it is shut down by its controlword. */
+START_TEST(where_a_stop_may_mean_nothing_a_drive_is_shut_down)
+{
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 110, 0x1227);
+    put_sdo(&b, 0x601, 0x2B, 0x6007, 0);
+    run_stuck_ticks(&b, 126);
+    ck_assert_ptr_null(fake_bus_last(&b.fake, 0x000));
+    ck_assert_uint_eq(bytes_get_u16(fake_bus_last(&b.fake, 0x301)->data), 0x06);
+    ck_assert_uint_eq(bytes_get_u16(fake_bus_last(&b.fake, 0x302)->data), 0x0F);
+}
+END_TEST
+
+START_TEST(a_tool_that_reads_is_counted_and_no_more)
+{
+    static const uint8_t uploads[] = {0x40, 0x60, 0x70, 0x80, 0xA0};
+    struct bench b;
+    start(&b);
+    run_ticks(&b, 110, 0x1227);
+    fake_bus_clear(&b.fake);
+    for (uint32_t node = 1; node <= 4; node++) {
+        for (size_t i = 0; i < sizeof uploads; i++) {
+            put_sdo(&b, 0x600 + node, uploads[i], 0x6041, 0);
+        }
+    }
+    put(&b, 0x601, 7, 0x2B); /* no SDO: it has not eight bytes */
+    run_ticks(&b, 5, 0x1227);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+    ck_assert_uint_eq(b.task.node.objects.counters.foreign_uploads, 20);
+    ck_assert_uint_eq(b.task.node.objects.counters.foreign_downloads, 0);
+    ck_assert_uint_eq(b.task.node.objects.counters.foreign_frames, 1);
+    ck_assert_uint_eq(b.task.node.objects.tool_node, 0);
 }
 END_TEST
 
@@ -680,7 +791,7 @@ START_TEST(what_was_counted_can_be_read_over_the_bus)
     struct bench b;
     start(&b);
     run_ticks(&b, 3, 0x0240);
-    ck_assert_uint_eq(counter_of(&b, 0), 22);
+    ck_assert_uint_eq(counter_of(&b, 0), 25);
     ck_assert_uint_eq(counter_of(&b, 1), 3); /* ticks */
     for (uint8_t sub = 2; sub <= 12; sub++) {
         ck_assert_uint_eq(counter_of(&b, sub), 0);
@@ -736,6 +847,10 @@ int main(void)
     tcase_add_test(tests, late_answers_are_counted_by_leg);
     tcase_add_loop_test(tests, somebody_elses_commands_are_a_fault, 0,
                         (int)(sizeof masters / sizeof masters[0]));
+    tcase_add_loop_test(tests, a_tool_that_writes_to_a_node_is_a_fault, 0, 9);
+    tcase_add_test(tests, a_tool_that_reads_is_counted_and_no_more);
+    tcase_add_test(tests, a_written_drive_that_does_not_follow_is_stopped);
+    tcase_add_test(tests, where_a_stop_may_mean_nothing_a_drive_is_shut_down);
     tcase_add_loop_test(tests, somebody_elses_answers_are_a_fault, 0, 4);
     tcase_add_test(tests, what_is_wrong_with_the_nodes_at_power_up_is_a_fault);
     tcase_add_test(tests, a_drive_that_stays_enabled_is_stopped);

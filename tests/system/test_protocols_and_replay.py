@@ -64,9 +64,9 @@ def replay(path, *arguments):
     return run("--speed", "0.5", *arguments, path, command="replay")
 
 
-@pytest.mark.parametrize("extra", ["000#8100", "602#4000100000000000", "390#0000000000000000"])
+@pytest.mark.parametrize("extra", ["000#8100", "390#0000000000000000"])
 def test_a_frame_that_the_task_did_not_send_is_found(log, tmp_path, extra):
-    """One NMT command, SDO request or step frame more than the control task makes: the controller hears none of
+    """One NMT command or step frame more than the control task makes: the controller hears none of
     them itself, so that only the caller can say that another node sent it."""
     lines = log.read_text().splitlines(keepends=True)
     middle = len(lines) // 2
@@ -77,6 +77,20 @@ def test_a_frame_that_the_task_did_not_send_is_found(log, tmp_path, extra):
     done = replay(changed)
     assert done.returncode == 1 and f"line {middle + 1}," in done.stdout and extra[:3] in done.stdout, done.stdout
     assert replay(changed, "--foreign-nodes").returncode == 0
+
+
+@pytest.mark.parametrize("extra", ["602#4000100000000000", "602#2300100000000000"])
+def test_a_request_to_a_node_that_the_controller_did_not_hear_is_found(log, tmp_path, extra):
+    """Another node's SDO request is heard, and in the digest: this one was not on the bus."""
+    lines = log.read_text().splitlines(keepends=True)
+    middle = len(lines) // 2
+    stamp, interface, _ = lines[middle].split(" ")
+    lines.insert(middle, f"{stamp} {interface} {extra}\n")
+    changed = tmp_path / "extra.log"
+    changed.write_text("".join(lines))
+    for options in ((), ("--foreign-nodes",)):
+        done = replay(changed, *options)
+        assert done.returncode == 1 and extra[:3] in done.stdout, done.stdout
 
 
 def test_a_log_replays_to_every_frame_of_the_controller(log):

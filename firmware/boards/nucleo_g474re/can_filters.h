@@ -3,7 +3,7 @@
  *
  * FIFO 0 for the answers of every cycle, FIFO 1 for all else: neither can fill up with the
  * other's frames. Those that only the controller sends are among them: from anybody else they
- * are a fault (frame_is_masters).
+ * are a fault (frame_is_masters), or SDO requests (frame_is_node_request).
  */
 #ifndef FIRMWARE_BOARDS_NUCLEO_G474RE_CAN_FILTERS_H
 #define FIRMWARE_BOARDS_NUCLEO_G474RE_CAN_FILTERS_H

@@ -111,6 +111,8 @@ START_TEST(wrong_at_once)
     AT_ONCE(rig.input.emergency_stop = true, SUPERVISOR_FAULT_EMERGENCY_STOP);
     AT_ONCE(rig.input.nodes_operational = false, SUPERVISOR_FAULT_NODE_LOST);
     AT_ONCE(rig.input.foreign_node = true, SUPERVISOR_FAULT_FOREIGN);
+    AT_ONCE(rig.input.node_written = true, SUPERVISOR_FAULT_NODE_WRITTEN);
+    AT_ONCE(rig.input.node_changed = true, SUPERVISOR_FAULT_NODE_CHANGED);
     AT_ONCE(rig.input.parameters_corrupt = true, SUPERVISOR_FAULT_PARAMETERS);
     AT_ONCE(rig.input.desired_speed_rad_s = nan, SUPERVISOR_FAULT_NOT_FINITE);
     for (int side = 0; side < SIDE_COUNT; side++) {

@@ -487,6 +487,19 @@ START_TEST(the_boot_up_comes_before_the_first_heartbeat)
 }
 END_TEST
 
+/* CiA 301 clause 7.5.2.4. */
+START_TEST(an_error_that_was_not_is_not_read)
+{
+    ck_assert_uint_eq(sdo(0x40, 0x1003, 1, 0), CO_ABORT_NO_DATA);
+    co_device_raise(&device, 0x6100, CO_ERROR_GENERIC, NULL);
+    ck_assert_uint_eq(sdo(0x40, 0x1003, 1, 0), 0x6100);
+    ck_assert_uint_eq(sdo(0x40, 0x1003, 2, 0), CO_ABORT_NO_DATA);
+    ck_assert_uint_eq(sdo(0x2F, 0x1003, 0, 1), REFUSED_VALUE);
+    ck_assert_uint_eq(sdo(0x2F, 0x1003, 0, 0), 0);
+    ck_assert_uint_eq(sdo(0x40, 0x1003, 1, 0), CO_ABORT_NO_DATA);
+}
+END_TEST
+
 START_TEST(sync_is_listened_to_and_never_made)
 {
     ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x40000080), REFUSED_VALUE);
@@ -582,7 +595,7 @@ END_TEST
 START_TEST(heartbeat_consumers_are_one_a_node)
 {
     ck_assert_uint_eq(sdo(0x23, 0x1016, 1, 0x00110032), 0);
-    ck_assert_uint_eq(sdo(0x23, 0x1016, 2, 0x00110064), REFUSED_ACCESS);
+    ck_assert_uint_eq(sdo(0x23, 0x1016, 2, 0x00110064), CO_ABORT_INCOMPATIBLE);
     ck_assert_uint_eq(sdo(0x23, 0x1016, 2, 0x00110000), 0); /* time 0: no consumer */
     ck_assert_uint_eq(sdo(0x23, 0x1016, 2, 0x00000064), 0); /* node 0: none either */
     ck_assert_uint_eq(sdo(0x23, 0x1016, 2, 0x00120064), 0);
@@ -664,6 +677,7 @@ int main(void)
     tcase_add_test(tcase, the_end_of_its_bus_off_is_seen_without_an_error_frame);
     tcase_add_test(tcase, its_own_bus_off_is_survived);
     tcase_add_test(tcase, the_boot_up_waits_for_the_bus);
+    tcase_add_test(tcase, an_error_that_was_not_is_not_read);
     tcase_add_test(tcase, sync_is_listened_to_and_never_made);
     tcase_add_test(tcase, sync_does_not_take_what_is_restricted);
     tcase_add_test(tcase, a_pdo_without_remote_request_lives);

@@ -385,7 +385,7 @@ START_TEST(a_fault_is_reset_by_a_rising_edge_only_and_not_while_it_lasts)
     ck_assert_uint_eq(bench_value(&bench, 0x1001, 0), 0);
     ck_assert_uint_eq(bench_value(&bench, 0x1003, 0), 1);
     ck_assert_uint_eq(bench_value(&bench, 0x1003, 1) & 0xFFFF, 0x4310);
-    ck_assert_uint_eq(bench_write(&bench, 0x1003, 0, 3, 1), 0x06090031);
+    ck_assert_uint_eq(bench_write(&bench, 0x1003, 0, 3, 1), 0x06090030);
     ck_assert_uint_eq(bench_write(&bench, 0x1003, 0, 0, 1), 0);
     ck_assert_uint_eq(bench_value(&bench, 0x1003, 0), 0);
 }

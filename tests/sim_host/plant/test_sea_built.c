@@ -229,7 +229,7 @@ START_TEST(the_drive_answers_a_sine_as_its_gains_say)
     wave_m = 0.001;
     for (int i = 0; i < 4; i++) {
         wave_rad_s = waves_rad_s[i];
-        const double complex s = CMPLX(0.0, wave_rad_s);
+        const double complex s = wave_rad_s * (double complex)I;
         const double h = config.drive_period_s;
         const double complex f = 0.3 / (1.0 - 0.7 * cexp(-s * h)) * (1.0 - cexp(-s * h)) / (s * h);
         const double complex c = 1.0 / (1.0 + s / config.current_bandwidth_rad_s);
@@ -461,7 +461,7 @@ START_TEST(robinson_s_limit_of_large_forces)
     const double sat_N = 50.0 * 48.0 / 5.0, sat_m_s = 48.0 / 50.0;
     for (int i = 0; i < 3; i++) {
         const double w = parts[i] * sqrt(1000.0);
-        const double complex s = CMPLX(0.0, w);
+        const double complex s = w * (double complex)I;
         const double expected_N =
             sat_N * cabs(10000.0 / (10.0 * s * s + sat_N / sat_m_s * s + 10000.0));
         sea_built_init(&built, &config);

@@ -56,8 +56,8 @@ START_TEST(the_shipped_device_gives_every_push_with_margin)
         walk(cadence);
         ck_assert_int_eq(row.pushes, SIZE_STRIDES);
         for (int i = 0; i < SIZE_LIMITS; i++) {
-            ck_assert_msg(share[i] < 0.95, "%s used by %g at %g", size_limit_name(i), share[i],
-                          cadence);
+            ck_assert_msg(share[i] < 0.95, "%s used by %g at %g",
+                          size_limit_name((enum size_limit)i), share[i], cadence);
         }
         /* Peak: the series of spring and cuff at r0*, on the lever. */
         const double series = 12000.0 * 60000.0 / 72000.0;
