@@ -214,10 +214,11 @@ static void commission(struct controller *controller, const struct controller_in
 }
 
 /* What was prescribed and not given is prescribed smaller. */
-static void follow(struct controller *controller, const struct step_decision *decision)
+static void follow(struct controller *controller, const struct controller_input *values,
+                   const struct step_decision *decision)
 {
     const enum push_outcome outcome =
-        springs_follow(&controller->springs, decision, &controller->observer.state,
+        springs_follow(&controller->springs, decision, values, &controller->observer.state,
                        !controller->step_monitor.seen);
     if (outcome == PUSH_LATCH_OPEN || outcome == PUSH_NOT_LOADED || outcome == PUSH_DRAGS) {
         step_plan_lower_assist(&controller->plan, controller->params);
@@ -230,7 +231,7 @@ static void actuate(struct controller *controller, const struct controller_input
     const enum supervisor_state state = controller->supervisor.state;
     const struct gait_state *gait = &controller->observer.state;
     if (supervisor_may_assist(state)) {
-        follow(controller, decision);
+        follow(controller, values, decision);
     }
     if (supervisor_may_enable(state)) {
         springs_command(&controller->springs, controller->params, values, state, gait, request);

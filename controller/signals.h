@@ -68,6 +68,7 @@ struct sea_measurement {
     enum latch_state latch;
     real force_N;             /* of the motor on the spring, compression positive */
     uint16_t force_age_ticks; /* AGE_NEVER = the drive's protocol does not tell */
+    bool absent;              /* this leg has no drive: nothing is loaded there */
 };
 
 /* A motion that a tool asks for at commissioning; the values appear on the bus. */

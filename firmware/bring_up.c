@@ -90,7 +90,8 @@ struct bring_up_result bring_up_update(struct bring_up *bring_up, struct network
         return (struct bring_up_result){SETUP_BUSY, 0};
     }
     if (result.verdict == SETUP_DONE) {
-        bring_up->configured = (uint8_t)(bring_up->configured | 1u << network_index(result.node));
+        bring_up->configured =
+            (uint8_t)(bring_up->configured | 1u << network_index(network, result.node));
         setup->node = 0;
     } else if (result.verdict == SETUP_SILENT) {
         setup->node = 0; /* a frame may have been lost: from the start again */

@@ -64,6 +64,15 @@ static void show_counters(void *context)
                        &task->config.drives);
 }
 
+static bool has_numbers(const struct node_setup_config *setup)
+{
+    unsigned sum = 0;
+    for (int role = 0; role < NETWORK_NODES; role++) {
+        sum += setup->node[role];
+    }
+    return sum > 0;
+}
+
 int control_task_init(struct control_task *task, const struct control_task_config *config)
 {
     const int verdict = control_params_validate(config->params);
@@ -73,6 +82,9 @@ int control_task_init(struct control_task *task, const struct control_task_confi
     }
     task->emergency_stop = true; /* unknown until read */
     network_init(&task->network);
+    if (has_numbers(&config->setup)) {
+        network_set_nodes(&task->network, config->setup.node);
+    }
     leg_sensors_init(&task->sensors, config->leg_sensor);
     const int node = controller_node_init(&task->node, config->params, config->desired_speed_rad_s,
                                           config->walk_requested, config->bus);
@@ -138,9 +150,9 @@ static void collect_input(const struct control_task *task, struct controller_inp
         sea_drives_read(&task->config.drives, (enum side)leg, &drive);
         input->leg[leg] = (struct leg_measurement){
             reading->leg_angle_rad, reading->ankle_extension_m, reading->age_ticks, reading->foot};
-        input->sea[leg] = (struct sea_measurement){drive.precompression_m, drive.state,
-                                                   drive.age_ticks,        drive.latch,
-                                                   drive.force_N,          drive.force_age_ticks};
+        input->sea[leg] = (struct sea_measurement){
+            drive.precompression_m, drive.state,           drive.age_ticks, drive.latch,
+            drive.force_N,          drive.force_age_ticks, drive.absent};
         input->foreign_node = input->foreign_node || drive.foreign ||
                               reading->duplicate_id_count >= DUPLICATE_ID_LIMIT;
     }
@@ -163,14 +175,15 @@ static bool send_commands(struct control_task *task)
     struct sea_drive_command command[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct sea_request *request = &task->output.sea[leg];
-        const unsigned index = network_index((uint8_t)(NODE_DRIVE_LEFT + leg));
+        const unsigned index = NETWORK_DRIVE_LEFT + (unsigned)leg;
         command[leg] = (struct sea_drive_command){
             .precompression_m = request->precompression_m,
             .enable = request->enable && (task->tools.shut_down & (1u << leg)) == 0,
             .latch_armed = request->latch_armed,
             .clear_fault = task->node.objects.reset_requested != 0,
             .repeat = tool_watch_is_written(&task->tools),
-            .unconfigured = !bring_up_is_configured(&task->bring_up, index),
+            .unconfigured = task->network.node[index].id != 0 &&
+                            !bring_up_is_configured(&task->bring_up, index),
             .operational = task->network.node[index].state == NMT_OPERATIONAL};
     }
     if (task->output.cut_off) {
@@ -184,12 +197,23 @@ static bool send_commands(struct control_task *task)
     return sent;
 }
 
+/* A drive of another protocol cannot be stopped so: then its latch board is. */
+static void stop_leg(struct control_task *task, unsigned leg)
+{
+    const struct network_node *node = task->network.node;
+    const uint8_t drive = node[NETWORK_DRIVE_LEFT + leg].id;
+    const uint8_t stopped = drive != 0 ? drive : node[NETWORK_LATCH_LEFT + leg].id;
+    if (stopped != 0) {
+        (void)network_command(&task->config.bus, NMT_STOP, stopped);
+    }
+}
+
 static void stop_by_nmt(struct control_task *task, unsigned legs)
 {
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if ((legs & (1u << leg)) != 0) {
             count(&task->node.objects.counters.forced_stops);
-            (void)network_command(&task->config.bus, NMT_STOP, (uint8_t)(NODE_DRIVE_LEFT + leg));
+            stop_leg(task, (unsigned)leg);
         }
     }
     /* Whoever speaks with our identifiers is heard by the drives as we are: no command of
@@ -225,7 +249,7 @@ static void audit_drives(struct control_task *task)
                            task->tick, task->now_ns, &found,
                            &node->objects.counters.audits_unanswered)) {
         telemetry_report_refused_node(&node->objects, &node->device, &found);
-        tool_watch_distrust(&task->tools, network_index(found.node), found.index);
+        tool_watch_distrust(&task->tools, network_index(&task->network, found.node), found.index);
     }
 }
 

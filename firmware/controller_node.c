@@ -47,6 +47,10 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->setup_count = 6;
     objects->crash_count = 3;
     objects->black_box_count = 3;
+    objects->device_common_count = DEVICE_COMMON_COUNT;
+    objects->device_leg_count = DEVICE_LEG_COUNT;
+    objects->device_refusal_count = 3;
+    device_description_default(&objects->device);
     objects->commissioning_count = 15;
     objects->measured_count = 10;
     objects->sample_count = 6;

@@ -19,6 +19,22 @@ enum param_sub {
 #define PARAM_ENTRY(field, unit, minimum, maximum, meaning) \
     CO_ANY(OWNER, params.field, 0x2010, PARAM_SUB_##field, CO_REAL32, RW, #field),
 
+/* A key's CANopen type. */
+#define CO_OF_FLOAT CO_REAL32
+#define CO_OF_INT CO_INTEGER32
+#define CO_OF_WORD CO_INTEGER32
+#define CO_OF_FLAGS CO_INTEGER32
+#define CO_OF_OBJECT CO_INTEGER32
+#define COMMON_ENTRY(field, type, unit, low, high, fallback, when, meaning)            \
+    CO_ANY(OWNER, device.common.field, DEVICE_INDEX_COMMON, DEVICE_COMMON_##field + 1, \
+           CO_OF_##type, RW, #field),
+#define LEFT_ENTRY(field, type, unit, low, high, fallback, when, meaning)                 \
+    CO_ANY(OWNER, device.leg[SIDE_LEFT].field, DEVICE_INDEX_LEFT, DEVICE_LEG_##field + 1, \
+           CO_OF_##type, RW, "Left " #field),
+#define RIGHT_ENTRY(field, type, unit, low, high, fallback, when, meaning)                  \
+    CO_ANY(OWNER, device.leg[SIDE_RIGHT].field, DEVICE_INDEX_RIGHT, DEVICE_LEG_##field + 1, \
+           CO_OF_##type, RW, "Right " #field),
+
 const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, command_count, 0x2000, 0, CO_UNSIGNED8, FIXED, "Commands"),
     CO_ANY(OWNER, desired_speed_rad_s, 0x2000, 1, CO_REAL32, RW, "Desired apex speed rad/s"),
@@ -127,6 +143,16 @@ const struct co_entry controller_object_table[] = {
               BLACK_BOX_FROZEN, "State 1 records anew 2 closes 3 frozen"),
     CO_ANY(OWNER, black_box_reason, 0x2040, 2, CO_UNSIGNED32, RO, "Fault bits that froze it"),
     CO_ANY(OWNER, black_box_image, 0x2040, 3, CO_DOMAIN, RO, "Image while frozen"),
+    CO_ANY(OWNER, device_common_count, DEVICE_INDEX_COMMON, 0, CO_UNSIGNED8, FIXED, "Device"),
+    DEVICE_COMMON_KEYS(COMMON_ENTRY) CO_ANY(OWNER, device_leg_count, DEVICE_INDEX_LEFT, 0,
+                                            CO_UNSIGNED8, FIXED, "Left leg's device"),
+    DEVICE_LEG_KEYS(LEFT_ENTRY) CO_ANY(OWNER, device_leg_count, DEVICE_INDEX_RIGHT, 0, CO_UNSIGNED8,
+                                       FIXED, "Right leg's device"),
+    DEVICE_LEG_KEYS(RIGHT_ENTRY) CO_ANY(OWNER, device_refusal_count, 0x2053, 0, CO_UNSIGNED8, FIXED,
+                                        "Why the device is refused"),
+    CO_ANY(OWNER, device_verdict, 0x2053, 1, CO_UNSIGNED8, RO, "Verdict, 0 it fits"),
+    CO_ANY(OWNER, device_refused_leg, 0x2053, 2, CO_UNSIGNED8, RO, "0 left 1 right 255 both"),
+    CO_ANY(OWNER, device_refused_key, 0x2053, 3, CO_UNSIGNED8, RO, "Sub-index of the key"),
     CO_ANY(OWNER, commissioning_count, 0x2060, 0, CO_UNSIGNED8, FIXED, "Commissioning"),
     CO_ANY(OWNER, motion_order, 0x2060, 1, CO_UNSIGNED8, RW, "Order, a change begins a motion"),
     CO_ANY(OWNER, motion_renewal, 0x2060, 2, CO_UNSIGNED8, RW, "Renewal, a change each 0.5 s"),

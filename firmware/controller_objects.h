@@ -10,6 +10,7 @@
 #include "controller/control_params.h"
 #include "hal/canopen/co_od.h"
 #include "hal/canopen/co_pdo_objects.h"
+#include "hal/devices/device_description.h"
 #include "hal/storage/black_box.h"
 #include "model/side.h"
 
@@ -88,6 +89,11 @@ struct controller_objects {
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
     uint32_t black_box_reason;
     struct co_domain black_box_image; /* while it is frozen */
+    /* 0x2050 to 0x2052: what hangs on the bus. Written here it holds from the next start on, once it is
+     * stored (0x1010); what runs now is as it was at this start. 0x2053: why it could not be stored */
+    uint8_t device_common_count, device_leg_count, device_refusal_count;
+    struct device_description device;
+    uint8_t device_verdict, device_refused_leg, device_refused_key;
     /* 0x2060: commissioning, what a tool asks for (controller/signals.h) and what became of it
      * (controller/commissioning/motion.h) */
     uint8_t commissioning_count, motion_order, motion_renewal, motion_kind, motion_side;

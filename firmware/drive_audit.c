@@ -44,14 +44,14 @@ static uint32_t value_of(const uint8_t *bytes, unsigned length)
 
 static unsigned index_of(unsigned leg)
 {
-    return network_index((uint8_t)(NODE_DRIVE_LEFT + leg));
+    return NETWORK_DRIVE_LEFT + leg;
 }
 
 /* An expedited upload (CiA 301, 7.2.4.3.6) with its size, on the way to the set-up. */
 static void take_note(struct drive_audit *audit, const struct bring_up *bring_up,
                       const struct can_msg *message)
 {
-    const unsigned leg = (unsigned)bring_up->setup.node - NODE_DRIVE_LEFT;
+    const unsigned leg = (unsigned)bring_up->setup.role - NETWORK_DRIVE_LEFT;
     const bool is_value = message->length == 8 && (message->data[0] & 0xE3u) == 0x43u;
     if (leg >= SIDE_COUNT || !is_value ||
         message->id != (uint32_t)CO_COB_SDO_ANSWER + bring_up->setup.node) {

@@ -5,6 +5,8 @@
 
 #include "firmware/version.h"
 #include "hal/canopen/co_defs.h"
+#include "hal/devices/device_check.h"
+#include "hal/devices/device_config.h"
 
 static_assert((int)CONTROL_TASK_COMMANDED == (int)WATCHDOG_CONTROL &&
                   (int)CONTROL_TASK_BUS_ALIVE == (int)WATCHDOG_BUS &&
@@ -58,16 +60,16 @@ static uint32_t save_settings(void *context)
     struct control_params *params = &task->node.objects.params;
     const struct settings_parts parts = {
         .control = params,
-        .axis = {&orthosis->drives.axis[SIDE_LEFT].config,
-                 &orthosis->drives.axis[SIDE_RIGHT].config},
-        .sensor = task->sensors.config,
-        .setup = &task->config.setup,
+        .device = &task->node.objects.device,
         .desired_speed_rad_s = task->node.objects.desired_speed_rad_s,
         .walk_at_start = orthosis->walk_at_start,
     };
 
     if (orthosis->forced_fault != SUPERVISOR_FAULT_NONE) {
         return CO_ABORT_DEVICE_STATE;
+    }
+    if (write_rules_check_device(&task->node.rules) != DEVICE_OK) {
+        return CO_ABORT_VALUE; /* 0x2053 tells why */
     }
     orthosis->store_result = settings_save_parts(&parts, &orthosis->store, true);
     if (orthosis->store_result == PARAM_STORE_OK && params->branch != NULL) {
@@ -117,19 +119,21 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
     struct control_task_config task = {
         .params = &settings->control,
         .stop = config->stop,
-        .setup = settings->setup,
         .configure_nodes = true,
         .desired_speed_rad_s = settings->desired_speed_rad_s,
         .walk_requested = settings->walk_at_start != 0u && is_power_on(config),
     };
     const struct snapshot_source source = {&orthosis->task, &orthosis->drives};
 
-    cia402_drives_init(&orthosis->drives, settings->axis);
+    device_drives_init(&orthosis->drives, &settings->device);
+    device_node_setup(&settings->device, settings->control.leg_length_m,
+                      settings->control.sea_speed_max_m_s, &task.setup);
+    device_leg_sensors(&settings->device, task.leg_sensor);
     bus_recorder_init(&orthosis->recorder, &config->bus, config->black_box, &source);
     task.bus = bus_recorder_interface(&orthosis->recorder);
-    task.drives = cia402_drives_interface(&orthosis->drives);
-    memcpy(task.leg_sensor, settings->sensor, sizeof task.leg_sensor);
+    task.drives = device_drives_interface(&orthosis->drives);
     (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
+    orthosis->task.node.objects.device = settings->device;
     controller_node_attach(&orthosis->task.node, &settings_store_ops, orthosis, config->black_box,
                            config->crash, &orthosis->update);
 }
@@ -159,15 +163,15 @@ static void begin_scan(struct orthosis *orthosis)
 
 void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *config)
 {
-    struct settings settings;
+    struct settings *settings = &orthosis->settings;
 
     memset(orthosis, 0, sizeof *orthosis);
-    read_settings(orthosis, &settings, config);
-    orthosis->walk_at_start = settings.walk_at_start;
-    init_black_box(config, &settings);
+    read_settings(orthosis, settings, config);
+    orthosis->walk_at_start = settings->walk_at_start;
+    init_black_box(config, settings);
     orthosis->program = config->program;
     program_update_init(&orthosis->update, config->program);
-    init_task(orthosis, &settings, config);
+    init_task(orthosis, settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
     if (config->program != NULL) {
         begin_scan(orthosis);

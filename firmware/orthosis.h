@@ -17,6 +17,7 @@
 #include "firmware/program_update.h"
 #include "firmware/settings.h"
 #include "hal/clock.h"
+#include "hal/devices/device_drives.h"
 #include "hal/drive_power_enable.h"
 #include "hal/storage/param_store.h"
 #include "hal/storage/program_slots.h"
@@ -47,7 +48,8 @@ struct orthosis {
     struct param_store store;
     enum param_store_result store_result; /* of reading the settings */
     enum settings_result settings_result; /* of checking them */
-    struct cia402_drives drives;
+    struct settings settings;             /* as they were at the start */
+    struct device_drives drives;
     struct control_task task;
     struct bus_recorder recorder;
     struct watchdog_gate gate;

@@ -1,37 +1,30 @@
 /* What is set up once per device and wearer and kept over power cycles: the
- * controller's parameters, the drives' and the sensors' scaling. */
+ * controller's parameters, and what hangs on the bus. */
 #ifndef FIRMWARE_SETTINGS_H
 #define FIRMWARE_SETTINGS_H
 
 #include <stdint.h>
 
 #include "controller/control_params.h"
-#include "hal/devices/leg_sensors.h"
-#include "hal/devices/node_setup.h"
-#include "hal/devices/sea_drive_cia402.h"
+#include "hal/devices/device_description.h"
 #include "hal/storage/param_store.h"
 
-enum { SETTINGS_VERSION = 4 }; /* another layout of struct settings_record is another number */
+enum { SETTINGS_VERSION = 5 }; /* another layout of struct settings_record is another number */
 
 struct settings {
     struct control_params control; /* its branch lies elsewhere and is only pointed to */
-    struct cia402_axis_config axis[SIDE_COUNT];
-    struct leg_sensor_config sensor[SIDE_COUNT];
-    struct node_setup_config setup; /* what the nodes are told, and must be like */
-    float desired_speed_rad_s;      /* at the start, forward apex speed, > 0 */
-    uint32_t walk_at_start;         /* 0 or 1: assist without being asked over the bus */
+    struct device_description device;
+    float desired_speed_rad_s; /* at the start, forward apex speed, > 0 */
+    uint32_t walk_at_start;    /* 0 or 1: assist without being asked over the bus */
 };
 
 /* The same as it is kept: no pointers, the same bytes on every machine. */
 struct settings_values {
     real control[CONTROL_PARAM_COUNT]; /* in the order of CONTROL_PARAM_TABLE */
     struct speed_table table;
-    struct cia402_axis_config axis[SIDE_COUNT];
-    struct leg_sensor_config sensor[SIDE_COUNT];
-    struct node_setup_config setup;
+    struct device_description device;
     float desired_speed_rad_s;
     uint32_t walk_at_start;
-    uint32_t zero; /* fills the last word of the memory */
 };
 
 struct settings_record {
@@ -42,12 +35,9 @@ struct settings_record {
 enum settings_result {
     SETTINGS_OK = 0,
     SETTINGS_BAD_CONTROL = -1, /* control_params_validate says what */
-    SETTINGS_BAD_AXIS = -2,    /* scale not finite and positive, zero or r0_max 2^30 counts or
-                                  more, force not finite or below 0, direction not +1 or -1 */
-    SETTINGS_BAD_SENSOR = -3,  /* offset or lever not finite, lever not positive, direction */
-    SETTINGS_BAD_SPEED = -4,
-    SETTINGS_BAD_SETUP = -5 /* scale zero; scale, force or lever not the leg's; limits not in
-                               order, or zero to r0_max not within them */
+    SETTINGS_BAD_DEVICE = -2,  /* device_check says what, and for a person device_check_person */
+    SETTINGS_BAD_STROKE = -3,  /* the law may ask a motor for more than its stroke */
+    SETTINGS_BAD_SPEED = -4
 };
 
 /* Settings that pass the check and are nobody's: the paper's walker. A device that
@@ -59,16 +49,14 @@ enum settings_result settings_check(const struct settings *settings);
 
 /* Opens the store on `nv` and reads the settings; control.branch then points into the
  * memory. On any result but PARAM_STORE_OK *settings are the default ones. Not
- * checked: see settings_check. Start-up only; needs 600 bytes of stack. */
+ * checked: see settings_check. Start-up only; needs 200 bytes of stack. */
 enum param_store_result settings_load(struct settings *settings, struct param_store *store,
                                       const struct nv_store *nv);
 
 /* The same where it lies while it is in force; all stay the caller's. */
 struct settings_parts {
     const struct control_params *control;
-    const struct cia402_axis_config *axis[SIDE_COUNT];
-    const struct leg_sensor_config *sensor; /* SIDE_COUNT of them */
-    const struct node_setup_config *setup;
+    const struct device_description *device;
     float desired_speed_rad_s;
     uint32_t walk_at_start;
 };

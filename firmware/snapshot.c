@@ -62,17 +62,17 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
 
 #define FIELD_SIZE(field) +sizeof(((struct control_task *)0)->field)
 enum {
-    SNAPSHOT_BYTES = (int)CONTROLLER_BLOCK + sizeof(struct cia402_drives) +
-                     PARAMS_GUARD_OWN_BYTES TASK_FIELDS(FIELD_SIZE)
+    LARGEST_BYTES = (int)CONTROLLER_BLOCK + sizeof(struct device_drives_state) +
+                    PARAMS_GUARD_OWN_BYTES TASK_FIELDS(FIELD_SIZE)
 };
 #undef FIELD_SIZE
 
-static_assert((int)SNAPSHOT_BYTES <= (int)BLACK_BOX_SNAPSHOT_MAX, "the black box takes it");
+static_assert((int)LARGEST_BYTES <= (int)BLACK_BOX_SNAPSHOT_MAX, "the black box takes it");
 static_assert(sizeof(enum supervisor_state) == 4, "enumerations are 32 bits on every target");
 
-size_t snapshot_size(void)
+size_t snapshot_size(const struct snapshot_source *source)
 {
-    return SNAPSHOT_BYTES;
+    return LARGEST_BYTES - sizeof source->drives->state + device_drives_state_bytes(source->drives);
 }
 
 /* memcpy that takes eight words at a time: a snapshot must not cost a tick its budget. */
@@ -102,15 +102,17 @@ size_t snapshot_save(const void *context, uint8_t *out, size_t capacity)
     const struct snapshot_source *source = context;
     const struct control_task *task = source->task;
 
-    if (capacity < SNAPSHOT_BYTES) {
+    const size_t drives_bytes = device_drives_state_bytes(source->drives);
+
+    if (capacity < snapshot_size(source)) {
         return 0;
     }
     memset(out + CONTROLLER_BLOCK - 8, 0, 8);
     copy(out, (const uint8_t *)&task->controller + offsetof(struct controller, observer),
          CONTROLLER_BYTES);
     out += CONTROLLER_BLOCK;
-    copy(out, source->drives, sizeof *source->drives);
-    out += sizeof *source->drives;
+    copy(out, &source->drives->state, drives_bytes);
+    out += drives_bytes;
     copy(out, &task->node.objects.params, PARAMS_GUARD_OWN_BYTES);
     out += PARAMS_GUARD_OWN_BYTES;
 #define SAVE(field)                                \
@@ -118,21 +120,23 @@ size_t snapshot_save(const void *context, uint8_t *out, size_t capacity)
     out += sizeof task->field;
     TASK_FIELDS(SAVE)
 #undef SAVE
-    return SNAPSHOT_BYTES;
+    return snapshot_size(source);
 }
 
 int snapshot_restore(const struct snapshot_source *source, const uint8_t *bytes, size_t size)
 {
     struct control_task *task = source->task;
 
-    if (size != SNAPSHOT_BYTES) {
+    const size_t drives_bytes = device_drives_state_bytes(source->drives);
+
+    if (size != snapshot_size(source)) {
         return -1;
     }
     memcpy((uint8_t *)&task->controller + offsetof(struct controller, observer), bytes,
            CONTROLLER_BYTES);
     bytes += CONTROLLER_BLOCK;
-    memcpy(source->drives, bytes, sizeof *source->drives);
-    bytes += sizeof *source->drives;
+    memcpy(&source->drives->state, bytes, drives_bytes);
+    bytes += drives_bytes;
     memcpy(&task->node.objects.params, bytes, PARAMS_GUARD_OWN_BYTES);
     bytes += PARAMS_GUARD_OWN_BYTES;
 #define RESTORE(field)                               \

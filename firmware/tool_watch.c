@@ -35,7 +35,7 @@ bool tool_watch_receive(struct tool_watch *watch, const struct bring_up *bring_u
         return false; /* no server takes another length */
     }
     const uint8_t node = (uint8_t)(message->id - FRAME_SDO_REQUEST_DRIVE_LEFT + NODE_DRIVE_LEFT);
-    const unsigned index = network_index(node);
+    const unsigned index = node - (unsigned)NODE_DRIVE_LEFT; /* of the frame table's numbers */
     const unsigned command = (unsigned)message->data[0] >> 5;
     if (!is_download(command)) {
         count(&objects->counters.foreign_uploads);
@@ -61,7 +61,7 @@ unsigned tool_watch_find_stuck(struct tool_watch *watch, const struct sea_drives
 {
     unsigned stuck = 0;
     for (int leg = 0; leg < SIDE_COUNT && watch->distrusted != 0; leg++) {
-        const unsigned node = 1u << network_index((uint8_t)(NODE_DRIVE_LEFT + leg));
+        const unsigned node = 1u << (NETWORK_DRIVE_LEFT + (unsigned)leg);
         struct sea_drive_reading drive;
         sea_drives_read(drives, (enum side)leg, &drive);
         const bool behind = (watch->distrusted & node) != 0 && drive.state == DRIVE_ENABLED &&

@@ -5,6 +5,7 @@
 #include "firmware/params_guard.h"
 #include "hal/bus/bytes.h"
 #include "hal/canopen/co_defs.h"
+#include "hal/devices/device_check.h"
 
 enum {
     INDEX_STORE = 0x1010,
@@ -18,6 +19,8 @@ enum {
     INDEX_DRIVES = 0x2021,
     INDEX_CRASH = 0x2032,
     INDEX_BLACK_BOX = 0x2040,
+    INDEX_REFUSED_DEVICE = 0x2053,
+    BOTH_LEGS = 255,
     INDEX_COMMISSIONING = 0x2060,
     INDEX_FORCE_SAMPLES = 0x2062
 };
@@ -67,6 +70,35 @@ static uint32_t check_parameter(struct write_rules *rules, unsigned parameter, f
     const int verdict_of_all = control_params_validate(&rules->objects->params);
     *field = before;
     return verdict_of_all == CONTROL_PARAMS_OK ? CO_ABORT_NONE : CO_ABORT_VALUE;
+}
+
+static uint32_t check_device_key(const struct write_rules *rules, const struct co_entry *entry,
+                                 const uint8_t *bytes)
+{
+    const int leg = (int)entry->index - DEVICE_INDEX_LEFT; /* -1: common */
+    const struct device_key *row = device_key_row(leg, entry->sub - 1u);
+    const float value =
+        row->type == DEVICE_FLOAT ? bytes_get_f32(bytes) : (float)bytes_get_i32(bytes);
+    if (rules->powered) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    const uint32_t verdict = check_range(value, row->minimum, row->maximum);
+    return verdict == CO_ABORT_NONE && device_key_check(row, value) != DEVICE_OK ? CO_ABORT_VALUE
+                                                                                 : verdict;
+}
+
+enum device_verdict write_rules_check_device(const struct write_rules *rules)
+{
+    struct controller_objects *objects = rules->objects;
+    struct device_refusal refusal = {.verdict = DEVICE_OK};
+    const enum device_verdict verdict = objects->params.body == (float)BODY_PERSON
+                                            ? device_check_person(&objects->device, &refusal)
+                                            : device_check(&objects->device, &refusal);
+    const bool refused = verdict != DEVICE_OK;
+    objects->device_verdict = (uint8_t)verdict;
+    objects->device_refused_leg = (uint8_t)(refused && refusal.leg < 0 ? BOTH_LEGS : refusal.leg);
+    objects->device_refused_key = (uint8_t)(refused ? refusal.key + 1u : 0u);
+    return verdict;
 }
 
 static uint32_t keep_settings(const struct write_rules *rules, const struct co_entry *entry,
@@ -123,6 +155,9 @@ uint32_t write_rules_writing(void *context, const struct co_entry *entry, const 
     if (entry->index == INDEX_BLACK_BOX) {
         return rules->black_box == NULL || bytes[0] == BLACK_BOX_CLOSING ? CO_ABORT_DEVICE_STATE
                                                                          : CO_ABORT_NONE;
+    }
+    if (entry->index >= DEVICE_INDEX_COMMON && entry->index <= DEVICE_INDEX_RIGHT) {
+        return length == sizeof(float) ? check_device_key(rules, entry, bytes) : CO_ABORT_LENGTH;
     }
     if (entry->type != CO_REAL32 || length != sizeof(float)) {
         return CO_ABORT_NONE; /* the dictionary's own limits decide */
@@ -192,6 +227,9 @@ uint32_t write_rules_reading(void *context, const struct co_entry *entry)
 {
     struct write_rules *rules = (struct write_rules *)context;
     struct controller_objects *objects = rules->objects;
+    if (entry->index == INDEX_REFUSED_DEVICE) {
+        (void)write_rules_check_device(rules);
+    }
     const bool is_shown =
         entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES ||
         (entry->index >= INDEX_COMMISSIONING && entry->index <= INDEX_FORCE_SAMPLES);

@@ -2,7 +2,9 @@
  *
  * A parameter is refused with an abort code when it is out of its range, does not fit the
  * others, or describes the body or the spring while the drives are powered. Storing is done
- * at standstill without torque only.
+ * at standstill without torque only. The description of the device is refused while the drives are
+ * powered, and key by key when it is out of its range; whether its keys fit together is asked when
+ * it is stored.
  */
 #ifndef FIRMWARE_WRITE_RULES_H
 #define FIRMWARE_WRITE_RULES_H
@@ -12,6 +14,7 @@
 
 #include "firmware/controller_objects.h"
 #include "firmware/program_update.h"
+#include "hal/devices/device_verdict.h"
 #include "hal/storage/black_box.h"
 #include "hal/storage/crash_record.h"
 
@@ -48,6 +51,10 @@ uint32_t write_rules_reading(void *context, const struct co_entry *entry);
 uint32_t write_rules_begin(void *context, const struct co_entry *entry, uint32_t total);
 uint32_t write_rules_take(void *context, const struct co_entry *entry, const uint8_t *bytes,
                           unsigned length, bool last);
+
+/* Whether the description of the device that was written (0x2050 to 0x2052) fits, for a person where it is
+ * a person's; 0x2053 tells what it found. Bounded as device_check. */
+enum device_verdict write_rules_check_device(const struct write_rules *rules);
 
 /* Shows in the dictionary what is attached: the settings store, the crash record. O(1). */
 void write_rules_show_attached(const struct write_rules *rules);

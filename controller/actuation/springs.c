@@ -52,9 +52,9 @@ void springs_place(struct springs *springs, enum side side, real reference_m)
 
 /* A person's spring is loaded behind a closed latch only: open, it would push the foot while it is loaded. */
 static void begin_loading(struct springs *springs, const struct step_decision *decision,
-                          enum side side)
+                          const struct controller_input *input, enum side side)
 {
-    if (!decision->assists) {
+    if (!decision->assists || input->sea[side].absent) {
         return;
     }
     springs->waits[side] = !springs->may_load[side];
@@ -100,6 +100,7 @@ static enum push_outcome end_stance(struct springs *springs, const struct gait_e
 }
 
 enum push_outcome springs_follow(struct springs *springs, const struct step_decision *decision,
+                                 const struct controller_input *input,
                                  const struct gait_state *gait, bool first_stance)
 {
     const struct gait_event *strike = &gait->event[GAIT_HEEL_STRIKE];
@@ -107,7 +108,7 @@ enum push_outcome springs_follow(struct springs *springs, const struct step_deci
     enum push_outcome outcome = springs->drags ? PUSH_DRAGS : PUSH_NONE;
     springs->drags = false;
     if (decision->improved) { /* not final yet: on the way there already, but not armed */
-        begin_loading(springs, decision, decision->side);
+        begin_loading(springs, decision, input, decision->side);
     }
     if (decision->new_step) {
         decide_load(springs, decision->side, decision->load_m);
@@ -119,14 +120,14 @@ enum push_outcome springs_follow(struct springs *springs, const struct step_deci
         if (decision->assists) {
             push_watch_prescribe(&springs->watch, strike->side);
         }
-        begin_loading(springs, decision, strike->side);
+        begin_loading(springs, decision, input, strike->side);
     }
     if (lift_off->happened) {
         outcome = end_stance(springs, lift_off);
     }
     if (first_stance && gait->phase == PHASE_SINGLE_SUPPORT &&
         springs->sea[gait->stance].phase == SEA_UNLOADED) {
-        begin_loading(springs, decision, gait->stance);
+        begin_loading(springs, decision, input, gait->stance);
     }
     return outcome;
 }

@@ -57,10 +57,12 @@ void springs_begin(struct springs *springs, const struct control_params *params,
 void springs_stop(struct springs *springs, const struct controller_input *input);
 
 /* Once a tick while assisting: the decision and the gait's events of this tick. first_stance: no
- * apex has been seen in this walk, so the first stance began without a heel strike. Returns what
+ * apex has been seen in this walk, so the first stance began without a heel strike. A leg
+ * without a drive is never loaded. Returns what
  * became of a push-off whose stance ended in this tick, PUSH_DRAGS of one that was found to drag, else
  * PUSH_NONE. Constant cost. */
 enum push_outcome springs_follow(struct springs *springs, const struct step_decision *decision,
+                                 const struct controller_input *input,
                                  const struct gait_state *gait, bool first_stance);
 
 /* Commissioning moves a motor by itself: this is where its reference is, from which a stop begins. */

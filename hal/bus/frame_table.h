@@ -88,13 +88,22 @@ static_assert(SLOW_PDO_TICKS >= 1 && SLOW_PDO_TICKS <= 240, "a PDO comes at most
     X(HEARTBEAT_SENSOR_RIGHT, 0x704, 1, 100000, 100000, 4, A)               \
     X(HEARTBEAT_CONTROLLER, 0x710, 1, 100000, 100000, 16, A)
 
+/* Frames that only some devices have: a target of its own for a drive that has no dummy entries
+ * (then that of the left one has 4 bytes, too), and latch boards. Columns as above. */
+#define FRAME_OPTIONAL_TABLE(X)                                             \
+    X(DRIVE_TARGET_RIGHT, 0x202, 4, FRAME_TICKS(1), FRAME_TICKS(1), 16, S)  \
+    X(LATCH_COMMAND_LEFT, 0x303, 4, FRAME_TICKS(2), FRAME_TICKS(5), 16, E)  \
+    X(LATCH_COMMAND_RIGHT, 0x304, 4, FRAME_TICKS(2), FRAME_TICKS(5), 16, E) \
+    X(LATCH_STATE_LEFT, 0x385, 1, 20000, 10000, 5, E)                       \
+    X(LATCH_STATE_RIGHT, 0x386, 1, 20000, 10000, 6, E)
+
 #define FRAME_ID_ENTRY(name, id, bytes, period_us, deadline_us, node, kind) FRAME_##name = id,
-enum frame_id { FRAME_TABLE(FRAME_ID_ENTRY) };
+enum frame_id { FRAME_TABLE(FRAME_ID_ENTRY) FRAME_OPTIONAL_TABLE(FRAME_ID_ENTRY) };
 #undef FRAME_ID_ENTRY
 
 #define FRAME_BYTES_ENTRY(name, id, bytes, period_us, deadline_us, node, kind) \
     FRAME_BYTES_##name = bytes,
-enum frame_bytes { FRAME_TABLE(FRAME_BYTES_ENTRY) };
+enum frame_bytes { FRAME_TABLE(FRAME_BYTES_ENTRY) FRAME_OPTIONAL_TABLE(FRAME_BYTES_ENTRY) };
 #undef FRAME_BYTES_ENTRY
 
 /* Frames by which the nodes are led: on this bus they come from the controller only. From
@@ -102,7 +111,9 @@ enum frame_bytes { FRAME_TABLE(FRAME_BYTES_ENTRY) };
 static inline bool frame_is_masters(uint32_t id)
 {
     return id == FRAME_SYNC || id == FRAME_DRIVE_TARGETS || id == FRAME_DRIVE_COMMAND_LEFT ||
-           id == FRAME_DRIVE_COMMAND_RIGHT || id == FRAME_HEARTBEAT_CONTROLLER;
+           id == FRAME_DRIVE_COMMAND_RIGHT || id == FRAME_HEARTBEAT_CONTROLLER ||
+           id == FRAME_DRIVE_TARGET_RIGHT || id == FRAME_LATCH_COMMAND_LEFT ||
+           id == FRAME_LATCH_COMMAND_RIGHT;
 }
 
 /* SDO requests to the nodes: while they run only the controller configures them, so it must hear

@@ -7,7 +7,7 @@
 
 enum { START_REPEAT_TICKS = TICKS_OF_MS(50) };
 
-#define NODE_ID(name, number, profile) number,
+#define NODE_ID(name, number, profile) [NETWORK_##name] = number,
 static const uint8_t node_ids[NETWORK_NODES] = {NODE_TABLE(NODE_ID)};
 #undef NODE_ID
 static_assert(NETWORK_NODES <= 8, "a bit of a byte for each node (network_update, bring_up.h)");
@@ -15,8 +15,13 @@ static_assert(NETWORK_NODES <= 8, "a bit of a byte for each node (network_update
 void network_init(struct network *network)
 {
     *network = (struct network){0};
+    network_set_nodes(network, node_ids);
+}
+
+void network_set_nodes(struct network *network, const uint8_t id[NETWORK_NODES])
+{
     for (int i = 0; i < NETWORK_NODES; i++) {
-        network->node[i].id = node_ids[i];
+        network->node[i].id = id[i];
         network->node[i].state = NMT_UNKNOWN;
     }
 }
@@ -36,7 +41,8 @@ static bool receive_emergency(struct network *network, const struct can_msg *mes
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
         struct network_node *node = &network->node[i];
-        if (message->id != (uint32_t)(FRAME_EMCY_DRIVE_LEFT - NODE_DRIVE_LEFT + node->id)) {
+        if (node->id == 0 ||
+            message->id != (uint32_t)(FRAME_EMCY_DRIVE_LEFT - NODE_DRIVE_LEFT + node->id)) {
             continue;
         }
         if (message->length == 8 && message->flags == 0) {
@@ -95,7 +101,8 @@ bool network_receive(struct network *network, const struct can_msg *message)
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
         struct network_node *node = &network->node[i];
-        if (message->id != (uint32_t)(FRAME_HEARTBEAT_DRIVE_LEFT - NODE_DRIVE_LEFT + node->id)) {
+        if (node->id == 0 ||
+            message->id != (uint32_t)(FRAME_HEARTBEAT_DRIVE_LEFT - NODE_DRIVE_LEFT + node->id)) {
             continue;
         }
         if (message->length == 1 && message->flags == 0) {
@@ -115,7 +122,7 @@ enum can_result network_command(const struct can_bus *bus, enum nmt_command comm
 enum can_result network_enter_pre_operational(struct network *network, const struct can_bus *bus,
                                               uint8_t node)
 {
-    const unsigned index = network_index(node);
+    const unsigned index = network_index(network, node);
     if (index < NETWORK_NODES) {
         network->node[index].asked_to_wait = true;
         network->node[index].started = false;
@@ -133,10 +140,10 @@ enum can_result network_stop_all(struct network *network, const struct can_bus *
     return network_command(bus, NMT_STOP, 0);
 }
 
-unsigned network_index(uint8_t node)
+unsigned network_index(const struct network *network, uint8_t node)
 {
     unsigned index = 0;
-    while (index < NETWORK_NODES && node_ids[index] != node) {
+    while (index < NETWORK_NODES && (node == 0 || network->node[index].id != node)) {
         index++;
     }
     return index;
@@ -144,7 +151,8 @@ unsigned network_index(uint8_t node)
 
 bool network_is_overdue(const struct network *network, unsigned index)
 {
-    return network->node[index].silent_ticks > HEARTBEAT_TIMEOUT_TICKS;
+    return network->node[index].id != 0 &&
+           network->node[index].silent_ticks > HEARTBEAT_TIMEOUT_TICKS;
 }
 
 void network_clear_booted(struct network *network)
@@ -190,7 +198,7 @@ bool network_has_error(const struct network *network)
 bool network_all_operational(const struct network *network)
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
-        if (network->node[i].state != NMT_OPERATIONAL) {
+        if (network->node[i].id != 0 && network->node[i].state != NMT_OPERATIONAL) {
             return false;
         }
     }

@@ -14,9 +14,14 @@
 #include "hal/bus/frame_table.h"
 #include "model/tick.h"
 
-#define NETWORK_COUNT(name, number, profile) +1
-enum { NETWORK_NODES = NODE_TABLE(NETWORK_COUNT) };
-#undef NETWORK_COUNT
+/* What a node does, and its place: those of NODE_TABLE in its order, then the latch boards. */
+#define NETWORK_ROLE(name, number, profile) NETWORK_##name,
+enum network_role {
+    NODE_TABLE(NETWORK_ROLE) NETWORK_LATCH_LEFT,
+    NETWORK_LATCH_RIGHT,
+    NETWORK_NODES
+};
+#undef NETWORK_ROLE
 
 enum nmt_state {
     NMT_BOOT_UP = 0,
@@ -27,7 +32,7 @@ enum nmt_state {
 };
 
 struct network_node {
-    uint8_t id;
+    uint8_t id;            /* 0 = this device has no such node */
     uint8_t state;         /* enum nmt_state */
     uint16_t silent_ticks; /* since the last heartbeat or boot-up */
     uint16_t start_wait;   /* ticks until NMT start may be repeated */
@@ -53,8 +58,11 @@ enum nmt_command {
     NMT_RESET_COMMUNICATION = 130
 };
 
-/* Starts with all nodes unknown. */
+/* Starts with all nodes unknown: those of NODE_TABLE by their numbers there, and no latch boards. */
 void network_init(struct network *network);
+
+/* Gives the nodes other numbers, by role; 0 = there is no such node. Start-up only. */
+void network_set_nodes(struct network *network, const uint8_t id[NETWORK_NODES]);
 
 /* Takes boot-up, heartbeat and emergency frames of the nodes; says whether it did. */
 bool network_receive(struct network *network, const struct can_msg *message);
@@ -77,8 +85,8 @@ enum can_result network_enter_pre_operational(struct network *network, const str
 enum can_result network_stop_all(struct network *network, const struct can_bus *bus);
 enum { NETWORK_STOP_TICKS = TICKS_OF_MS(1000) };
 
-/* Index 0..NETWORK_NODES-1 of a node's number; NETWORK_NODES if it is none of them. */
-unsigned network_index(uint8_t node);
+/* Role of a node's number; NETWORK_NODES if it is none of them. */
+unsigned network_index(const struct network *network, uint8_t node);
 
 /* Whether node `index` has been silent for longer than a heartbeat may take. O(1). */
 bool network_is_overdue(const struct network *network, unsigned index);

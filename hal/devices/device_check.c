@@ -109,6 +109,9 @@ static enum device_verdict check_latch(const struct device_description *device, 
     if (own->latch == DEVICE_LATCH_DRIVE && own->protocol != DEVICE_CIA402) {
         return refuse(refusal, DEVICE_BAD_LATCH_BIT, device, leg, DEVICE_LEG_latch, 0.0f);
     }
+    if (own->latch == DEVICE_LATCH_DRIVE && device_leg_lacks(own, DEVICE_LACKS_OUTPUTS)) {
+        return refuse(refusal, DEVICE_BAD_LATCH_OUTPUT, device, leg, DEVICE_LEG_latch, 0.0f);
+    }
     if (own->unload == DEVICE_UNLOAD_LATCH && !device_leg_reports_latch(own)) {
         return refuse(refusal, DEVICE_BAD_UNLOAD_LATCH, device, leg, DEVICE_LEG_unload, 0.0f);
     }
@@ -150,6 +153,12 @@ static enum device_verdict check_sensors(const struct device_description *device
     }
     if (own->ankle_direction == 0) {
         return refuse(refusal, DEVICE_BAD_DIRECTION, device, leg, DEVICE_LEG_ankle_direction, 0.0f);
+    }
+    if (own->leg_sensor_bits % 8 != 0) {
+        return refuse(refusal, DEVICE_BAD_BITS, device, leg, DEVICE_LEG_leg_sensor_bits, 0.0f);
+    }
+    if (own->ankle_sensor_bits % 8 != 0) {
+        return refuse(refusal, DEVICE_BAD_BITS, device, leg, DEVICE_LEG_ankle_sensor_bits, 0.0f);
     }
     if (own->ankle_side == DEVICE_AT_MOTOR) {
         return refuse(refusal, DEVICE_BAD_MOTOR_SIDE, device, leg, DEVICE_LEG_ankle_side, 0.0f);

@@ -25,7 +25,7 @@ const struct device_key device_leg_keys[DEVICE_LEG_COUNT] = {DEVICE_LEG_KEYS(LEG
 static_assert(sizeof(struct device_leg) == DEVICE_LEG_COUNT * 4 &&
                   sizeof(struct device_common) == DEVICE_COMMON_COUNT * 4,
               "every key is one 32-bit number: no padding, the same bytes everywhere");
-static_assert((1 << DEVICE_LACKS_COUNT) - 1 == 262143, "the largest value of the key lacks");
+static_assert((1 << DEVICE_LACKS_COUNT) - 1 == 524287, "the largest value of the key lacks");
 
 const struct device_key *device_key_row(int leg, unsigned key)
 {

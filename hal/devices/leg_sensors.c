@@ -7,14 +7,38 @@
 
 #define TWO_PI 6.28318530717958647692f
 
+static void set_default(float *value, float standard)
+{
+    *value = *value != 0.0f ? *value : standard;
+}
+
+/* What is 0 is as in the frame table. */
+static void fill_in(struct leg_sensor_config *config)
+{
+    set_default(&config->leg_counts_per_turn, (float)LEG_ANGLE_COUNTS_PER_TURN);
+    set_default(&config->ankle_counts_per_unit, config->ankle_is_lever
+                                                    ? (float)ANKLE_COUNTS_PER_TURN
+                                                    : (float)ANKLE_COUNTS_PER_METRE);
+    config->leg_bytes = config->leg_bytes != 0 ? config->leg_bytes : 3;
+    config->ankle_bytes = config->ankle_bytes != 0 ? config->ankle_bytes : 2;
+}
+
 void leg_sensors_init(struct leg_sensors *sensors, const struct leg_sensor_config *config)
 {
     *sensors = (struct leg_sensors){0};
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         sensors->config[leg] = config[leg];
+        fill_in(&sensors->config[leg]);
         sensors->reading[leg].age_ticks = UINT16_MAX;
         sensors->reading[leg].foot_age_ticks = UINT16_MAX;
     }
+}
+
+static int32_t count_at(const uint8_t *from, unsigned bytes)
+{
+    return bytes == 2   ? bytes_get_i16(from)
+           : bytes == 3 ? bytes_get_i24(from)
+                        : bytes_get_i32(from);
 }
 
 static float wrap_turn(float angle_rad)
@@ -28,12 +52,15 @@ static float wrap_turn(float angle_rad)
     return angle_rad;
 }
 
-static float ankle_extension_m(const struct leg_sensor_config *config, int16_t counts)
+static float ankle_extension_m(const struct leg_sensor_config *config, int32_t counts)
 {
+    const float sign = config->ankle_reversed ? -1.0f : 1.0f;
     if (!config->ankle_is_lever) {
-        return (float)counts * (1.0f / (float)ANKLE_COUNTS_PER_METRE);
+        return ((float)counts * (1.0f / config->ankle_counts_per_unit) - config->ankle_zero_m) *
+               sign;
     }
-    const float plantarflexion_rad = (float)counts * (TWO_PI / (float)ANKLE_COUNTS_PER_TURN);
+    const float plantarflexion_rad =
+        (float)counts * (TWO_PI / config->ankle_counts_per_unit) * sign;
     const float extension =
         config->ankle_lever_m * small_sin(plantarflexion_rad - config->ankle_neutral_rad);
     return extension > 0.0f ? extension : 0.0f;
@@ -73,16 +100,17 @@ bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *mess
     if (message->id != FRAME_LEG_STATE_LEFT && message->id != FRAME_LEG_STATE_RIGHT) {
         return false;
     }
-    if (message->length != FRAME_BYTES_LEG_STATE_LEFT || message->flags != 0) {
+    const struct leg_sensor_config *config = &sensors->config[leg];
+    if (message->length != config->leg_bytes + config->ankle_bytes || message->flags != 0) {
         count_malformed(sensors);
         return true;
     }
-    const struct leg_sensor_config *config = &sensors->config[leg];
     const float raw_rad =
-        (float)bytes_get_i24(message->data) * (TWO_PI / (float)LEG_ANGLE_COUNTS_PER_TURN);
+        (float)count_at(message->data, config->leg_bytes) * (TWO_PI / config->leg_counts_per_turn);
     const float angle_rad =
         wrap_turn((raw_rad - config->angle_zero_rad) * (float)config->angle_direction);
-    const float extension_m = ankle_extension_m(config, bytes_get_i16(message->data + 3));
+    const float extension_m =
+        ankle_extension_m(config, count_at(message->data + config->leg_bytes, config->ankle_bytes));
     struct leg_sensor_reading *reading = &sensors->reading[leg];
     if (reading->age_ticks == 0 &&
         (reading->leg_angle_rad != angle_rad || reading->ankle_extension_m != extension_m)) {

@@ -1,8 +1,9 @@
 /* Both legs' sensors: frames in, angles and extensions with their age out.
  *
- * CiA 406 encoders (nodes 3 and 4) which answer every SYNC with TPDO2 of 5 bytes:
- * leg angle INTEGER24 in 2*pi/2^24 rad, ankle INTEGER16 in 10 um, or, for an
- * ankle with a lever, in 2*pi/2^16 rad of plantarflexion (hal/bus/frame_table.h).
+ * CiA 406 encoders which answer every SYNC with one frame: the leg angle's count, then the ankle's,
+ * which is an extension or, for an ankle with a lever, an angle of plantarflexion. Widths and scales
+ * are the device's; a 0 stands for those of hal/bus/frame_table.h: leg angle INTEGER24 in
+ * 2*pi/2^24 rad, ankle INTEGER16 in 10 um or in 2*pi/2^16 rad.
  * A sensor that has a foot switch tells its state in TPDO3, one byte, on change and every 50 ms.
  */
 #ifndef HAL_DEVICES_LEG_SENSORS_H
@@ -22,6 +23,10 @@ struct leg_sensor_config {
     bool ankle_is_lever;     /* ankle counts are an angle; extension = lever * sin(...) */
     float ankle_lever_m;     /* lever only, > 0 */
     float ankle_neutral_rad; /* lever only: plantarflexion at extension 0 */
+    float leg_counts_per_turn, ankle_counts_per_unit; /* of a metre, or with a lever of a turn */
+    float ankle_zero_m;                               /* linear only: reading at extension 0 */
+    uint8_t leg_bytes, ankle_bytes;                   /* 2, 3 or 4 */
+    bool ankle_reversed; /* the ankle's count falls with plantarflexion */
 };
 
 struct leg_sensor_reading {

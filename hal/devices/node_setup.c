@@ -3,236 +3,50 @@
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "hal/canopen/co_defs.h"
+#include "hal/devices/setup_steps.h"
 
 #define NS_PER_MS UINT64_C(1000000)
-#define COB_ID_MASK UINT32_C(0x800007FF) /* "exists" and the identifier; not the RTR bit */
-#define COB_OFF UINT32_C(0x80000000)
-#define COB_NO_RTR UINT32_C(0x40000000) /* CiA 301, 7.5.2.37: of TPDOs, no remote requests */
-#define ALL_BITS UINT32_C(0xFFFFFFFF)
 
-/* CiA 402-2: option codes that end in a controlled unload, then torque off. */
-enum {
-    ABORT_CONNECTION_IS_FAULT = 1,
-    QUICK_STOP_RAMP = 2,
-    SLOW_DOWN_RAMP = 1,
-    MODE_CYCLIC_SYNCHRONOUS_POSITION = 8,
-    FOLLOWING_ERROR_MS = 50,
-    TARGET_TIMEOUT_MS = 50
-};
-
-/* The tick as object 0x60C2 says it: a value times a power of ten, in seconds. */
-enum {
-    TICK_IS_WHOLE_MS = TICK_PERIOD_US % 1000 == 0,
-    INTERPOLATION_VALUE = TICK_IS_WHOLE_MS ? TICK_PERIOD_US / 1000 : TICK_PERIOD_US / 100,
-    INTERPOLATION_EXPONENT = TICK_IS_WHOLE_MS ? 0xFD : 0xFC /* -3 or -4, INTEGER8 */
-};
-
-/* STEP_AWAIT: as STEP_EXPECT, but the value may take SETUP_SETTLE_MS to come. */
-enum step_kind { STEP_EXPECT, STEP_AWAIT, STEP_SPEED, STEP_WRITE, STEP_SCALING, STEP_END };
-
-struct setup_step {
-    enum step_kind kind;
-    uint16_t index;
-    uint8_t sub;
-    uint8_t bytes;
-    uint32_t value;
-    uint32_t mask; /* of the comparison */
-};
-
-#define EXPECT(index, sub, value, mask) \
-    ((struct setup_step){STEP_EXPECT, index, sub, 4, value, mask})
-#define AWAIT(index, sub, value, mask) ((struct setup_step){STEP_AWAIT, index, sub, 4, value, mask})
-#define SPEED(index, sub) ((struct setup_step){STEP_SPEED, index, sub, 4, 0, 0})
-#define WRITE(index, sub, bytes, value) \
-    ((struct setup_step){STEP_WRITE, index, sub, bytes, value, ALL_BITS})
-#define COB(index, value) ((struct setup_step){STEP_WRITE, index, 1, 4, value, COB_ID_MASK})
-#define SCALING(index, sub) ((struct setup_step){STEP_SCALING, index, sub, 4, 0, 0})
-#define END ((struct setup_step){STEP_END, 0, 0, 0, 0, 0})
-
-enum { PDO_STEPS = 8 };
-
-/* A PDO is switched off, mapped, typed and switched on (CiA 301, 7.5.2.36). */
-struct pdo_plan {
-    uint16_t communication; /* 0x1400.. or 0x1800.. */
-    uint32_t cob_id;
-    uint8_t type;
-    uint8_t count;
-    uint32_t map[3];
-};
-
-/* Nobody here sends remote requests, and many nodes answer none: those take the COB-ID of a TPDO
- * with "no RTR" only. Those that do not know that bit take it without only. */
-static uint32_t cob_id_of(const struct pdo_plan *plan, bool with_rtr)
+static bool is_drive(const struct node_setup *setup)
 {
-    const bool sends = plan->communication >= 0x1800;
-    return plan->cob_id | (sends && !with_rtr ? COB_NO_RTR : 0);
+    return setup->role == NETWORK_DRIVE_LEFT || setup->role == NETWORK_DRIVE_RIGHT;
 }
 
-static struct setup_step pdo_step(const struct pdo_plan *plan, unsigned part, bool with_rtr)
+static struct setup_step step_now(const struct node_setup *setup)
 {
-    const uint16_t mapping = (uint16_t)(plan->communication + 0x200);
-    switch (part) {
-    case 0:
-        return COB(plan->communication, COB_OFF | cob_id_of(plan, with_rtr));
-    case 1:
-        return WRITE(mapping, 0, 1, 0);
-    case 2:
-    case 3:
-    case 4:
-        /* Fewer entries than three: write the last one again, which changes nothing. */
-        part = part - 2u < plan->count ? part - 2u : plan->count - 1u;
-        return WRITE(mapping, (uint8_t)(part + 1), 4, plan->map[part]);
-    case 5:
-        return WRITE(mapping, 0, 1, plan->count);
-    case 6:
-        return WRITE(plan->communication, 2, 1, plan->type);
-    default:
-        return COB(plan->communication, cob_id_of(plan, with_rtr));
-    }
+    const struct setup_place place = {setup->role, setup->node, setup->with_rtr, setup->step};
+    return setup_step_at(setup->config, &place);
 }
 
-static struct setup_step common_step(unsigned step, uint32_t profile)
+/* Goes past what there is nothing to do about; the steps of a node end. */
+static struct setup_step current_step(struct node_setup *setup)
 {
-    switch (step) {
-    case 0:
-        return EXPECT(0x1000, 0, profile, 0xFFFF);
-    case 1:
-        return WRITE(0x1017, 0, 2, HEARTBEAT_PERIOD_MS);
-    default:
-        return WRITE(0x1016, 1, 4, (uint32_t)NODE_CONTROLLER << 16 | HEARTBEAT_TIMEOUT_MS);
+    struct setup_step step = step_now(setup);
+    while (step.kind == STEP_SKIP) {
+        setup->step++;
+        step = step_now(setup);
     }
+    return step;
 }
 
-enum { COMMON_STEPS = 3, DRIVE_PDOS = 4, DRIVE_PDO_END = COMMON_STEPS + DRIVE_PDOS * PDO_STEPS };
-
-static struct setup_step drive_pdo_step(enum side leg, uint32_t node, unsigned number,
-                                        unsigned part, bool with_rtr)
+static uint8_t role_of(const struct node_setup_config *config, uint8_t node)
 {
-    const uint32_t dummy = 0x00040020; /* INTEGER32: the other drive's half */
-    const uint32_t target = 0x607A0020;
-    const bool left = leg == SIDE_LEFT;
-    const struct pdo_plan plans[DRIVE_PDOS] = {
-        {0x1400, FRAME_DRIVE_TARGETS, 1, 2, {left ? target : dummy, left ? dummy : target, 0}},
-        {0x1401, 0x300 + node, 255, 2, {0x60400010, 0x60FE0120, 0}},
-        {0x1800, 0x180 + node, 1, 2, {0x60410010, 0x60640020, 0}},
-        {0x1802, 0x380 + node, SLOW_PDO_TICKS, 3, {0x60770010, 0x21000010, 0x60790020}},
-    };
-    return pdo_step(&plans[number], part, with_rtr);
-}
-
-static struct setup_step drive_step(const struct node_setup *setup)
-{
-    const struct node_setup_config *config = setup->config;
-    const uint8_t node = setup->node;
-    const unsigned step = setup->step;
-    const enum side leg = node == NODE_DRIVE_LEFT ? SIDE_LEFT : SIDE_RIGHT;
-    if (step < COMMON_STEPS) {
-        return common_step(step, 402);
+#define NODE_ROLE(name, number, profile) [number] = NETWORK_##name,
+    static const uint8_t standard[] = {NODE_TABLE(NODE_ROLE)};
+#undef NODE_ROLE
+    for (uint8_t role = 0; role < NETWORK_NODES; role++) {
+        if (node != 0 && config->node[role] == node) {
+            return role;
+        }
     }
-    if (step < DRIVE_PDO_END) {
-        const unsigned i = step - COMMON_STEPS;
-        return drive_pdo_step(leg, node, i / PDO_STEPS, i % PDO_STEPS, setup->with_rtr);
-    }
-    switch (step - DRIVE_PDO_END) {
-    case 0:
-        return WRITE(0x6060, 0, 1, MODE_CYCLIC_SYNCHRONOUS_POSITION);
-    case 1:
-        return AWAIT(0x6061, 0, MODE_CYCLIC_SYNCHRONOUS_POSITION, 0xFF);
-    case 2:
-        return WRITE(0x60C2, 1, 1, INTERPOLATION_VALUE);
-    case 3:
-        return WRITE(0x60C2, 2, 1, INTERPOLATION_EXPONENT);
-    case 4:
-        return WRITE(0x6007, 0, 2, ABORT_CONNECTION_IS_FAULT);
-    case 5:
-        return WRITE(0x605A, 0, 2, QUICK_STOP_RAMP);
-    case 6:
-        return WRITE(0x605B, 0, 2, SLOW_DOWN_RAMP);
-    case 7:
-        return WRITE(0x605C, 0, 2, SLOW_DOWN_RAMP);
-    case 8:
-        return WRITE(0x605E, 0, 2, QUICK_STOP_RAMP);
-    case 9:
-        return WRITE(0x6065, 0, 4, config->following_error_counts[leg]);
-    case 10:
-        return WRITE(0x6066, 0, 2, FOLLOWING_ERROR_MS);
-    case 11:
-        return WRITE(0x607D, 1, 4, (uint32_t)config->limit_min_counts[leg]);
-    case 12:
-        return WRITE(0x607D, 2, 4, (uint32_t)config->limit_max_counts[leg]);
-    case 13:
-        return WRITE(0x60FE, 2, 4, DRIVE_OUTPUT_LATCH_ARMED);
-    case 14:
-        return WRITE(0x1400, 5, 2, TARGET_TIMEOUT_MS);
-    case 15:
-        return SCALING(0x608F, 1);
-    case 16:
-        return SCALING(0x608F, 2);
-    case 17:
-        return SCALING(0x6091, 1);
-    case 18:
-        return SCALING(0x6091, 2);
-    case 19:
-        return SCALING(0x6092, 1);
-    case 20:
-        return SCALING(0x6092, 2);
-    case 21:
-        return SCALING(0x6076, 0);
-    case 22:
-        return SPEED(0x6080, 0);
-    default:
-        return END;
-    }
-}
-
-static struct setup_step sensor_step(const struct node_setup *setup)
-{
-    const struct node_setup_config *config = setup->config;
-    const uint8_t node = setup->node;
-    const unsigned step = setup->step;
-    const enum side leg = node == NODE_SENSOR_LEFT ? SIDE_LEFT : SIDE_RIGHT;
-    const struct pdo_plan plan = {0x1801, 0x280u + node, 1, 2, {0x20200118, 0x20200210, 0}};
-    if (step < COMMON_STEPS) {
-        return common_step(step, 406);
-    }
-    if (step < COMMON_STEPS + PDO_STEPS) {
-        return pdo_step(&plan, step - COMMON_STEPS, setup->with_rtr);
-    }
-    switch (step - COMMON_STEPS - PDO_STEPS) {
-    case 0:
-        return EXPECT(0x6001, 0, LEG_ANGLE_COUNTS_PER_TURN, ALL_BITS);
-    case 1:
-        return EXPECT(0x2021, 0, config->ankle_is_lever[leg] ? 1 : 0, 0xFF);
-    case 2:
-        return AWAIT(0x6503, 0, 0, 0xFFFF); /* alarms: none */
-    default:
-        return END;
-    }
-}
-
-static bool is_drive(uint8_t node)
-{
-    switch (node) {
-#define NODE_CASE(name, number, profile) \
-    case (number):                       \
-        return (profile) == 402;
-        NODE_TABLE(NODE_CASE)
-#undef NODE_CASE
-    default:
-        return false;
-    }
-}
-
-static struct setup_step current_step(const struct node_setup *setup)
-{
-    return is_drive(setup->node) ? drive_step(setup) : sensor_step(setup);
+    return node < sizeof standard ? standard[node] : (uint8_t)NETWORK_LATCH_LEFT;
 }
 
 void node_setup_start(struct node_setup *setup, const struct node_setup_config *config,
                       uint8_t node, uint64_t now_ns)
 {
     (void)now_ns;
-    *setup = (struct node_setup){.config = config, .node = node};
+    *setup = (struct node_setup){.config = config, .node = node, .role = role_of(config, node)};
     co_sdo_client_init(&setup->client, node, SETUP_TIMEOUT_MS * NS_PER_MS);
 }
 
@@ -279,14 +93,14 @@ static enum setup_verdict check_scaling(struct node_setup *setup, enum side leg)
 {
     const uint32_t *v = setup->scaling;
     const uint32_t expected = setup->config->counts_per_m[leg];
-    const struct setup_step step = {STEP_SCALING, 0x6092, 1, 4, expected, ALL_BITS};
+    const struct setup_step step = {STEP_SCALING, 0x6092, 1, 4, expected, SETUP_ALL_BITS};
     const float found = v[1] != 0 ? ((float)v[0] / (float)v[1]) * turns_per_nm(v) * 1.0e9f : 0.0f;
     const float difference = found - (float)expected;
     const float tolerance = 1.0e-4f * (float)expected;
     if (difference <= tolerance && difference >= -tolerance) {
         return SETUP_DONE;
     }
-    return fail(setup, SETUP_DIFFERS, &step, found < 4.0e9f ? (uint32_t)found : ALL_BITS);
+    return fail(setup, SETUP_DIFFERS, &step, found < 4.0e9f ? (uint32_t)found : SETUP_ALL_BITS);
 }
 
 /* 0x6076 is the motor's rated torque in mNm (CiA 402-2), and the force is that torque times
@@ -296,14 +110,17 @@ static enum setup_verdict check_rated_force(struct node_setup *setup, enum side 
 {
     const float turn_rad_per_nm_to_N_per_mNm = 6.28318531f * 1.0e9f * 1.0e-3f;
     const float unit_N = turns_per_nm(setup->scaling) * turn_rad_per_nm_to_N_per_mNm;
-    const float expected_mNm = setup->config->rated_force_N[leg] / unit_N;
+    const float told_mNm = (float)setup->config->rated_torque_mNm[leg];
+    const float expected_mNm = setup_lacks(setup->config, leg, DEVICE_LACKS_SCALING)
+                                   ? told_mNm
+                                   : setup->config->rated_force_N[leg] / unit_N;
     const uint32_t found = setup->scaling[SETUP_SCALING_VALUES - 1];
     const float difference = (float)found - expected_mNm;
     const float tolerance = 0.5f + 0.02f * expected_mNm; /* it is whole mNm */
-    const struct setup_step step = {STEP_SCALING, 0x6076, 0, 4, (uint32_t)(expected_mNm + 0.5f),
-                                    ALL_BITS};
-    if (difference <= tolerance && difference >= -tolerance) {
-        return SETUP_DONE;
+    const struct setup_step step = {STEP_SCALING,  0x6076, 0, 4, (uint32_t)(expected_mNm + 0.5f),
+                                    SETUP_ALL_BITS};
+    if (expected_mNm == 0.0f || (difference <= tolerance && difference >= -tolerance)) {
+        return SETUP_DONE; /* 0: nobody told what it should be */
     }
     return fail(setup, SETUP_DIFFERS, &step, found);
 }
@@ -312,7 +129,7 @@ static enum setup_verdict check_rated_force(struct node_setup *setup, enum side 
 static enum setup_verdict check_speed(struct node_setup *setup, enum side leg)
 {
     const uint32_t needed = setup->config->speed_needed_counts_s[leg];
-    const struct setup_step step = {STEP_SPEED, 0x6080, 0, 4, needed, ALL_BITS};
+    const struct setup_step step = {STEP_SPEED, 0x6080, 0, 4, needed, SETUP_ALL_BITS};
     return setup->speed_found == 0 || setup->speed_found >= needed
                ? SETUP_DONE
                : fail(setup, SETUP_DIFFERS, &step, setup->speed_found);
@@ -321,11 +138,28 @@ static enum setup_verdict check_speed(struct node_setup *setup, enum side leg)
 /* What the drive says of itself must be what the settings say of it. */
 static enum setup_verdict check_drive(struct node_setup *setup)
 {
-    const enum side leg = setup->node == NODE_DRIVE_LEFT ? SIDE_LEFT : SIDE_RIGHT;
-    enum setup_verdict verdict = check_scaling(setup, leg);
+    const enum side leg = setup_leg(setup->role);
+    const bool has_scaling = !setup_lacks(setup->config, leg, DEVICE_LACKS_SCALING);
+    enum setup_verdict verdict = has_scaling ? check_scaling(setup, leg) : SETUP_DONE;
     verdict = verdict == SETUP_DONE ? check_speed(setup, leg) : verdict;
-    const bool has_force = setup->config->rated_force_N[leg] > 0.0f;
+    const bool has_force = setup->config->rated_force_N[leg] > 0.0f &&
+                           !setup_lacks(setup->config, leg, DEVICE_LACKS_RATED_TORQUE);
     return verdict == SETUP_DONE && has_force ? check_rated_force(setup, leg) : verdict;
+}
+
+/* Where a scaling value is kept: 0x608F, 0x6091, 0x6092 with two each, then 0x6076. */
+static unsigned scaling_place(const struct setup_step *step)
+{
+    switch (step->index) {
+    case 0x608F:
+        return step->sub - 1u;
+    case 0x6091:
+        return step->sub + 1u;
+    case 0x6092:
+        return step->sub + 3u;
+    default:
+        return SETUP_SCALING_VALUES - 1u;
+    }
 }
 
 /* The transfer of this step is done; compares, and goes on to the next one. */
@@ -338,12 +172,12 @@ static enum setup_verdict finish_step(struct node_setup *setup, const struct set
     }
     const uint32_t found = value_read(&setup->client);
     if (step->kind == STEP_SCALING) {
-        const unsigned next = setup->scaled++; /* in the order of the steps */
-        setup->scaling[next < SETUP_SCALING_VALUES ? next : 0] = found;
+        setup->scaling[scaling_place(step)] = found;
     } else if (step->kind == STEP_SPEED) {
         setup->speed_found = found;
-    } else {
-        const uint32_t width = step->bytes == 4 ? ALL_BITS : (UINT32_C(1) << (8 * step->bytes)) - 1;
+    } else if (step->kind != STEP_TRY) {
+        const uint32_t width =
+            step->bytes == 4 ? SETUP_ALL_BITS : (UINT32_C(1) << (8 * step->bytes)) - 1;
         const uint32_t mask = step->mask & width;
         if ((found & mask) != (step->value & mask)) {
             if (setup->differs_since_ns == 0) {
@@ -373,7 +207,7 @@ static bool try_with_rtr(struct node_setup *setup, const struct setup_step *step
 
 static void begin_transfer(struct node_setup *setup, const struct setup_step *step, uint64_t now_ns)
 {
-    if (step->kind == STEP_WRITE && !setup->reading_back) {
+    if (step->kind == STEP_TRY || (step->kind == STEP_WRITE && !setup->reading_back)) {
         uint8_t bytes[4];
         bytes_put_u32(bytes, step->value);
         co_sdo_client_write(&setup->client, step->index, step->sub, bytes, step->bytes, now_ns);
@@ -403,6 +237,11 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
                 (void)co_sdo_client_poll(&setup->client, bus, now_ns);
                 return SETUP_BUSY;
             }
+            if (code != CO_ABORT_TIMEOUT && step.kind == STEP_TRY) {
+                setup
+                    ->step++; /* there is no such PDO, or it cannot be switched off: then it is off */
+                return SETUP_BUSY;
+            }
             if (code != CO_ABORT_TIMEOUT && try_with_rtr(setup, &step)) {
                 step = current_step(setup);
                 begin_transfer(setup, &step, now_ns);
@@ -419,7 +258,7 @@ enum setup_verdict node_setup_poll(struct node_setup *setup, const struct can_bu
         step = current_step(setup);
     }
     if (step.kind == STEP_END) {
-        return is_drive(setup->node) ? check_drive(setup) : SETUP_DONE;
+        return is_drive(setup) ? check_drive(setup) : SETUP_DONE;
     }
     begin_transfer(setup, &step, now_ns);
     (void)co_sdo_client_poll(&setup->client, bus, now_ns);

@@ -4,7 +4,8 @@
  * start-up costs the bus at most one request and one answer a cycle. The steps of
  * a node are computed, not stored. A difference that stays for SETUP_SETTLE_MS ends the
  * setup with the object, the expected and the found value: a drive with another scaling, another
- * mode or other limits is refused, never assumed.
+ * mode or other limits is refused, never assumed. Objects that the device is said to lack are left
+ * alone: what that costs is the device's (enum device_lack, sim_host/devices).
  * Objects: CiA 301, CiA 402-2, CiA 406, as in sim_host/nodes' dictionaries.
  */
 #ifndef HAL_DEVICES_NODE_SETUP_H
@@ -15,21 +16,8 @@
 
 #include "hal/bus/can_bus.h"
 #include "hal/canopen/co_sdo_client.h"
+#include "hal/devices/setup_config.h"
 #include "model/side.h"
-
-/* What the nodes must be told and must be like. */
-struct node_setup_config {
-    uint32_t counts_per_m[SIDE_COUNT];    /* motor counts per metre of spring, expected */
-    int32_t limit_min_counts[SIDE_COUNT]; /* software position limits, 0x607D */
-    int32_t limit_max_counts[SIDE_COUNT];
-    uint32_t following_error_counts[SIDE_COUNT]; /* 0x6065 */
-    float rated_force_N
-        [SIDE_COUNT]; /* of the spring, at the motor's rated torque 0x6076; 0 = unknown */
-    bool ankle_is_lever[SIDE_COUNT];
-    /* 0x6080, in the drive's unit, counts/s: a slower motor would lag behind its target; 0 = not
-     * checked. A drive that says 0 has no limit. */
-    uint32_t speed_needed_counts_s[SIDE_COUNT];
-};
 
 enum setup_verdict {
     SETUP_BUSY = 1,
@@ -62,18 +50,18 @@ struct node_setup {
     struct setup_failure failure;
     uint16_t step;
     uint8_t node;
+    uint8_t role;     /* enum network_role */
     uint8_t timeouts; /* of the transfer under way: one lost frame is no refusal */
     uint64_t
         differs_since_ns; /* this step's value is not the expected one; 0 = it was not read yet */
     bool with_rtr;        /* the node refused a PDO without remote requests */
     bool reading_back;    /* the value of this step was written, now it is read */
     bool under_way;       /* a transfer is with the client */
-    uint8_t scaled;       /* how many of them have been read */
     uint32_t speed_found; /* 0x6080 as read */
     uint32_t scaling[SETUP_SCALING_VALUES]; /* 0x608F, 0x6091, 0x6092, 0x6076 as read */
 };
 
-/* Begins with a node of NODE_TABLE; *config must outlive. */
+/* Begins with one of config->node; *config must outlive. */
 void node_setup_start(struct node_setup *setup, const struct node_setup_config *config,
                       uint8_t node, uint64_t now_ns);
 

@@ -1,5 +1,6 @@
 #include "hal/devices/sea_drive_cansimple.h"
 
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 
 enum { REPEAT_TICKS = TICKS_OF_MS(100), HEARTBEAT_BYTES_MIN = 5, PART_ERROR = 1 };
@@ -13,7 +14,6 @@ void cansimple_drives_init(struct cansimple_drives *drives,
         axis->config = config[leg];
         axis->age_ticks = UINT16_MAX;
         axis->heartbeat_age_ticks = UINT16_MAX;
-        sea_latch_sender_init(&axis->sender);
     }
 }
 
@@ -60,7 +60,8 @@ static bool receive(void *context, const struct can_msg *message)
         return false;
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        if (message->id >> 5 == drives->axis[leg].config.node) {
+        if (drives->axis[leg].config.node != 0 &&
+            message->id >> 5 == drives->axis[leg].config.node) {
             read_answer(drives, &drives->axis[leg], message);
             return true;
         }
@@ -169,7 +170,7 @@ static enum can_result send_requests(struct cansimple_axis *axis,
     return CAN_OK;
 }
 
-static enum can_result send_axis_command(struct cansimple_axis *axis, enum side leg,
+static enum can_result send_axis_command(struct cansimple_axis *axis,
                                          const struct sea_drive_command *command,
                                          const struct can_bus *bus)
 {
@@ -184,9 +185,7 @@ static enum can_result send_axis_command(struct cansimple_axis *axis, enum side 
     if (axis->age_ticks != UINT16_MAX) {
         first_failure = send(axis, CANSIMPLE_SET_INPUT_POS, 8, bytes_of_f32(target_turns), 0, bus);
     }
-    enum can_result result = send_requests(axis, command, bus);
-    first_failure = first_failure == CAN_OK ? result : first_failure;
-    result = sea_latch_send(&axis->sender, leg, 0, command->latch_armed && follows, bus);
+    const enum can_result result = send_requests(axis, command, bus);
     return first_failure == CAN_OK ? result : first_failure;
 }
 
@@ -196,8 +195,10 @@ static enum can_result send_commands(void *context, const struct sea_drive_comma
     struct cansimple_drives *drives = (struct cansimple_drives *)context;
     enum can_result first_failure = CAN_OK;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const enum can_result result =
-            send_axis_command(&drives->axis[leg], (enum side)leg, &command[leg], bus);
+        if (drives->axis[leg].config.node == 0) {
+            continue;
+        }
+        const enum can_result result = send_axis_command(&drives->axis[leg], &command[leg], bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
     }
     return first_failure;

@@ -15,10 +15,9 @@
 #define HAL_DEVICES_SEA_DRIVE_CANSIMPLE_H
 
 #include "hal/devices/sea_drives.h"
-#include "hal/devices/sea_latch.h"
 
 struct cansimple_axis_config {
-    uint8_t node;      /* 1..63, not 4 */
+    uint8_t node;      /* 1..63, not 4; 0 = this leg has no such drive */
     float turns_per_m; /* motor turns per metre of spring, > 0 */
     float zero_turns;  /* estimate at the unloaded spring */
     int8_t direction;  /* +1 or -1 */
@@ -37,7 +36,6 @@ struct cansimple_axis {
     uint16_t age_ticks;           /* of the position */
     uint16_t heartbeat_age_ticks; /* of error and state */
     uint16_t repeat_wait;         /* until mode or state request is sent again */
-    struct sea_latch_sender sender;
 };
 
 struct cansimple_drives {

@@ -18,11 +18,8 @@ enum { FAULT_RESET_TICKS = TICKS_OF_MS(50), FAULT_RESET_LOW_TICKS = TICKS_OF_MS(
 
 /* Bit 12 in cyclic synchronous position: the drive follows its target (CiA 402-2); bit 14
  * is the manufacturer's; bit 7 is a warning in every mode. */
-enum {
-    STATUSWORD_WARNING = 1 << 7,
-    STATUSWORD_FOLLOWS = 1 << 12,
-    STATUSWORD_LATCH_CLOSED = 1 << 14
-};
+enum { STATUSWORD_WARNING = 1 << 7, STATUSWORD_FOLLOWS = 1 << 12 };
+enum { LATCH_CLOSED_BIT = 14, CONTROLWORD_RUN_INTERPOLATION = 1 << 4 };
 
 /* States as the statusword 0x6041 spells them under its masks. */
 enum cia402_state {
@@ -74,22 +71,41 @@ static void count_malformed(struct cia402_drives *drives)
     }
 }
 
-/* The slow PDO: torque, temperature, voltage. */
+static uint8_t slow_bytes(const struct cia402_axis_config *config)
+{
+    return (uint8_t)((config->no_torque ? 0 : 2) + (config->no_temperature ? 0 : 2) +
+                     (config->no_voltage ? 0 : 4));
+}
+
+/* The slow PDO: torque, temperature, voltage, as far as the drive has them. */
 static bool receive_slow(struct cia402_drives *drives, const struct can_msg *message)
 {
     if (message->id != FRAME_DRIVE_SLOW_LEFT && message->id != FRAME_DRIVE_SLOW_RIGHT) {
         return false;
     }
-    if (message->length != FRAME_BYTES_DRIVE_SLOW_LEFT || message->flags != 0) {
+    struct cia402_axis *axis =
+        &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
+    const struct cia402_axis_config *config = &axis->config;
+    if (config->absent) {
+        return false;
+    }
+    if (message->length != slow_bytes(config) || message->flags != 0) {
         count_malformed(drives);
         return true;
     }
-    struct cia402_axis *axis =
-        &drives->axis[message->id == FRAME_DRIVE_SLOW_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
-    axis->torque_per_mille = bytes_get_i16(message->data);
-    axis->temperature_0_1_degC = bytes_get_i16(message->data + 2);
-    axis->supply_mV = bytes_get_u32(message->data + 4);
-    axis->torque_age_ticks = 0;
+    const uint8_t *next = message->data;
+    if (!config->no_torque) {
+        axis->torque_per_mille = bytes_get_i16(next);
+        axis->torque_age_ticks = 0;
+        next += sizeof(int16_t);
+    }
+    if (!config->no_temperature) {
+        axis->temperature_0_1_degC = bytes_get_i16(next);
+        next += sizeof(int16_t);
+    }
+    if (!config->no_voltage) {
+        axis->supply_mV = bytes_get_u32(next);
+    }
     return true;
 }
 
@@ -99,12 +115,15 @@ static bool receive(void *context, const struct can_msg *message)
     if (message->id != FRAME_DRIVE_STATE_LEFT && message->id != FRAME_DRIVE_STATE_RIGHT) {
         return receive_slow(drives, message);
     }
+    struct cia402_axis *axis =
+        &drives->axis[message->id == FRAME_DRIVE_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
+    if (axis->config.absent) {
+        return false;
+    }
     if (message->length != FRAME_BYTES_DRIVE_STATE_LEFT || message->flags != 0) {
         count_malformed(drives);
         return true;
     }
-    struct cia402_axis *axis =
-        &drives->axis[message->id == FRAME_DRIVE_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT];
     const uint16_t statusword = bytes_get_u16(message->data);
     const int32_t counts = bytes_get_i32(message->data + 2);
     if (axis->age_ticks == 0 &&
@@ -142,22 +161,24 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
         [CIA402_ENABLED] = DRIVE_ENABLED,         [CIA402_QUICK_STOP] = DRIVE_STOPPING,
         [CIA402_FAULT_REACTION] = DRIVE_STOPPING, [CIA402_FAULT] = DRIVE_FAULT,
     };
-    const bool has_force = axis->config.rated_force_N > 0.0f;
+    const struct cia402_axis_config *config = &axis->config;
+    const unsigned latch_bit = config->latch_bit != 0 ? config->latch_bit : LATCH_CLOSED_BIT;
+    const bool has_force = config->rated_force_N > 0.0f && !config->no_torque;
     reading->age_ticks = axis->age_ticks;
     reading->foreign = axis->duplicate_id_count >= DUPLICATE_ID_LIMIT;
     reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
     reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
                        axis->config.rated_force_N / 1000.0f;
-    reading->latch = axis->age_ticks == UINT16_MAX                       ? LATCH_UNKNOWN
-                     : (axis->statusword & STATUSWORD_LATCH_CLOSED) != 0 ? LATCH_CLOSED
-                                                                         : LATCH_OPEN;
+    reading->latch = axis->age_ticks == UINT16_MAX || config->no_latch_bit ? LATCH_UNKNOWN
+                     : (axis->statusword >> latch_bit & 1u) != 0           ? LATCH_CLOSED
+                                                                           : LATCH_OPEN;
     reading->warning =
         axis->age_ticks != UINT16_MAX && (axis->statusword & STATUSWORD_WARNING) != 0;
     reading->has_supply = axis->supply_mV != 0;
     reading->temperature_degC = (float)axis->temperature_0_1_degC * 0.1f;
     reading->supply_V = (float)axis->supply_mV * 0.001f;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
-    const bool ignores = state_of(axis->statusword) == CIA402_ENABLED &&
+    const bool ignores = state_of(axis->statusword) == CIA402_ENABLED && !config->no_follows_bit &&
                          (axis->statusword & STATUSWORD_FOLLOWS) == 0;
     reading->state = axis->age_ticks == UINT16_MAX ? DRIVE_UNKNOWN
                      : ignores                     ? DRIVE_STOPPING
@@ -229,8 +250,11 @@ static uint16_t next_controlword(struct cia402_axis *axis, const struct sea_driv
     case CIA402_READY:
         return CONTROLWORD_SWITCH_ON;
     case CIA402_SWITCHED_ON:
-    case CIA402_ENABLED:
         return CONTROLWORD_ENABLE_OPERATION;
+    case CIA402_ENABLED:
+        return axis->config.interpolated
+                   ? CONTROLWORD_ENABLE_OPERATION | CONTROLWORD_RUN_INTERPOLATION
+                   : CONTROLWORD_ENABLE_OPERATION;
     default:
         return CONTROLWORD_SHUTDOWN;
     }
@@ -248,31 +272,79 @@ static enum can_result send_axis_command(struct cia402_axis *axis, enum side leg
     if (command->repeat) {
         axis->sender.ticks_since_sent = SLOW_PDO_TICKS;
     }
-    return sea_latch_send(&axis->sender, leg, controlword, armed, bus);
+    return axis->config.no_outputs
+               ? sea_latch_send_controlword(&axis->sender, leg, controlword, bus)
+               : sea_latch_send(&axis->sender, leg, controlword, armed, bus);
+}
+
+/* What the drive is told of its target; false while that would be a guess: it was never heard, or
+ * is not set up. */
+static bool find_target(const struct cia402_axis *axis, const struct sea_drive_command *command,
+                        int32_t *target)
+{
+    const bool follows = command->enable && state_of(axis->statusword) == CIA402_ENABLED;
+    *target = follows ? counts_from_metres(&axis->config, command->precompression_m)
+                      : axis->position_counts;
+    return axis->age_ticks != UINT16_MAX && !(command->unconfigured && command->operational);
+}
+
+static enum can_result send_shared_targets(const struct cia402_drives *drives,
+                                           const struct sea_drive_command *command,
+                                           const struct can_bus *bus)
+{
+    struct can_msg targets = {.id = FRAME_DRIVE_TARGETS, .length = FRAME_BYTES_DRIVE_TARGETS};
+    bool known = true;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        int32_t target;
+        known = find_target(&drives->axis[leg], &command[leg], &target) && known;
+        bytes_put_u32(targets.data + 4 * leg, (uint32_t)target);
+    }
+    return known ? can_bus_send(bus, &targets) : CAN_OK;
+}
+
+static enum can_result send_own_target(const struct cia402_axis *axis, enum side leg,
+                                       const struct sea_drive_command *command,
+                                       const struct can_bus *bus)
+{
+    struct can_msg message = {.id =
+                                  leg == SIDE_LEFT ? FRAME_DRIVE_TARGETS : FRAME_DRIVE_TARGET_RIGHT,
+                              .length = FRAME_BYTES_DRIVE_TARGET_RIGHT};
+    int32_t target;
+    if (!find_target(axis, command, &target)) {
+        return CAN_OK;
+    }
+    bytes_put_u32(message.data, (uint32_t)target);
+    return can_bus_send(bus, &message);
+}
+
+static enum can_result send_targets(const struct cia402_drives *drives,
+                                    const struct sea_drive_command *command,
+                                    const struct can_bus *bus)
+{
+    const struct cia402_axis *axis = drives->axis;
+    enum can_result first_failure = CAN_OK;
+    if (!axis[SIDE_LEFT].config.own_target && !axis[SIDE_RIGHT].config.own_target) {
+        return send_shared_targets(drives, command, bus);
+    }
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (!axis[leg].config.absent) {
+            const enum can_result result =
+                send_own_target(&axis[leg], (enum side)leg, &command[leg], bus);
+            first_failure = first_failure == CAN_OK ? result : first_failure;
+        }
+    }
+    return first_failure;
 }
 
 static enum can_result send_commands(void *context, const struct sea_drive_command *command,
                                      const struct can_bus *bus)
 {
     struct cia402_drives *drives = (struct cia402_drives *)context;
-    struct can_msg targets = {.id = FRAME_DRIVE_TARGETS, .length = FRAME_BYTES_DRIVE_TARGETS};
-    enum can_result first_failure = CAN_OK;
-    bool known = true; /* a target for a drive that was never heard would be a guess */
-
+    enum can_result first_failure = send_targets(drives, command, bus);
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        struct cia402_axis *axis = &drives->axis[leg];
-        known = known && axis->age_ticks != UINT16_MAX;
-        known = known && !(command[leg].unconfigured && command[leg].operational);
-        const bool follows = command[leg].enable && state_of(axis->statusword) == CIA402_ENABLED;
-        const int32_t target =
-            follows ? counts_from_metres(&axis->config, command[leg].precompression_m)
-                    : axis->position_counts;
-        bytes_put_u32(targets.data + 4 * leg, (uint32_t)target);
-    }
-    if (known) {
-        first_failure = can_bus_send(bus, &targets);
-    }
-    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (drives->axis[leg].config.absent) {
+            continue;
+        }
         const enum can_result result =
             send_axis_command(&drives->axis[leg], (enum side)leg, &command[leg], bus);
         if (first_failure == CAN_OK) {

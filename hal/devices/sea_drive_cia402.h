@@ -1,7 +1,7 @@
 /* SEA drives that speak CiA 402, cyclic synchronous position.
  *
- * Per cycle: one shared RPDO with both target positions; controlword and latch
- * on change and every SLOW_PDO_TICKS; statusword and actual position come back
+ * Per cycle: one shared RPDO with both target positions, or one for each drive where one of them
+ * has no dummy entries; controlword and latch on change and every SLOW_PDO_TICKS; statusword and actual position come back
  * at every SYNC (hal/bus/frame_table.h). Controlword and statusword bits: CiA 402-2,
  * as collected with their sources in sim_host/nodes' drive.
  *
@@ -22,6 +22,15 @@ struct cia402_axis_config {
     int32_t zero_counts; /* count at the unloaded spring */
     int8_t direction;    /* +1 when counts rise with compression, else -1 */
     float rated_force_N; /* 1000 per mille of 0x6077; 0 = the force is not known */
+    /* What this drive has otherwise than the virtual one; all false: it is like that. */
+    bool absent;                                /* this leg has no CiA 402 drive */
+    bool own_target;                            /* its target is the only one in its frame */
+    bool no_outputs;                            /* its frame of the controlword has no outputs */
+    bool no_torque, no_temperature, no_voltage; /* not in its slow PDO */
+    bool no_follows_bit;                        /* bit 12 of its statusword says nothing */
+    bool interpolated; /* interpolated position: bit 4 of the controlword runs it */
+    bool no_latch_bit; /* the statusword does not tell of the latch */
+    uint8_t latch_bit; /* of the statusword; 0 = 14 */
 };
 
 struct cia402_axis {

@@ -1,5 +1,6 @@
 #include "hal/devices/sea_drive_mit.h"
 
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 
 enum {
@@ -29,7 +30,6 @@ void mit_drives_init(struct mit_drives *drives, const struct mit_axis_config *co
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         drives->axis[leg].config = config[leg];
         drives->axis[leg].age_ticks = UINT16_MAX;
-        sea_latch_sender_init(&drives->axis[leg].sender);
     }
 }
 
@@ -73,7 +73,8 @@ static bool receive(void *context, const struct can_msg *message)
         return false;
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        if (message->id == drives->axis[leg].config.answer_id) {
+        if (drives->axis[leg].config.motor_id != 0 &&
+            message->id == drives->axis[leg].config.answer_id) {
             read_answer(drives, &drives->axis[leg], message);
             return true;
         }
@@ -191,11 +192,10 @@ static enum can_result send_commands(void *context, const struct sea_drive_comma
     struct mit_drives *drives = (struct mit_drives *)context;
     enum can_result first_failure = CAN_OK;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        struct mit_axis *axis = &drives->axis[leg];
-        enum can_result result = send_axis_command(axis, &command[leg], bus);
-        first_failure = first_failure == CAN_OK ? result : first_failure;
-        const bool armed = command[leg].latch_armed && state_of(axis) == DRIVE_ENABLED;
-        result = sea_latch_send(&axis->sender, (enum side)leg, 0, armed, bus);
+        if (drives->axis[leg].config.motor_id == 0) {
+            continue;
+        }
+        const enum can_result result = send_axis_command(&drives->axis[leg], &command[leg], bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
     }
     return first_failure;

@@ -17,7 +17,6 @@
 #define HAL_DEVICES_SEA_DRIVE_MIT_H
 
 #include "hal/devices/sea_drives.h"
-#include "hal/devices/sea_latch.h"
 
 /* Half widths of the fields' ranges (positions run from -position to +position). */
 struct mit_ranges {
@@ -29,7 +28,7 @@ struct mit_ranges {
 };
 
 struct mit_axis_config {
-    uint8_t motor_id;            /* 1..31 */
+    uint8_t motor_id;            /* 1..31; 0 = this leg has no such motor */
     uint16_t answer_id;          /* 1..0x7F, not a motor's */
     float rad_per_m;             /* motor angle per metre of spring, > 0 */
     float zero_rad;              /* angle at the unloaded spring */
@@ -50,7 +49,6 @@ struct mit_axis {
     bool refused;        /* first answer implausible: wrong ranges or wrong motor */
     bool clearing;       /* a reset was asked for and not sent yet */
     bool judge_again;    /* the next answer is judged like a first one */
-    struct sea_latch_sender sender;
 };
 
 struct mit_drives {

@@ -25,6 +25,7 @@ struct sea_drive_reading {
     bool has_supply;          /* the two below were received */
     float temperature_degC;
     float supply_V; /* of the DC link */
+    bool absent;    /* this leg has no drive */
     bool foreign;   /* another node speaks with this drive's identifier */
 };
 

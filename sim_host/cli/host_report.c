@@ -6,6 +6,7 @@
 
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/devices/setup_text.h"
 
 /* Nodes that are there have booted and are set up by then. */
 enum { WAITED_TICKS = TICKS_OF_MS(2000) };
@@ -29,30 +30,37 @@ bool host_report_is_refused(const struct control_task *task)
     return objects->refused_node != 0 && objects->refused_verdict != -SETUP_SILENT;
 }
 
+struct setup_failure host_report_failure(const struct controller_objects *objects)
+{
+    return (struct setup_failure){.verdict = (enum setup_verdict)(-(int)objects->refused_verdict),
+                                  .node = objects->refused_node,
+                                  .sub = objects->refused_sub,
+                                  .index = objects->refused_index,
+                                  .expected = objects->refused_expected,
+                                  .found = objects->refused_found};
+}
+
 void host_report_refusal(const struct control_task *task, uint32_t *told)
 {
     const struct controller_objects *objects = &task->node.objects;
     const uint32_t number = (uint32_t)objects->refused_node << 24 |
                             (uint32_t)objects->refused_index << 8 | objects->refused_sub;
-    const bool differs = objects->refused_verdict == -SETUP_DIFFERS;
     if (number == *told) {
         return;
     }
     *told = objects->refused_node != 0 ? number : 0;
-    if (host_report_is_refused(task)) {
-        program_complain("node %u refused: object 0x%04X:%02X, expected 0x%X, %s 0x%X",
-                         objects->refused_node, objects->refused_index, objects->refused_sub,
-                         objects->refused_expected, differs ? "found" : "abort code",
-                         objects->refused_found);
-    } else if (objects->refused_node != 0) {
-        program_complain("node %u does not answer (object 0x%04X:%02X), asked again",
-                         objects->refused_node, objects->refused_index, objects->refused_sub);
+    if (objects->refused_node != 0) {
+        char text[SETUP_TEXT_MAX];
+        const struct setup_failure failure = host_report_failure(objects);
+        setup_refusal_text(&objects->device, &failure, text, sizeof text);
+        program_complain("%s%s", text, host_report_is_refused(task) ? "" : ", asked again");
     }
 }
 
-/* Who the nodes are to a person, by their place in NODE_TABLE. */
-static const char *const node_names[] = {"left drive", "right drive", "left leg sensor",
-                                         "right leg sensor"};
+/* Who the nodes are to a person, by their role. */
+static const char *const node_names[] = {"left drive",       "right drive",
+                                         "left leg sensor",  "right leg sensor",
+                                         "left latch board", "right latch board"};
 static_assert(sizeof node_names / sizeof node_names[0] == NETWORK_NODES, "a name for each node");
 
 static void say_of_node(const struct network_node *node, char *text, size_t size)
@@ -77,7 +85,7 @@ void host_report_nodes(const struct network *network, char *text)
     for (int i = 0; i < NETWORK_NODES && used < HOST_REPORT_NODES_MAX; i++) {
         char state[64];
         say_of_node(&network->node[i], state, sizeof state);
-        if (state[0] != '\0') {
+        if (network->node[i].id != 0 && state[0] != '\0') {
             used +=
                 (size_t)snprintf(text + used, HOST_REPORT_NODES_MAX - used, "%s%s (node %u) %s",
                                  used > 0 ? "; " : "", node_names[i], network->node[i].id, state);

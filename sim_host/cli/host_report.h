@@ -21,6 +21,9 @@ const char *host_report_state_name(enum supervisor_state state);
  * answer is asked again. True for the former. */
 bool host_report_is_refused(const struct control_task *task);
 
+/* What 0x2031 tells, as the set-up had it. */
+struct setup_failure host_report_failure(const struct controller_objects *objects);
+
 /* Says on standard error which node is refused or silent, once; *told remembers it (0 first). */
 void host_report_refusal(const struct control_task *task, uint32_t *told);
 

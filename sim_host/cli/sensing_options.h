@@ -12,7 +12,8 @@
 struct sensing_options {
     enum sensor_preset_kind preset;
     const char *preset_name;
-    uint64_t seed; /* of all noise */
+    uint64_t seed;                          /* of all noise */
+    const char *drive_eds_path[SIDE_COUNT]; /* NULL: the virtual drives have all that they have */
 };
 
 /* Child parser: its input is a struct sensing_options, set up by sensing_options_init. */

@@ -5,9 +5,11 @@
 #include "firmware/version.h"
 #include "model/tick.h"
 #include "sim_host/cli/experiment.h"
+#include "sim_host/cli/host_report.h"
 #include "sim_host/cli/push_report.h"
 #include "sim_host/cli/recording_report.h"
 #include "sim_host/cli/sim_experiment.h"
+#include "sim_host/devices/setup_text.h"
 #include "sim_host/persons/law_name.h"
 
 static const char *side_name(enum side side)
@@ -234,16 +236,12 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
 /* Why a walk did not begin: the node that was refused, by what and by how much. */
 static void refused_node(FILE *stream, const struct controller_objects *objects)
 {
-    static const char *const verdicts[] = {"", "is not as the device file says",
-                                           "refused the access", "does not answer"};
-    const unsigned verdict = objects->refused_verdict;
-    if (objects->refused_node == 0 || verdict == 0 ||
-        verdict >= sizeof verdicts / sizeof verdicts[0]) {
-        return;
+    char text[SETUP_TEXT_MAX];
+    const struct setup_failure failure = host_report_failure(objects);
+    if (objects->refused_node != 0 && failure.verdict != SETUP_DONE) {
+        setup_refusal_text(&objects->device, &failure, text, sizeof text);
+        fprintf(stream, "  set-up     %s\n", text);
     }
-    fprintf(stream, "  set-up     node %u: object %04X:%02X %s (expected %u, found %u)\n",
-            objects->refused_node, objects->refused_index, objects->refused_sub, verdicts[verdict],
-            objects->refused_expected, objects->refused_found);
 }
 
 static const char *plural(uint32_t count)

@@ -9,7 +9,8 @@ int image_start(struct emulator *emulator, enum emulator_link link, const char *
 {
     uint8_t nv[SETTINGS_IMAGE_BYTES];
 
-    if (settings_image_of_task(&loop->rig, loop->config.desired_speed_rad_s, true, nv) != 0) {
+    if (settings_image_of(&loop->config.subject, &loop->config.params,
+                          loop->config.desired_speed_rad_s, true, nv) != 0) {
         snprintf(message, message_size, "the firmware would refuse these settings");
         return -1;
     }

@@ -68,7 +68,7 @@ static void put_frame(struct writer *writer, const struct black_box_reader *read
     /* The order is kept, times inside a tick are not: a microsecond each. */
     const uint64_t tick_us = (uint64_t)reader->tick * TICK_PERIOD_US;
     writer->time_us = writer->time_us < tick_us ? tick_us : writer->time_us + 1;
-    if (message.flags == 0 && replay_is_controllers(message.id)) {
+    if (message.flags == 0 && replay_is_controllers(NULL, message.id)) {
         put_note(writer, BLACK_BOX_ID_FOREIGN, NULL, 0);
     }
     message.flags &= (uint8_t)~CAN_FRAME_OWN;

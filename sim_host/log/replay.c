@@ -30,7 +30,8 @@ static enum can_result hand_out(void *context, struct can_msg *message, uint64_t
     struct replay *replay = (struct replay *)context;
     while (replay->next_fed < replay->cycle_count) {
         const struct replay_frame *frame = &replay->cycle[replay->next_fed++];
-        if (frame->foreign || !replay_is_controllers(frame->message.id)) {
+        if (frame->foreign ||
+            !replay_is_controllers(&replay->subject->device.description, frame->message.id)) {
             *message = frame->message;
             if (time_ns != NULL) {
                 *time_ns = frame->time_us * 1000u;
@@ -142,7 +143,7 @@ static void first_tick(struct replay *replay)
         replay->compared = compared;
         replay->suspects = 0;
         for (unsigned i = 0; i < count; i++) {
-            if (replay_is_controllers(before[i].message.id)) {
+            if (replay_is_controllers(&replay->subject->device.description, before[i].message.id)) {
                 replay_compare(replay, &before[i]);
             }
         }
@@ -183,7 +184,8 @@ static void compare_cycle(struct replay *replay)
         }
     }
     for (unsigned i = 0; i < replay->next_count && !replay->differs; i++) {
-        if (replay_is_controllers(replay->next[i].message.id) &&
+        if (replay_is_controllers(&replay->subject->device.description,
+                                  replay->next[i].message.id) &&
             !is_answer(replay->next[i].message.id)) {
             replay_compare(replay, &replay->next[i]);
         }
@@ -201,7 +203,8 @@ static void end_run(struct replay *replay)
     compare_cycle(replay);
     replay_end_suspicion(replay);
     for (unsigned i = 0; i < replay->cycle_count; i++) {
-        if (replay->cycle[i].foreign || !replay_is_controllers(replay->cycle[i].message.id)) {
+        if (replay->cycle[i].foreign || !replay_is_controllers(&replay->subject->device.description,
+                                                               replay->cycle[i].message.id)) {
             replay->next[replay->next_count++] = replay->cycle[i];
         }
     }

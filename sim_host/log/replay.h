@@ -127,8 +127,9 @@ bool replay_set_interface(struct replay *replay, const char *name);
  * missing frames explain is told as missing frames. replay->message explains every verdict but REPLAY_EQUAL, which may leave unheard_frames. */
 enum replay_verdict replay_run(struct replay *replay, FILE *log);
 
-/* Whether a frame of this identifier comes from the controller. */
-bool replay_is_controllers(uint32_t id);
+/* Whether a frame of this identifier comes from the controller of that device; NULL: of one with the numbers of
+ * the frame table. */
+bool replay_is_controllers(const struct device_description *device, uint32_t id);
 
 /* The name of the field in byte `byte` of a frame that the controller sends. */
 const char *replay_field_name(uint32_t id, unsigned byte);

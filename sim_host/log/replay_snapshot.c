@@ -27,7 +27,7 @@ void replay_take_note(struct replay *replay, const struct can_msg *message)
 
 bool replay_go_on_from_snapshot(struct replay *replay, unsigned long line)
 {
-    const struct snapshot_source source = {&replay->rig.task, &replay->rig.cia402};
+    const struct snapshot_source source = {&replay->rig.task, &replay->rig.drives};
     struct control_task *task = &replay->rig.task;
     const uint32_t bytes = replay->snapshot_bytes;
     replay->snapshot_bytes = 0;
@@ -35,7 +35,7 @@ bool replay_go_on_from_snapshot(struct replay *replay, unsigned long line)
         snprintf(replay->message, sizeof replay->message,
                  "line %lu: a snapshot of %u bytes where this build's has %zu: recorded by build "
                  "%08x",
-                 line, (unsigned)bytes, snapshot_size(), (unsigned)replay->build_id);
+                 line, (unsigned)bytes, snapshot_size(&source), (unsigned)replay->build_id);
         return false;
     }
     if (params_guard_crc(&task->node.objects.params) != task->node.objects.params_crc) {

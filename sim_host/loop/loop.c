@@ -6,6 +6,7 @@
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
 #include "sim_host/bus/bus_budget.h"
+#include "sim_host/devices/eds_gate.h"
 #include "sim_host/log/black_box_log.h"
 #include "sim_host/log/candump_log.h"
 
@@ -164,6 +165,21 @@ static void wake_task(void *context, uint64_t now_ns)
     (void)control_task_poll((struct control_task *)context);
 }
 
+static bool sheet_refuses(const void *context, const struct can_msg *request,
+                          struct can_msg *answer)
+{
+    return eds_gate_refuses((const struct eds_file *)context, request, answer);
+}
+
+void loop_obey_sheets(struct walker_nodes *nodes, const struct eds_file *const eds[SIDE_COUNT])
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        if (eds[side] != NULL) {
+            nodes->gate[side] = (struct walker_gate){sheet_refuses, eds[side]};
+        }
+    }
+}
+
 static int init_nodes(struct loop *loop, char *message)
 {
     static const char *const names[WALKER_NODES] = {"drive left", "sensor left", "drive right",
@@ -174,8 +190,12 @@ static int init_nodes(struct loop *loop, char *message)
         const int port = sim_bus_attach(&loop->bus, names[i], wake_node, &loop->wake[i]);
         ports[i] = sim_bus_port(&loop->bus, port);
     }
-    return walker_nodes_init(&loop->nodes, &loop->config.plant,
-                             &loop->config.subject.device.description, ports, 0, message);
+    if (walker_nodes_init(&loop->nodes, &loop->config.plant,
+                          &loop->config.subject.device.description, ports, 0, message) != 0) {
+        return -1;
+    }
+    loop_obey_sheets(&loop->nodes, loop->config.drive_eds);
+    return 0;
 }
 
 /* The lever that the device has at a recorded person's ankle is the one that their ankle moves. */

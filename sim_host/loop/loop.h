@@ -13,6 +13,7 @@
 #include <stdio.h>
 
 #include "sim_host/bus/sim_bus.h"
+#include "sim_host/devices/eds_file.h"
 #include "sim_host/nodes/walker_nodes.h"
 #include "sim_host/plant/own_push.h"
 #include "sim_host/plant/plant.h"
@@ -30,6 +31,9 @@ enum loop_fault {
     LOOP_FAULT_COUNT = 4
 };
 
+/* Lets the CiA 402 drives obey data sheets strictly; NULL: that one does not. They must outlive the nodes. */
+void loop_obey_sheets(struct walker_nodes *nodes, const struct eds_file *const eds[SIDE_COUNT]);
+
 /* Its name on the command line and in reports. */
 const char *loop_fault_name(enum loop_fault fault);
 
@@ -39,6 +43,7 @@ struct loop_config {
     struct plant_config plant;
     struct own_push_params own_push; /* the person's; not present by default */
     double desired_speed_rad_s;
+    const struct eds_file *drive_eds[SIDE_COUNT]; /* the drives obey these strictly; or NULL */
     enum loop_fault fault;
     uint32_t fault_step; /* the fault begins when this many apexes have passed */
     /* Puts something between control task and bus; NULL = nothing. */

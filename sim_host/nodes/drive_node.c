@@ -8,7 +8,9 @@
 #include "sim_host/nodes/node_numbers.h"
 
 enum {
+    MODE_INTERPOLATED_POSITION = 7,
     MODE_CYCLIC_SYNCHRONOUS_POSITION = 8,
+    SUPPORTS_INTERPOLATED_POSITION = 1 << 6,
     SUPPORTS_CYCLIC_SYNCHRONOUS_POSITION = 1 << 7,
     ENCODER_INCREMENTS = 65536,
     COARSE_ENCODER_INCREMENTS = 1024, /* below ENCODER_INCREMENTS counts a metre */
@@ -94,6 +96,11 @@ static void defaults(void *context, struct co_comm *comm)
     default_pdos(node, comm);
 }
 
+static int8_t only_mode(const struct drive_node_config *config)
+{
+    return config->interpolated ? MODE_INTERPOLATED_POSITION : MODE_CYCLIC_SYNCHRONOUS_POSITION;
+}
+
 static void default_objects(struct drive_node *node)
 {
     const struct drive_node_config *config = &node->config;
@@ -104,8 +111,9 @@ static void default_objects(struct drive_node *node)
     objects->shutdown_option = OPTION_UNLOAD;
     objects->disable_option = OPTION_UNLOAD;
     objects->fault_reaction_option = OPTION_QUICK_STOP_RAMP;
-    objects->mode = MODE_CYCLIC_SYNCHRONOUS_POSITION;
-    objects->mode_display = MODE_CYCLIC_SYNCHRONOUS_POSITION;
+    objects->mode = only_mode(config);
+    objects->mode_display = objects->mode;
+    objects->data_count = 1;
     objects->following_window =
         (uint32_t)node_round_i32(config->following_error_m * (double)config->counts_per_m);
     objects->following_timeout_ms = FOLLOWING_TIMEOUT_MS;
@@ -125,11 +133,14 @@ static void default_objects(struct drive_node *node)
     objects->feed =
         (uint32_t)node_round_i32(objects->encoder_increments * 1e9 / (double)config->counts_per_m);
     objects->feed_revolutions = 1;
-    objects->rated_torque_mNm = rated_torque_mNm(config, objects->encoder_increments);
+    objects->rated_torque_mNm = config->rated_torque_mNm != 0
+                                    ? config->rated_torque_mNm
+                                    : rated_torque_mNm(config, objects->encoder_increments);
     objects->interpolation_value = 1; /* as delivered: 1 ms, until it is told */
     objects->interpolation_exponent = -3;
     objects->output_mask = DRIVE_OUTPUT_LATCH_ARMED | OUTPUT_BRAKE;
-    objects->supported_modes = SUPPORTS_CYCLIC_SYNCHRONOUS_POSITION;
+    objects->supported_modes = config->interpolated ? SUPPORTS_INTERPOLATED_POSITION
+                                                    : SUPPORTS_CYCLIC_SYNCHRONOUS_POSITION;
 }
 
 /* ---- reactions of the device -------------------------------------------- */
@@ -142,7 +153,7 @@ static uint32_t writing(void *context, const struct co_entry *entry, const uint8
     (void)length;
     switch (entry->index) {
     case 0x6060: /* a mode it does not have is refused, not ignored */
-        return value == MODE_CYCLIC_SYNCHRONOUS_POSITION ? CO_ABORT_NONE : CO_ABORT_VALUE;
+        return value == only_mode(&node->config) ? CO_ABORT_NONE : CO_ABORT_VALUE;
     case 0x605A: /* 3, 4: current and voltage limit ramps, which it does not have */
         return value == 3 || value == 4 ? CO_ABORT_VALUE : CO_ABORT_NONE;
     case 0x607D:
@@ -342,6 +353,8 @@ void drive_node_command(struct drive_node *node, uint32_t period_ns,
     if (node->unloading) {
         command->powered = true;
         move_demand(node, (double)node->config.zero_counts, objects->unload_rate, period_ns);
+    } else if (node->state == DRIVE_OPERATION_ENABLED && !drive_state_follows(node)) {
+        command->powered = true; /* it stands where it is until the interpolation runs */
     } else if (node->state == DRIVE_OPERATION_ENABLED) {
         command->powered = true;
         command->latch_armed = (outputs & DRIVE_OUTPUT_LATCH_ARMED) != 0;

@@ -25,6 +25,8 @@ struct drive_node_config {
     double unload_rate_m_per_s;    /* bounded rate of the safe reactions, > 0 */
     double temperature_limit_degC; /* above: fault 0x4310; 0: none */
     double dc_link_minimum_V;      /* below while enabled: fault 0x3220; 0: none */
+    bool interpolated;             /* mode 7 with 0x60C1:01 is its only one, instead of mode 8 */
+    uint32_t rated_torque_mNm;     /* 0x6076 of another gear than its own; 0: by its own */
 };
 
 struct drive_axis_feedback {
@@ -80,6 +82,7 @@ struct drive_objects {
     int16_t torque_actual;
     uint32_t dc_link_mV;
     int32_t target_position;
+    uint8_t data_count; /* highest sub-index 1 of 0x60C1 */
     uint8_t pair_count; /* highest sub-index 2 of the objects below */
     int32_t limit_min, limit_max;
     uint32_t max_speed;

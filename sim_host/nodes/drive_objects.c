@@ -50,6 +50,8 @@ const struct co_entry drive_object_table[] = {
     CO_ANY(OWNER, pair_count, 0x6092, 0, CO_UNSIGNED8, FIXED, "Feed constant"),
     CO_ANY(OWNER, feed, 0x6092, 1, CO_UNSIGNED32, FIXED, "Feed nm"),
     CO_ANY(OWNER, feed_revolutions, 0x6092, 2, CO_UNSIGNED32, FIXED, "Shaft revolutions"),
+    CO_ANY(OWNER, data_count, 0x60C1, 0, CO_UNSIGNED8, FIXED, "Interpolation data record"),
+    CO_ANY(OWNER, target_position, 0x60C1, 1, CO_INTEGER32, RW | RX, "Interpolated position"),
     CO_ANY(OWNER, pair_count, 0x60C2, 0, CO_UNSIGNED8, FIXED, "Interpolation time period"),
     CO_OBJECT(OWNER, interpolation_value, 0x60C2, 1, CO_UNSIGNED8, RW, 1, 255,
               "Interpolation time period value"),

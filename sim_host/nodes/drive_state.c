@@ -15,6 +15,7 @@ enum statusword_bit {
     STATUS_VOLTAGE = 1 << 4,
     STATUS_REMOTE = 1 << 9,
     STATUS_LIMIT = 1 << 11,
+    CONTROL_INTERPOLATE = 1 << 4,
     STATUS_FOLLOWS = 1 << 12,
     STATUS_FOLLOWING_ERROR = 1 << 13,
     STATUS_LATCH_CLOSED = 1 << 14,
@@ -56,6 +57,11 @@ static void unload_then(struct drive_node *node, enum drive_machine after)
     node->unloading = true;
     node->after_unloading = after;
     node->objects.outputs &= 1U; /* the latch is disarmed, and stays so until commanded */
+}
+
+bool drive_state_follows(const struct drive_node *node)
+{
+    return !node->config.interpolated || (node->objects.controlword & CONTROL_INTERPOLATE) != 0;
 }
 
 void drive_state_power_on(struct drive_node *node)
@@ -321,7 +327,7 @@ void drive_state_update_statusword(struct drive_node *node)
         if (target < objects->limit_min || target > objects->limit_max) {
             status |= STATUS_LIMIT;
         }
-        status |= node->unloading ? 0U : (unsigned)STATUS_FOLLOWS;
+        status |= node->unloading || !drive_state_follows(node) ? 0U : (unsigned)STATUS_FOLLOWS;
         status |= node->following_since_ns != 0 ? (unsigned)STATUS_FOLLOWING_ERROR : 0U;
     }
     if (objects->error_code == ERROR_FOLLOWING) {

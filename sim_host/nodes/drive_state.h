@@ -19,4 +19,7 @@ void drive_state_supervise(struct drive_node *node, uint64_t now_ns);
 
 void drive_state_update_statusword(struct drive_node *node);
 
+/* Whether an enabled drive follows its target: in interpolated position only while the controlword's bit 4 is set. */
+bool drive_state_follows(const struct drive_node *node);
+
 #endif

@@ -63,9 +63,9 @@ static void default_objects(struct leg_sensor_node *node)
     objects->speed_count = 1;
     objects->ankle_is_lever = node->config.ankle_is_lever ? 1 : 0;
     objects->foot_contact = FOOT_HAS_FAULT;
-    objects->steps_per_turn = LEG_ANGLE_COUNTS_PER_TURN;
-    objects->total_range = LEG_ANGLE_COUNTS_PER_TURN;
-    objects->resolution = LEG_ANGLE_COUNTS_PER_TURN;
+    objects->steps_per_turn = (uint32_t)node->config.leg_counts_per_turn;
+    objects->total_range = objects->steps_per_turn;
+    objects->resolution = objects->steps_per_turn;
     objects->turns = 1;
     objects->supported_alarms = ALARM_POSITION;
     objects->profile_version = 0x00010302; /* software 0.1, profile 3.2 */
@@ -135,6 +135,17 @@ static void on_reset(void *context, bool whole_node, uint64_t now_ns)
 static const struct co_device_ops device_ops = {
     .access = {.written = written}, .sync = on_sync, .reset = on_reset};
 
+static void fill_in(struct leg_sensor_node_config *config)
+{
+    if (config->leg_counts_per_turn == 0.0) {
+        config->leg_counts_per_turn = LEG_ANGLE_COUNTS_PER_TURN;
+    }
+    if (config->ankle_counts_per_unit == 0.0) {
+        config->ankle_counts_per_unit =
+            config->ankle_is_lever ? ANKLE_COUNTS_PER_TURN : ANKLE_COUNTS_PER_METRE;
+    }
+}
+
 int leg_sensor_node_init(struct leg_sensor_node *node, const struct leg_sensor_node_config *config,
                          struct can_bus bus, uint64_t now_ns)
 {
@@ -143,6 +154,7 @@ int leg_sensor_node_init(struct leg_sensor_node *node, const struct leg_sensor_n
     }
     memset(node, 0, sizeof *node);
     node->config = *config;
+    fill_in(&node->config);
     node->dictionary =
         (struct co_dictionary){leg_sensor_object_table, leg_sensor_object_count, &node->objects};
     default_objects(node);
@@ -153,6 +165,15 @@ int leg_sensor_node_init(struct leg_sensor_node *node, const struct leg_sensor_n
                                             .pdos = co_pdo_four_init(&node->pdos),
                                             .defaults = defaults};
     return co_device_init(&node->device, &device, bus, now_ns);
+}
+
+/* Into the one turn that the count has. */
+static double wrap_turn(double angle_rad)
+{
+    if (angle_rad > 0.5 * TWO_PI) {
+        return angle_rad - TWO_PI;
+    }
+    return angle_rad < -0.5 * TWO_PI ? angle_rad + TWO_PI : angle_rad;
 }
 
 void leg_sensor_node_measure(struct leg_sensor_node *node, double leg_angle_rad, double ankle)
@@ -167,10 +188,16 @@ void leg_sensor_node_measure(struct leg_sensor_node *node, double leg_angle_rad,
         node->objects.alarms = 0;
         co_device_clear(&node->device, EMCY_DEVICE_HARDWARE);
     }
-    const double ankle_counts = node->config.ankle_is_lever
-                                    ? ankle / TWO_PI * (double)ANKLE_COUNTS_PER_TURN
-                                    : ankle * (double)ANKLE_COUNTS_PER_METRE;
-    node->raw_angle = node_round_i32(leg_angle_rad / TWO_PI * (double)LEG_ANGLE_COUNTS_PER_TURN);
+    const struct leg_sensor_node_config *config = &node->config;
+    const double mounted_ankle = (config->ankle_reversed ? -ankle : ankle) + config->ankle_zero;
+    const double mounted_angle =
+        (config->leg_reversed ? -leg_angle_rad : leg_angle_rad) + config->leg_zero_rad;
+    const double ankle_counts = config->ankle_is_lever
+                                    ? mounted_ankle / TWO_PI * config->ankle_counts_per_unit
+                                    : mounted_ankle * config->ankle_counts_per_unit;
+    /* One that is mounted straight saturates, as the profile has it. */
+    const double angle = config->leg_zero_rad != 0.0 ? wrap_turn(mounted_angle) : mounted_angle;
+    node->raw_angle = node_round_i32(angle / TWO_PI * config->leg_counts_per_turn);
     node->raw_ankle = node_round_i16(ankle_counts);
     update_positions(node);
 }

@@ -23,7 +23,12 @@
 struct leg_sensor_node_config {
     enum side side;
     uint8_t node_id;     /* 1..127 */
-    bool ankle_is_lever; /* ankle in radians (counts 2*pi/2^16) instead of metres (10 um) */
+    bool ankle_is_lever; /* ankle in radians instead of metres */
+    /* How it is mounted, and its scale; a 0 stands for that of hal/bus/frame_table.h. The count is
+     * (direction * true value + zero) * scale. */
+    double leg_counts_per_turn, leg_zero_rad;
+    double ankle_counts_per_unit, ankle_zero; /* of a metre, or with a lever of a turn */
+    bool leg_reversed, ankle_reversed;
     bool has_foot_switch;
 };
 

@@ -18,38 +18,6 @@ enum {
 /* ODrive's AXIS_ERROR_WATCHDOG_TIMER_EXPIRED (0.5.x). */
 static const uint32_t ERROR_WATCHDOG = UINT32_C(0x800);
 
-/* ---- the latch board ------------------------------------------------------- */
-
-static const struct co_entry latch_objects[] = {
-    CO_ANY(struct vendor_drive, latch_outputs, 0x60FE, 1, CO_UNSIGNED32,
-           CO_READ | CO_WRITE | CO_MAP_RX, "Physical outputs"),
-};
-
-static void board_defaults(void *context, struct co_comm *comm)
-{
-    const struct vendor_drive *drive = context;
-    comm->device_type = 401; /* CiA 401: generic I/O */
-    comm->heartbeat_ms = HEARTBEAT_PERIOD_MS;
-    comm->consumer[0] = (uint32_t)NODE_CONTROLLER << 16 | HEARTBEAT_TIMEOUT_MS;
-    comm->rpdo[1].cob_id = 0x300u + drive->config.node_id;
-    comm->rpdo[1].map[0] = UINT32_C(0x00060010); /* the controlword is for others */
-    comm->rpdo[1].map[1] = UINT32_C(0x60FE0120);
-    comm->rpdo[1].map_count = 2;
-    memcpy(comm->name, "SEA latch board", sizeof "SEA latch board");
-}
-
-static void board_heartbeat(void *context, uint8_t node, bool alive, uint64_t now_ns)
-{
-    struct vendor_drive *drive = context;
-    (void)node;
-    (void)now_ns;
-    if (!alive) {
-        drive->latch_outputs = 0;
-    }
-}
-
-static const struct co_device_ops board_ops = {.heartbeat = board_heartbeat};
-
 int vendor_drive_init(struct vendor_drive *drive, const struct vendor_drive_config *config,
                       struct can_bus bus, uint64_t now_ns)
 {
@@ -63,14 +31,8 @@ int vendor_drive_init(struct vendor_drive *drive, const struct vendor_drive_conf
     }
     drive->config = *config;
     drive->now_ns = now_ns;
-    drive->dictionary = (struct co_dictionary){latch_objects, 1, drive};
-    const struct co_device_config board = {.node_id = config->node_id,
-                                           .application = &drive->dictionary,
-                                           .ops = &board_ops,
-                                           .context = drive,
-                                           .pdos = co_pdo_four_init(&drive->latch_pdos),
-                                           .defaults = board_defaults};
-    return co_device_init(&drive->latch_board, &board, bus, now_ns);
+    drive->bus = bus;
+    return 0;
 }
 
 /* ---- common ---------------------------------------------------------------- */
@@ -93,7 +55,7 @@ void vendor_drive_measure(struct vendor_drive *drive, const struct drive_axis_fe
 
 static void send(struct vendor_drive *drive, const struct can_msg *message)
 {
-    (void)can_bus_send(&drive->latch_board.bus, message); /* cyclic: the next one replaces it */
+    (void)can_bus_send(&drive->bus, message); /* cyclic: the next one replaces it */
 }
 
 static void fed(struct vendor_drive *drive, uint64_t now_ns)
@@ -244,7 +206,6 @@ void vendor_drive_receive(struct vendor_drive *drive, const struct can_msg *mess
                           uint64_t now_ns)
 {
     drive->now_ns = now_ns;
-    (void)co_device_receive(&drive->latch_board, message, now_ns);
     if (message->flags == 0) {
         if (drive->config.protocol == DEVICE_MIT) {
             mit_receive(drive, message, now_ns);
@@ -257,19 +218,9 @@ void vendor_drive_receive(struct vendor_drive *drive, const struct can_msg *mess
 void vendor_drive_process(struct vendor_drive *drive, uint64_t now_ns)
 {
     drive->now_ns = now_ns;
-    co_device_process(&drive->latch_board, now_ns);
     if (drive->config.protocol == DEVICE_CANSIMPLE) {
         cansimple_process(drive, now_ns);
     }
-}
-
-void vendor_drive_poll(struct vendor_drive *drive, uint64_t now_ns)
-{
-    struct can_msg message;
-    while (can_bus_receive(&drive->latch_board.bus, &message, NULL) == CAN_OK) {
-        vendor_drive_receive(drive, &message, now_ns);
-    }
-    vendor_drive_process(drive, now_ns);
 }
 
 void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command *command)
@@ -281,9 +232,7 @@ void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command 
     target_m = target_m < 0.0 ? 0.0 : target_m;
     target_m = target_m > drive->config.stroke_m ? drive->config.stroke_m : target_m;
     *command = (struct drive_axis_command){
-        .powered = loop,
-        .latch_armed = loop && (drive->latch_outputs & DRIVE_OUTPUT_LATCH_ARMED) != 0,
-        .target_m = loop ? target_m : drive->feedback.position_m};
+        .powered = loop, .target_m = loop ? target_m : drive->feedback.position_m};
 }
 
 unsigned vendor_drive_ids(const struct vendor_drive *drive, uint16_t *ids, unsigned count)

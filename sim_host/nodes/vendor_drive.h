@@ -1,11 +1,9 @@
-/* A virtual SEA drive with its maker's own protocol, and a latch board beside it.
+/* A virtual SEA drive with its maker's own protocol.
  *
  * The protocols are ODrive's (CANSimple) and CubeMars AK's (MIT mode), by the makers' descriptions, which
- * hal/devices/sea_drive_cansimple.h and hal/devices/sea_drive_mit.h name. The latch board is a small
- * CANopen device (node 1 or 2). It reads the latch bit from the drive command frame (0x300 + node, bytes
- * 2..5). It produces the heartbeat that the master expects of that node. It disarms when the master's
- * heartbeat fails.
- * Used like a drive_node: measure, receive or poll, command.
+ * hal/devices/sea_drive_cansimple.h and hal/devices/sea_drive_mit.h name. Its latch is on a board of its
+ * own (latch_node.h).
+ * Used like a drive_node: measure, receive and process, command.
  */
 #ifndef SIM_HOST_NODES_VENDOR_DRIVE_H
 #define SIM_HOST_NODES_VENDOR_DRIVE_H
@@ -14,8 +12,6 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
-#include "hal/canopen/co_device.h"
-#include "hal/canopen/co_pdo_objects.h"
 #include "hal/devices/device_keys.h"
 #include "model/side.h"
 #include "sim_host/nodes/drive_node.h"
@@ -27,7 +23,6 @@ struct vendor_ranges {
 
 struct vendor_drive_config {
     enum device_protocol protocol; /* DEVICE_CANSIMPLE or DEVICE_MIT */
-    uint8_t node_id;               /* of the latch board, 1..127 */
     uint8_t drive_id;              /* CANSimple node, or MIT motor id */
     uint16_t answer_id;            /* MIT: identifier of the answers */
     double units_per_m;            /* turns or radians of the motor per metre of spring, > 0 */
@@ -40,10 +35,7 @@ struct vendor_drive_config {
 
 struct vendor_drive {
     struct vendor_drive_config config;
-    struct co_device latch_board;
-    struct co_pdo_four latch_pdos;
-    struct co_dictionary dictionary;
-    uint32_t latch_outputs; /* the board's object 0x60FE:01 */
+    struct can_bus bus;
     struct drive_axis_feedback feedback;
     bool closed_loop;
     bool position_mode; /* CANSimple: controller mode was set */
@@ -54,7 +46,7 @@ struct vendor_drive {
     uint64_t now_ns, last_command_ns, next_estimate_ns, next_heartbeat_ns;
 };
 
-/* Boots the latch board on `bus` (kept by value). Returns 0, or -1 when a config
+/* Prepares the drive on `bus` (kept by value). Returns 0, or -1 when a config
  * value is out of range. Do not move *drive afterwards. */
 int vendor_drive_init(struct vendor_drive *drive, const struct vendor_drive_config *config,
                       struct can_bus bus, uint64_t now_ns);
@@ -65,13 +57,10 @@ void vendor_drive_measure(struct vendor_drive *drive, const struct drive_axis_fe
 void vendor_drive_receive(struct vendor_drive *drive, const struct can_msg *message,
                           uint64_t now_ns);
 
-/* What is due by time: estimates and heartbeats, the board's own. */
+/* What is due by time: estimates and heartbeats. */
 void vendor_drive_process(struct vendor_drive *drive, uint64_t now_ns);
 
-/* Both, from the drive's own bus. */
-void vendor_drive_poll(struct vendor_drive *drive, uint64_t now_ns);
-
-/* What the axis shall do in the coming period. */
+/* What the axis shall do in the coming period; of the latch it knows nothing. */
 void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command *command);
 
 /* Identifiers the drive half listens to, appended to ids (room for at least 4).

@@ -9,7 +9,19 @@ enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
 static bool is_vendor(const struct walker_nodes *nodes, enum side side)
 {
-    return nodes->device.leg[side].protocol != DEVICE_CIA402;
+    const int32_t protocol = nodes->device.leg[side].protocol;
+    return protocol == DEVICE_CANSIMPLE || protocol == DEVICE_MIT;
+}
+
+static bool is_cia402(const struct walker_nodes *nodes, enum side side)
+{
+    return nodes->device.leg[side].protocol == DEVICE_CIA402;
+}
+
+static bool has_board(const struct walker_nodes *nodes, enum side side)
+{
+    const struct device_leg *leg = &nodes->device.leg[side];
+    return device_leg_is_driven(leg) && leg->latch == DEVICE_LATCH_BOARD;
 }
 
 static int init_vendor_drive(struct walker_nodes *nodes, enum side side, struct can_bus bus,
@@ -19,8 +31,6 @@ static int init_vendor_drive(struct walker_nodes *nodes, enum side side, struct 
     const bool mit = leg->protocol == DEVICE_MIT;
     const struct vendor_drive_config vendor = {
         .protocol = (enum device_protocol)leg->protocol,
-        .node_id = (uint8_t)(leg->latch == DEVICE_LATCH_BOARD ? leg->latch_node
-                                                              : NODE_DRIVE_LEFT + (int)side),
         .drive_id = (uint8_t)leg->drive_node,
         .answer_id = (uint16_t)leg->answer_id,
         .units_per_m = (double)(mit ? leg->rad_per_m : leg->turns_per_m),
@@ -39,8 +49,15 @@ static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus
 {
     const struct sea_params *sea = &nodes->plant.config.sea[side];
     const struct device_leg *leg = &nodes->device.leg[side];
+    if (has_board(nodes, side) &&
+        latch_node_init(&nodes->latch[side], (uint8_t)leg->latch_node, bus, now_ns) != 0) {
+        return -1;
+    }
     if (is_vendor(nodes, side)) {
         return init_vendor_drive(nodes, side, bus, now_ns);
+    }
+    if (!device_leg_is_driven(leg)) {
+        return 0;
     }
     const struct drive_node_config drive = {
         .side = side,
@@ -53,6 +70,8 @@ static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus
         .rated_force_N = sea->rated_force_N,
         .following_error_m = 0.1 * nodes->plant.config.walk.body.leg_length_m,
         .unload_rate_m_per_s = sea->unload_rate_m_s,
+        .interpolated = leg->mode == DEVICE_MODE_INTERPOLATED,
+        .rated_torque_mNm = (uint32_t)((double)leg->rated_torque_Nm * 1000.0 + 0.5),
     };
     return drive_node_init(&nodes->drive[side], &drive, bus, now_ns);
 }
@@ -60,13 +79,23 @@ static int init_drive(struct walker_nodes *nodes, enum side side, struct can_bus
 static int init_side(struct walker_nodes *nodes, enum side side,
                      const struct can_bus bus[WALKER_NODES], uint64_t now_ns)
 {
+    const struct device_leg *leg = &nodes->device.leg[side];
+    const int first = side == SIDE_LEFT ? WALKER_DRIVE_LEFT : WALKER_DRIVE_RIGHT;
+    const bool lever = nodes->plant.config.sensors[side].ankle_is_lever;
     const struct leg_sensor_node_config sensor = {
         .side = side,
-        .node_id = (uint8_t)nodes->device.leg[side].leg_sensor_node,
-        .ankle_is_lever = nodes->plant.config.sensors[side].ankle_is_lever,
+        .node_id = (uint8_t)leg->leg_sensor_node,
+        .ankle_is_lever = lever,
+        .leg_counts_per_turn = (double)leg->leg_counts_per_turn,
+        .leg_zero_rad = (double)leg->leg_zero_rad,
+        .leg_reversed = leg->leg_direction < 0,
+        .ankle_counts_per_unit =
+            (double)(lever ? leg->ankle_counts_per_turn : leg->ankle_counts_per_m),
+        .ankle_zero = lever ? 0.0 : (double)leg->ankle_zero_m,
+        .ankle_reversed = leg->ankle_direction < 0,
         .has_foot_switch = nodes->plant.config.foot_switch[side].present,
     };
-    const int first = side == SIDE_LEFT ? WALKER_DRIVE_LEFT : WALKER_DRIVE_RIGHT;
+    nodes->drive_bus[side] = bus[first];
     return init_drive(nodes, side, bus[first], now_ns) == 0 &&
                    leg_sensor_node_init(&nodes->sensor[side], &sensor, bus[first + 1], now_ns) == 0
                ? 0
@@ -98,15 +127,56 @@ void walker_nodes_free(struct walker_nodes *nodes)
     plant_free(&nodes->plant);
 }
 
+/* Whether the gate answered a request in the drive's place. */
+static bool is_refused(const struct walker_nodes *nodes, enum side side,
+                       const struct can_msg *message)
+{
+    const struct walker_gate *gate = &nodes->gate[side];
+    const uint32_t request = FRAME_SDO_REQUEST_DRIVE_LEFT - NODE_DRIVE_LEFT +
+                             (uint32_t)nodes->device.leg[side].drive_node;
+    struct can_msg answer;
+    if (gate->refuses == NULL || message->id != request ||
+        !gate->refuses(gate->context, message, &answer)) {
+        return false;
+    }
+    (void)can_bus_send(&nodes->drive_bus[side], &answer);
+    return true;
+}
+
+/* One frame for what is at a drive's place: the drive and its latch board. */
+static bool receive_drive(struct walker_nodes *nodes, enum side side, const struct can_msg *message,
+                          uint64_t now_ns)
+{
+    bool sync = false;
+    if (is_vendor(nodes, side)) {
+        vendor_drive_receive(&nodes->vendor[side], message, now_ns);
+    } else if (is_cia402(nodes, side) && !is_refused(nodes, side, message)) {
+        sync = drive_node_receive(&nodes->drive[side], message, now_ns);
+    }
+    if (has_board(nodes, side)) {
+        latch_node_receive(&nodes->latch[side], message, now_ns);
+    }
+    return sync;
+}
+
+static void process_drive(struct walker_nodes *nodes, enum side side, uint64_t now_ns)
+{
+    if (is_vendor(nodes, side)) {
+        vendor_drive_process(&nodes->vendor[side], now_ns);
+    } else if (is_cia402(nodes, side)) {
+        nodes->drive[side].now_ns = now_ns;
+        co_device_process(&nodes->drive[side].device, now_ns);
+    }
+    if (has_board(nodes, side)) {
+        latch_node_process(&nodes->latch[side], now_ns);
+    }
+}
+
 bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *message,
                           uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_vendor(nodes, (enum side)side)) {
-            vendor_drive_receive(&nodes->vendor[side], message, now_ns);
-        } else {
-            (void)drive_node_receive(&nodes->drive[side], message, now_ns);
-        }
+        (void)receive_drive(nodes, (enum side)side, message, now_ns);
         (void)leg_sensor_node_receive(&nodes->sensor[side], message, now_ns);
     }
     return message->id == FRAME_SYNC && message->flags == 0;
@@ -115,12 +185,7 @@ bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *mess
 void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        if (is_vendor(nodes, (enum side)side)) {
-            vendor_drive_process(&nodes->vendor[side], now_ns);
-        } else {
-            nodes->drive[side].now_ns = now_ns;
-            co_device_process(&nodes->drive[side].device, now_ns);
-        }
+        process_drive(nodes, (enum side)side, now_ns);
         co_device_process(&nodes->sensor[side].device, now_ns);
     }
 }
@@ -128,24 +193,35 @@ void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
 bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64_t now_ns)
 {
     const enum side side = node < WALKER_DRIVE_RIGHT ? SIDE_LEFT : SIDE_RIGHT;
+    struct can_msg message;
+    bool sync = false;
     if (node == WALKER_SENSOR_LEFT || node == WALKER_SENSOR_RIGHT) {
         return leg_sensor_node_poll(&nodes->sensor[side], now_ns);
     }
-    if (is_vendor(nodes, side)) {
-        vendor_drive_poll(&nodes->vendor[side], now_ns);
-        return false;
+    if (is_cia402(nodes, side) && !has_board(nodes, side) && nodes->gate[side].refuses == NULL) {
+        return drive_node_poll(&nodes->drive[side], now_ns);
     }
-    return drive_node_poll(&nodes->drive[side], now_ns);
+    while (can_bus_receive(&nodes->drive_bus[side], &message, NULL) == CAN_OK) {
+        if (is_cia402(nodes, side)) {
+            nodes->drive[side].now_ns = now_ns;
+        }
+        sync = receive_drive(nodes, side, &message, now_ns) || sync;
+    }
+    process_drive(nodes, side, now_ns);
+    return sync;
 }
 
 void walker_nodes_advance(struct walker_nodes *nodes)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        struct drive_axis_command axis;
+        struct drive_axis_command axis = {.powered = false};
         if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_command(&nodes->vendor[side], &axis);
-        } else {
+        } else if (is_cia402(nodes, (enum side)side)) {
             drive_node_command(&nodes->drive[side], TICK_NS, &axis);
+        }
+        if (has_board(nodes, (enum side)side)) {
+            axis.latch_armed = axis.powered && latch_node_armed(&nodes->latch[side]);
         }
         const struct sea_command command = {
             .mode = axis.powered ? SEA_POSITION : SEA_TORQUE_OFF,
@@ -173,8 +249,11 @@ void walker_nodes_measure(struct walker_nodes *nodes)
         };
         if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_measure(&nodes->vendor[side], &feedback);
-        } else {
+        } else if (is_cia402(nodes, (enum side)side)) {
             drive_node_measure(&nodes->drive[side], &feedback);
+        }
+        if (has_board(nodes, (enum side)side)) {
+            latch_node_measure(&nodes->latch[side], feedback.latch_holds);
         }
         plant_sample(&nodes->plant, (enum side)side, &nodes->sample[side]);
     }
@@ -227,10 +306,12 @@ unsigned walker_nodes_ids(const struct walker_nodes *nodes, uint16_t *ids)
     unsigned count = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
         if (is_vendor(nodes, (enum side)side)) {
-            count = add_device(ids, count, &nodes->vendor[side].latch_board);
             count = vendor_drive_ids(&nodes->vendor[side], ids, count);
-        } else {
+        } else if (is_cia402(nodes, (enum side)side)) {
             count = add_device(ids, count, &nodes->drive[side].device);
+        }
+        if (has_board(nodes, (enum side)side)) {
+            count = add_device(ids, count, &nodes->latch[side].device);
         }
         count = add_device(ids, count, &nodes->sensor[side].device);
     }
@@ -241,9 +322,8 @@ uint32_t walker_nodes_sdo_requests(const struct walker_nodes *nodes)
 {
     uint32_t requests = 0;
     for (int side = 0; side < SIDE_COUNT; side++) {
-        requests += is_vendor(nodes, (enum side)side)
-                        ? nodes->vendor[side].latch_board.counters.sdo_requests
-                        : nodes->drive[side].device.counters.sdo_requests;
+        requests += nodes->drive[side].device.counters.sdo_requests;
+        requests += nodes->latch[side].device.counters.sdo_requests;
         requests += nodes->sensor[side].device.counters.sdo_requests;
     }
     return requests;

@@ -1,4 +1,4 @@
-/* The walker's nodes: two drives, two leg sensors, and the plant behind them.
+/* The walker's nodes: the drives, latch boards and leg sensors of a device, and the plant behind them.
  *
  * They are the same on the in-process bus (a port per node) and on SocketCAN (one interface for all,
  * frame by frame). A tick, from SYNC k to SYNC k+1:
@@ -16,13 +16,14 @@
 #include "hal/bus/can_bus.h"
 #include "hal/devices/device_description.h"
 #include "sim_host/nodes/drive_node.h"
+#include "sim_host/nodes/latch_node.h"
 #include "sim_host/nodes/leg_sensor_node.h"
 #include "sim_host/nodes/vendor_drive.h"
 #include "sim_host/plant/plant.h"
 
-enum { WALKER_NODES = 4, WALKER_NODES_IDS_MAX = 48 };
+enum { WALKER_NODES = 4, WALKER_NODES_IDS_MAX = 64 };
 
-/* Order of node busses: drive left, sensor left, drive right, sensor right. */
+/* Order of node busses: drive left, sensor left, drive right, sensor right. A latch board shares its drive's. */
 enum walker_node {
     WALKER_DRIVE_LEFT = 0,
     WALKER_SENSOR_LEFT = 1,
@@ -32,12 +33,22 @@ enum walker_node {
 
 enum { FOREIGN_WATCHDOG_MS = 50 };
 
+/* Stands before a CiA 402 drive: what the drive of a maker would refuse over SDO (eds_gate.h). */
+struct walker_gate {
+    /* Whether it refuses the request: then *answer goes out in the drive's place. */
+    bool (*refuses)(const void *context, const struct can_msg *request, struct can_msg *answer);
+    const void *context;
+};
+
 struct walker_nodes {
     struct plant plant;
     struct device_description device;       /* what is played */
     struct drive_node drive[SIDE_COUNT];    /* of the legs with a CiA 402 drive */
     struct vendor_drive vendor[SIDE_COUNT]; /* of those with another protocol */
+    struct latch_node latch[SIDE_COUNT];    /* of those whose latch is on a board */
     struct leg_sensor_node sensor[SIDE_COUNT];
+    struct can_bus drive_bus[SIDE_COUNT];
+    struct walker_gate gate[SIDE_COUNT]; /* refuses NULL: there is none; set it behind the init */
     struct sensor_sample sample[SIDE_COUNT];
     bool swapped; /* fault: left and right sensor exchanged */
 };

@@ -6,6 +6,8 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/devices/device_frames.h"
+#include "sim_host/devices/device_import.h"
 #include "sim_host/devices/device_text.h"
 #include "sim_host/programs/commands.h"
 #include "sim_host/subjects/actuators.h"
@@ -163,6 +165,96 @@ static int keys(int argc, char **argv)
     return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
 }
 
+/* ---- frames ------------------------------------------------------------------------ */
+
+static void print_frame(const struct device_frame *frame)
+{
+    char period[32], deadline[32];
+    snprintf(period, sizeof period, frame->in_ticks ? "FRAME_TICKS(%u)" : "%u", frame->period);
+    snprintf(deadline, sizeof deadline, frame->in_ticks ? "FRAME_TICKS(%u)" : "%u",
+             frame->deadline);
+    printf("X(%s, 0x%03X, %u, %s, %s, %u, %c)\n", frame->name, frame->id, frame->bytes, period,
+           deadline, frame->node, frame->kind);
+}
+
+static int frames(int argc, char **argv)
+{
+    struct arguments arguments = {.most = 1};
+    struct device_file file;
+    struct device_frame table[DEVICE_FRAMES_MAX];
+    read_arguments(&arguments, argc, argv, "[DEVICE.ini]",
+                   "Prints every frame on the bus of a device, a row each as in "
+                   "hal/bus/frame_table.h: afo device frames FILE | scripts/bus-budget --frames "
+                   "- --bitrate 1000000 --emergencies 1\v"
+                   "Exit status: 0 printed, 1 the file is refused, 2 wrong usage.");
+    if (read_device(arguments.path[0], &file) != 0) {
+        return EXIT_BAD;
+    }
+    const unsigned count = device_frames(&file.description, table);
+    for (unsigned i = 0; i < count; i++) {
+        print_frame(&table[i]);
+    }
+    return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
+}
+
+/* ---- import ------------------------------------------------------------------------- */
+
+static void print_lacks(uint32_t lacks)
+{
+    for (unsigned lack = 0; lack < DEVICE_LACKS_COUNT; lack++) {
+        if ((lacks >> lack & 1u) != 0) {
+            printf("; without %s: %s\n", device_lack_objects((enum device_lack)lack),
+                   device_lack_cost((enum device_lack)lack));
+        }
+    }
+}
+
+static void print_import(const struct eds_file *eds, const struct device_import *import)
+{
+    char lacks[DEVICE_VALUE_TEXT_MAX];
+    device_value_text(&device_leg_keys[DEVICE_LEG_lacks], (double)import->lacks, lacks,
+                      sizeof lacks);
+    printf("; %s, %s\n", eds->vendor, eds->product);
+    print_lacks(import->lacks);
+    printf(
+        "; what it does when the link is lost is not in its data sheet: show it, and say in unload what makes "
+        "the spring safe\n[both]\nprotocol = cia402\nmode = %s\nlacks = %s\nunload = none\n",
+        import->mode == DEVICE_MODE_CSP ? "csp" : "interpolated", lacks);
+    printf(
+        "; to be said by you (afo device keys): drive_node, direction, zero_counts, counts_per_m, "
+        "rated_force_N, spring_N_per_m, stroke_max_m, speed_max_m_s, force_max_N, latch, "
+        "leg_sensor_node\n");
+}
+
+static int import(int argc, char **argv)
+{
+    struct arguments arguments = {.least = 1, .most = 1};
+    struct eds_file eds;
+    struct device_import import;
+    char message[EDS_MESSAGE_MAX] = "";
+    read_arguments(
+        &arguments, argc, argv, "FILE.eds",
+        "Reads a drive's data sheet, and prints what a device file says of such a drive: "
+        "what fits, what is missing, and what that costs.\v"
+        "Exit status: 0 printed, 1 such a drive cannot be used, 2 wrong usage or file.");
+    if (eds_file_read(&eds, arguments.path[0], message) != 0) {
+        program_complain("%s", message);
+        return EXIT_USAGE;
+    }
+    device_import_judge(&eds, &import);
+    if (import.fits) {
+        print_import(&eds, &import);
+    } else {
+        program_complain("%s: %s, %s, cannot be used: %s", arguments.path[0], eds.vendor,
+                         eds.product, import.reason);
+    }
+    eds_file_free(&eds);
+    if (program_output_done() != 0) {
+        return EXIT_USAGE;
+    }
+    return import.fits ? EXIT_GOOD : EXIT_BAD;
+}
+
 /* ---- convert ---------------------------------------------------------------------- */
 
 static int write_both(const char *const *path, const struct person *person,
@@ -214,6 +306,8 @@ int afo_device(int argc, char **argv)
         {"check", check, "whether a device file fits, and what the device cannot do"},
         {"show", show, "a device file with all of its keys"},
         {"keys", keys, "the keys of device files, with ranges"},
+        {"frames", frames, "every frame on the bus of a device, for scripts/bus-budget"},
+        {"import", import, "what a device file says of a drive, by its data sheet (EDS)"},
         {"convert", convert, "an old subject file into a person file and a device file"},
     };
     static const struct program_commands commands = {

@@ -55,14 +55,11 @@ static void close_bus(struct host *host)
     socketcan_bus_close(&host->socket);
 }
 
-/* The bus, with the black box before it; only the orthosis's own drives have snapshots. */
+/* The bus, with the black box before it. */
 static struct can_bus recorded_bus(struct host *host)
 {
     const struct can_bus bus = socketcan_bus_interface(&host->socket);
-    const struct snapshot_source source = {&host->rig.task, &host->rig.cia402};
-    if (!host_task_configures(&host->subject)) {
-        return bus;
-    }
+    const struct snapshot_source source = {&host->rig.task, &host->rig.drives};
     black_box_start(&host->black_box, version_build_id(), params_guard_crc(&host->params));
     bus_recorder_init(&host->recorder, &bus, &host->black_box, &source);
     return bus_recorder_interface(&host->recorder);

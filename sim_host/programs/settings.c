@@ -47,24 +47,8 @@ static error_t take(int key, char *text, struct argp_state *state)
     }
 }
 
-static void no_recovery(void *context)
-{
-    (void)context;
-}
-
-static enum can_result no_frames(void *context, const struct can_msg *message)
-{
-    (void)context;
-    (void)message;
-    return CAN_OK;
-}
-
-/* The control task that is set up to read its settings from has no bus. */
-static const struct can_bus_ops no_bus = {.send = no_frames, .recover = no_recovery};
-
 static int write_settings(const struct options *options)
 {
-    static struct host_task rig;
     static uint8_t image[SETTINGS_IMAGE_BYTES];
     static struct output_file out;
     struct subject subject;
@@ -76,17 +60,11 @@ static int write_settings(const struct options *options)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
-    if (!host_task_configures(&subject) ||
-        host_task_init(&rig, &subject, &params, (struct can_bus){&no_bus, NULL}, speed_rad_s,
-                       false) != CONTROL_PARAMS_OK) {
-        program_complain("the firmware speaks to CiA 402 drives only");
-        return EXIT_USAGE;
-    }
     if (options->autostart && !control_params_test_mode(&params)) {
         program_complain("--autostart is for a bench: a person (engage_steps above 0) is asked");
         return EXIT_USAGE;
     }
-    if (settings_image_of_task(&rig, speed_rad_s, options->autostart, image) != 0) {
+    if (settings_image_of(&subject, &params, speed_rad_s, options->autostart, image) != 0) {
         program_complain("the firmware would refuse these settings");
         return EXIT_BAD;
     }

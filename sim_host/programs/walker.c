@@ -124,6 +124,7 @@ static int prepare(struct session *session)
         socketcan_bus_close(&session->bus);
         return program_complain("%s", message);
     }
+    loop_obey_sheets(&session->nodes, session->config.drive_eds);
     listen_to_nodes_ids(session);
     return 0;
 }

@@ -5,21 +5,17 @@
 #define SIM_HOST_SUBJECTS_HOST_TASK_H
 
 #include "firmware/control_task.h"
-#include "hal/devices/sea_drive_cansimple.h"
-#include "hal/devices/sea_drive_cia402.h"
-#include "hal/devices/sea_drive_mit.h"
+#include "hal/devices/device_drives.h"
 #include "sim_host/subjects/subject.h"
 
 struct host_task {
     struct control_params params;
-    struct cia402_drives cia402; /* one of the three speaks, the subject says which */
-    struct cansimple_drives cansimple;
-    struct mit_drives mit;
+    struct device_drives drives;
     struct control_task task;
     bool stop_pressed; /* what the task's emergency stop input reads */
 };
 
-/* Whether the controller sets the nodes up: drives of other protocols are set up by their makers' tools. */
+/* Whether all drives are CANopen nodes, whose frames are those of the frame table. */
 bool host_task_configures(const struct subject *subject);
 
 /* Sets up the task for a subject on a bus; the bus's context must outlive the

@@ -4,18 +4,13 @@
 
 #include "hal/storage/param_store.h"
 
-static void settings_of_task(struct settings *settings, const struct host_task *task,
-                             double desired_speed_rad_s, bool autostart)
+static void settings_of(struct settings *settings, const struct subject *subject,
+                        const struct control_params *params, double desired_speed_rad_s,
+                        bool autostart)
 {
-    const struct control_task_config *config = &task->task.config;
-
     memset(settings, 0, sizeof *settings);
-    settings->control = task->params;
-    for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        settings->axis[leg] = task->cia402.axis[leg].config;
-        settings->sensor[leg] = config->leg_sensor[leg];
-    }
-    settings->setup = config->setup;
+    settings->control = *params;
+    settings->device = subject->device.description;
     settings->desired_speed_rad_s = (float)desired_speed_rad_s;
     settings->walk_at_start = autostart ? 1u : 0u;
 }
@@ -70,10 +65,11 @@ int settings_image(const struct settings *settings, uint8_t image[SETTINGS_IMAGE
     return settings_save(&saved, &store, true) == PARAM_STORE_OK ? 0 : -1;
 }
 
-int settings_image_of_task(const struct host_task *task, double desired_speed_rad_s, bool autostart,
-                           uint8_t image[SETTINGS_IMAGE_BYTES])
+int settings_image_of(const struct subject *subject, const struct control_params *params,
+                      double desired_speed_rad_s, bool autostart,
+                      uint8_t image[SETTINGS_IMAGE_BYTES])
 {
     struct settings settings;
-    settings_of_task(&settings, task, desired_speed_rad_s, autostart);
+    settings_of(&settings, subject, params, desired_speed_rad_s, autostart);
     return settings_check(&settings) == SETTINGS_OK ? settings_image(&settings, image) : -1;
 }

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 #include "firmware/settings.h"
-#include "sim_host/subjects/host_task.h"
+#include "sim_host/subjects/subject.h"
 
 enum { SETTINGS_IMAGE_WORDS = 512, SETTINGS_IMAGE_BYTES = 2 * SETTINGS_IMAGE_WORDS * 8 };
 
@@ -15,10 +15,10 @@ enum { SETTINGS_IMAGE_WORDS = 512, SETTINGS_IMAGE_BYTES = 2 * SETTINGS_IMAGE_WOR
  * fit. */
 int settings_image(const struct settings *settings, uint8_t image[SETTINGS_IMAGE_BYTES]);
 
-/* The same for the settings of a device that is set up like this
- * control task. autostart: it assists without being asked. Returns 0, or -1 when the firmware would
- * refuse them or they do not fit. */
-int settings_image_of_task(const struct host_task *task, double desired_speed_rad_s, bool autostart,
-                           uint8_t image[SETTINGS_IMAGE_BYTES]);
+/* The same for a person with a device on. autostart: it assists without being asked. Returns 0, or -1
+ * when the firmware would refuse them or they do not fit. */
+int settings_image_of(const struct subject *subject, const struct control_params *params,
+                      double desired_speed_rad_s, bool autostart,
+                      uint8_t image[SETTINGS_IMAGE_BYTES]);
 
 #endif

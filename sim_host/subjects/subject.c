@@ -3,8 +3,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "hal/bus/frame_table.h"
-
 void subject_default(struct subject *subject)
 {
     person_default(&subject->person);
@@ -16,22 +14,10 @@ void subject_default(struct subject *subject)
 /* What a description can say and the controller cannot do. */
 static const char *unsupported(const struct device_file *file)
 {
-    const struct device_leg *left = &file->description.leg[SIDE_LEFT];
-    const struct device_leg *right = &file->description.leg[SIDE_RIGHT];
-    if (left->protocol != right->protocol || !device_leg_is_driven(left)) {
-        return "both legs have a drive of one protocol";
-    }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct device_leg *own = &file->description.leg[leg];
-        const bool cia402 = own->protocol == DEVICE_CIA402;
-        if (own->leg_sensor_node != NODE_SENSOR_LEFT + leg || own->ankle_sensor_node != 0 ||
-            (cia402 && own->drive_node != NODE_DRIVE_LEFT + leg) ||
-            (!cia402 && own->latch_node != NODE_DRIVE_LEFT + leg)) {
-            return "drives or their latch boards are nodes 1 and 2, sensors nodes 3 and 4";
-        }
-        if (own->latch != (cia402 ? DEVICE_LATCH_DRIVE : DEVICE_LATCH_BOARD) ||
-            own->latch_object != 0) {
-            return "a CiA 402 drive has its latch at its output, another one on a board";
+        if (own->ankle_sensor_node != 0 && own->ankle_sensor_node != own->leg_sensor_node) {
+            return "one sensor tells leg angle and ankle";
         }
     }
     return NULL;

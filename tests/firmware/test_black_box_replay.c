@@ -25,7 +25,7 @@ static char message[LOOP_MESSAGE_MAX], version[BLACK_BOX_VERSION_MAX + 1];
 
 static struct can_bus record(void *context, struct can_bus bus)
 {
-    const struct snapshot_source source = {&loop.rig.task, &loop.rig.cia402};
+    const struct snapshot_source source = {&loop.rig.task, &loop.rig.drives};
     (void)context;
     bus_recorder_init(&recorder, &bus, &box, &source);
     return bus_recorder_interface(&recorder);

@@ -62,8 +62,9 @@ static struct control_params some_params(void)
 
 static void start(struct bench *b)
 {
-    static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 0, 1, 0.0f},
-                                                               {1.0e6f, 0, 1, 0.0f}};
+    static const struct cia402_axis_config axes[SIDE_COUNT] = {
+        {.counts_per_m = 1.0e6f, .zero_counts = 0, .direction = 1, .rated_force_N = 0.0f},
+        {.counts_per_m = 1.0e6f, .zero_counts = 0, .direction = 1, .rated_force_N = 0.0f}};
     memset(b, 0, sizeof *b);
     fake_bus_init(&b->fake);
     b->params = some_params();

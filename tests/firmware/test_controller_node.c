@@ -1,6 +1,7 @@
 /* The controller's own node, asked over SDO as a tool asks it (CiA 301 clause 7.2.4): what may be
  * written when, with which abort code it is refused, and what is told of faults and zero offsets. */
 #include "firmware/controller_node.h"
+#include "hal/devices/device_verdict.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -469,6 +470,34 @@ START_TEST(it_obeys_no_nmt_and_no_sync)
 }
 END_TEST
 
+/* What hangs on the bus is written key by key, held to each key's range, and not while drives may be
+ * powered; whether it fits together 0x2053 tells. */
+START_TEST(the_device_is_described_over_sdo)
+{
+    const uint8_t direction = DEVICE_LEG_direction + 1, node_number = DEVICE_LEG_drive_node + 1;
+    const uint8_t stroke = DEVICE_LEG_stroke_max_m + 1;
+    ck_assert_uint_eq(read_u32(0x2052, 0) & 0xFF, DEVICE_LEG_COUNT);
+    ck_assert_uint_eq(read_u32(0x2052, direction), 1);
+    ck_assert_uint_eq(write_u32(0x23, 0x2052, direction, (uint32_t)-1), 0);
+    ck_assert_int_eq(node.objects.device.leg[SIDE_RIGHT].direction, -1);
+    ck_assert_int_eq(node.objects.device.leg[SIDE_LEFT].direction, 1);
+    ck_assert_uint_eq(write_u32(0x23, 0x2052, direction, 2), TOO_HIGH);
+    ck_assert_uint_eq(write_u32(0x23, 0x2051, node_number, 0), TOO_LOW);
+    ck_assert_uint_eq(write_float(0x2051, stroke, NAN), VALUE);
+    ck_assert_uint_eq(write_float(0x2051, stroke, 0.2f), 0);
+    assert_close(node.objects.device.leg[SIDE_LEFT].stroke_max_m, 0.2, 1e-7, 0.0);
+    ck_assert_uint_eq(read_u32(0x2053, 1) & 0xFF, DEVICE_OK);
+    ck_assert_uint_eq(write_u32(0x23, 0x2052, node_number, 3), 0); /* the left sensor's number */
+    ck_assert_uint_eq(read_u32(0x2053, 1) & 0xFF, DEVICE_BAD_NODE_TAKEN);
+    ck_assert_uint_eq(read_u32(0x2053, 2) & 0xFF, SIDE_RIGHT); /* the later one of the two */
+    ck_assert_uint_eq(read_u32(0x2053, 3) & 0xFF, node_number);
+    node.rules.powered = true;
+    ck_assert_uint_ne(write_float(0x2051, stroke, 0.3f), 0);
+    assert_close(node.objects.device.leg[SIDE_LEFT].stroke_max_m, 0.2, 1e-7, 0.0);
+    ck_assert_uint_eq(read_u32(0x2052, direction), (uint32_t)-1); /* reading goes on */
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("controller_node");
@@ -493,6 +522,7 @@ int main(void)
     tcase_add_test(tests, counters_are_fetched_when_asked_for);
     tcase_add_test(tests, a_black_box_is_started_and_frozen);
     tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
+    tcase_add_test(tests, the_device_is_described_over_sdo);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -9,7 +9,7 @@
 #include "tests/support/fake_bus.h"
 
 static struct control_task task;
-static struct cia402_drives drives;
+static struct device_drives drives;
 static const struct snapshot_source source = {&task, &drives};
 static _Alignas(8) uint8_t first[BLACK_BOX_SNAPSHOT_MAX + 8], second[BLACK_BOX_SNAPSHOT_MAX + 8];
 
@@ -27,7 +27,7 @@ static void fill(void)
 
 START_TEST(a_size_that_does_not_fit_changes_nothing)
 {
-    const size_t size = snapshot_size();
+    const size_t size = snapshot_size(&source);
     fill();
     memset(first, 0xA5, sizeof first);
     ck_assert_uint_gt(size, 0);
@@ -47,7 +47,7 @@ END_TEST
 /* By words or by bytes, a copy is a copy. */
 START_TEST(where_it_is_put_makes_no_difference)
 {
-    const size_t size = snapshot_size();
+    const size_t size = snapshot_size(&source);
     fill();
     ck_assert_uint_eq(snapshot_save(&source, first, size), size);
     for (size_t at = 1; at < 8; at++) {

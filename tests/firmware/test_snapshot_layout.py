@@ -14,14 +14,14 @@ def parts():
     fields = re.findall(r"X\(([\w.\[\]]+)\)", table)
     assert len(fields) > 20
     return [f"sizeof ((struct control_task *)0)->{field}" for field in fields] + [
-        "sizeof(struct cia402_drives)", "PARAMS_GUARD_OWN_BYTES",
+        "sizeof(struct device_drives_state)", "PARAMS_GUARD_OWN_BYTES",
         "(sizeof(struct controller) - offsetof(struct controller, observer) + 7) / 8 * 8"]
 
 
 def sizes(compiler, tmp_path, expressions):
     """Compile-time constants without running: as sizes of arrays."""
     source = tmp_path / "sizes.c"
-    source.write_text('#include "firmware/control_task.h"\n#include "hal/devices/sea_drive_cia402.h"\n' + "".join(
+    source.write_text('#include "firmware/control_task.h"\n#include "hal/devices/device_drives.h"\n' + "".join(
         f"char part_{i:03}[{expression}];\n" for i, expression in enumerate(expressions)))
     subprocess.run([*compiler, "-std=c11", f"-I{ROOT}", "-c", str(source), "-o", str(tmp_path / "sizes.o")], check=True)
     out = subprocess.run(["nm", "-S", str(tmp_path / "sizes.o")], capture_output=True, text=True, check=True).stdout

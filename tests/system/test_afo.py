@@ -12,7 +12,7 @@ from afo import AFO, ROOT, run
 COMMANDS = ("sim", "study", "faults", "soak", "replay", "walker", "host", "ctl", "commission", "blackbox", "update", "settings", "size", "device", "eds", "pil", "g474", "slcan")
 STUDIES = ("fixed-point", "continue", "doublings", "bifurcation", "basin", "gain", "noise", "map", "atlas", "laws",
            "observe", "observer-gains", "table")
-DEVICE_COMMANDS = ("check", "show", "keys", "convert")
+DEVICE_COMMANDS = ("check", "show", "keys", "frames", "import", "convert")
 ALL = ([(name,) for name in COMMANDS if name not in ("study", "device")] + [("study", name) for name in STUDIES] +
        [("device", name) for name in DEVICE_COMMANDS])
 

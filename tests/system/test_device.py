@@ -87,7 +87,7 @@ zero_counts = -5
 direction = -1
 [ankle]
 kind = lever
-lever_m = 0.4
+lever_m = 0.45
 [controller]
 law = dlqr
 kp_m_s_rad = 0.1
@@ -101,7 +101,7 @@ def test_an_old_file_becomes_a_person_and_a_device(tmp_path):
     said = person.read_text() + made.read_text()
     for line in ("name = somebody", "torso_mass_kg = 65", "leg_length_m = 0.93", "law = 2 ", "kp_m_s_rad = 0.1 ",
                  "spring_N_per_m = 7000", "stroke_max_m = 0.33", "zero_counts = -5", "direction = -1", "ankle = lever",
-                 "ankle_lever_m = 0.4", "rated_force_N = 2278.5", "force_max_N = 5775"):
+                 "ankle_lever_m = 0.45", "rated_force_N = 2278.5", "force_max_N = 5775"):
         assert line in said, line
     done = run("--person", person, "--device", made, "--steps", "2", "--quiet")
     assert done.returncode == 0, done.stderr

@@ -94,7 +94,8 @@ def test_a_node_that_is_refused_ends_a_walk_of_so_many_steps(tmp_path):
     assert status == {"refused": "1", "exchanged": "0"}
     for name in status:
         assert (tmp_path / f"{name}.err").read_text() == \
-            "afo host: node 1 refused: object 0x6092:01, expected 0x1900000, found 0xC80000\n"
+            "afo host: left drive, node 1, refused: object 0x6092:01 (scale): expected 26214400 counts/m, found 13107200 " \
+            "counts/m; key of the device file: counts_per_m\n"
 
 
 def test_a_walk_of_so_many_steps_ends_with_a_latched_fault(tmp_path):

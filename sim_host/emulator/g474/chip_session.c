@@ -104,8 +104,8 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
     chip_bridge_connect(&session->bridge, session->loop);
     session->tool =
         sim_bus_port(&session->loop->bus, sim_bus_attach(&session->loop->bus, "tool", NULL, NULL));
-    if (settings_image_of_task(&session->loop->rig, config->desired_speed_rad_s,
-                               !stands(session->fault), nv) != 0) {
+    if (settings_image_of(&session->loop->config.subject, &session->loop->config.params,
+                          config->desired_speed_rad_s, !stands(session->fault), nv) != 0) {
         snprintf(message, LOOP_MESSAGE_MAX, "the firmware would refuse these settings");
         return -1;
     }

@@ -32,7 +32,7 @@ static void setup(void)
 static void tick(void)
 {
     input.tick++;
-    const enum push_outcome now = springs_follow(&springs, &decision, &gait, false);
+    const enum push_outcome now = springs_follow(&springs, &decision, &input, &gait, false);
     outcome = now != PUSH_NONE ? now : outcome;
     springs_command(&springs, &params, &input, SUPERVISOR_WALKING, &gait, request);
     for (int kind = 0; kind < GAIT_EVENT_KINDS; kind++) {

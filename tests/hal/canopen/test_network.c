@@ -283,10 +283,41 @@ END_TEST
 
 START_TEST(nodes_have_their_index)
 {
-    for (uint8_t node = 1; node <= NETWORK_NODES; node++) {
-        ck_assert_uint_eq(network_index(node), node - 1u);
+    struct network network;
+    network_init(&network);
+    for (uint8_t node = 1; node <= NODE_SENSOR_RIGHT; node++) {
+        ck_assert_uint_eq(network_index(&network, node), node - 1u);
     }
-    ck_assert_uint_eq(network_index(16), NETWORK_NODES);
+    ck_assert_uint_eq(network_index(&network, 16), NETWORK_NODES);
+    ck_assert_uint_eq(network_index(&network, 0),
+                      NETWORK_NODES); /* the number of who is not there */
+}
+END_TEST
+
+/* Other numbers, and one drive alone: who is not there is not waited for. */
+START_TEST(the_nodes_of_another_device)
+{
+    static const uint8_t numbers[NETWORK_NODES] = {[NETWORK_DRIVE_RIGHT] = 77,
+                                                   [NETWORK_SENSOR_LEFT] = 9,
+                                                   [NETWORK_SENSOR_RIGHT] = 10,
+                                                   [NETWORK_LATCH_RIGHT] = 78};
+    struct network network;
+    network_init(&network);
+    network_set_nodes(&network, numbers);
+    ck_assert_uint_eq(network_index(&network, 77), NETWORK_DRIVE_RIGHT);
+    ck_assert_uint_eq(network_index(&network, 1), NETWORK_NODES);
+    ck_assert(!network_is_overdue(&network, NETWORK_DRIVE_LEFT));
+    for (unsigned i = 0; i < NETWORK_NODES; i++) {
+        const struct can_msg alive = {.id = 0x700u + numbers[i], .length = 1, .data = {5}};
+        ck_assert(!network_all_operational(&network));
+        ck_assert(numbers[i] == 0 || network_receive(&network, &alive));
+        if (i == NETWORK_LATCH_RIGHT) {
+            break;
+        }
+    }
+    ck_assert(network_all_operational(&network));
+    const struct can_msg gone = {.id = 0x700, .length = 1, .data = {5}};
+    ck_assert(!network_receive(&network, &gone));
 }
 END_TEST
 
@@ -304,6 +335,7 @@ int main(void)
     tcase_add_test(tests, a_node_that_falls_back_has_booted);
     tcase_add_test(tests, a_node_that_was_started_and_still_waits_has_booted);
     tcase_add_test(tests, nodes_have_their_index);
+    tcase_add_test(tests, the_nodes_of_another_device);
     tcase_add_test(tests, stopped_nodes_wait_and_are_started_again);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

@@ -57,8 +57,10 @@ START_TEST(a_position_far_away_is_far_away)
                  {0, INT32_MIN, -1, 2147483647.0}};
     struct cia402_axis_config config[SIDE_COUNT];
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        config[leg] =
-            (struct cia402_axis_config){1.0e6f, cases[_i].zero, cases[_i].direction, 0.0f};
+        config[leg] = (struct cia402_axis_config){.counts_per_m = 1.0e6f,
+                                                  .zero_counts = cases[_i].zero,
+                                                  .direction = cases[_i].direction,
+                                                  .rated_force_N = 0.0f};
     }
     struct cia402_drives cia402;
     cia402_drives_init(&cia402, config);
@@ -76,8 +78,9 @@ START_TEST(counters_stay_at_their_ends)
 {
     static const struct leg_sensor_config straight[SIDE_COUNT] = {{.angle_direction = 1},
                                                                   {.angle_direction = 1}};
-    static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 0, 1, 0.0f},
-                                                               {1.0e6f, 0, 1, 0.0f}};
+    static const struct cia402_axis_config axes[SIDE_COUNT] = {
+        {.counts_per_m = 1.0e6f, .zero_counts = 0, .direction = 1, .rated_force_N = 0.0f},
+        {.counts_per_m = 1.0e6f, .zero_counts = 0, .direction = 1, .rated_force_N = 0.0f}};
     struct leg_sensors sensors;
     leg_sensors_init(&sensors, straight);
     sensors.rx_malformed = UINT32_MAX;

@@ -8,8 +8,9 @@
 
 enum { LATE_TICKS_MAX = 8 };
 
-static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 500, 1, 50.0f},
-                                                           {1.0e6f, -500, -1, 50.0f}};
+static const struct cia402_axis_config axes[SIDE_COUNT] = {
+    {.counts_per_m = 1.0e6f, .zero_counts = 500, .direction = 1, .rated_force_N = 50.0f},
+    {.counts_per_m = 1.0e6f, .zero_counts = -500, .direction = -1, .rated_force_N = 50.0f}};
 
 struct bench {
     struct fake_bus fake;

@@ -3,8 +3,8 @@
 #undef TICK_PERIOD_US
 #define TICK_PERIOD_US 2500
 
-#include "hal/devices/node_setup.c"
 #include "hal/devices/sea_drive_mit.c"
+#include "hal/devices/setup_steps.c"
 
 #include <check.h>
 #include <math.h>
@@ -50,13 +50,9 @@ START_TEST(the_interpolation_period_is_the_tick)
     const struct node_setup_config config = {.counts_per_m = {1, 1}};
     unsigned found = 0;
     double value = 0.0, exponent = 0.0;
-    for (unsigned step = 0;
-         drive_step(&(struct node_setup){
-                        .config = &config, .node = NODE_DRIVE_LEFT, .step = (uint16_t)(step)})
-             .kind != STEP_END;
-         step++) {
-        const struct setup_step s = drive_step(&(struct node_setup){
-            .config = &config, .node = NODE_DRIVE_LEFT, .step = (uint16_t)(step)});
+    struct setup_place place = {.role = NETWORK_DRIVE_LEFT, .node = NODE_DRIVE_LEFT};
+    for (; setup_step_at(&config, &place).kind != STEP_END; place.step++) {
+        const struct setup_step s = setup_step_at(&config, &place);
         if (s.index == 0x60C2 && s.sub == 1) {
             value = (double)s.value;
             found++;

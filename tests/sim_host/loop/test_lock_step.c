@@ -21,8 +21,9 @@ static struct network_node *node(struct bench *bench, unsigned number)
 /* All four operational, and their last answers a cycle old. */
 static void setup(struct bench *bench)
 {
-    static const struct cia402_axis_config axes[SIDE_COUNT] = {{1.0e6f, 0, 1, 0.0f},
-                                                               {1.0e6f, 0, 1, 0.0f}};
+    static const struct cia402_axis_config axes[SIDE_COUNT] = {
+        {.counts_per_m = 1.0e6f, .zero_counts = 0, .direction = 1, .rated_force_N = 0.0f},
+        {.counts_per_m = 1.0e6f, .zero_counts = 0, .direction = 1, .rated_force_N = 0.0f}};
     memset(bench, 0, sizeof *bench);
     cia402_drives_init(&bench->drives, axes);
     bench->task.config.drives = cia402_drives_interface(&bench->drives);
