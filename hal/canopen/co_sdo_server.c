@@ -166,12 +166,12 @@ static uint32_t take_segment(struct co_sdo_server *server, const uint8_t *bytes,
                              bool last)
 {
     if (server->domain == NULL) {
-        /*@ split server->position; */
-        if (server->position > CO_VALUE_MAX || count > CO_VALUE_MAX - server->position) {
+        /*@ split count; */
+        if (server->position > CO_VALUE_MAX - count) {
             return CO_ABORT_TOO_LONG; /* no object is longer */
         }
-        if (count > 0) {
-            memcpy(server->buffer + server->position, bytes, count);
+        for (unsigned i = 0; i < count && server->position + i < CO_VALUE_MAX; i++) {
+            server->buffer[server->position + i] = bytes[i];
         }
     }
     server->position += count;

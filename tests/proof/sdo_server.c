@@ -28,7 +28,8 @@ static const struct co_entry entries[] = {
     CO_ANY(struct values, u32, 0x2001, 3, CO_UNSIGNED32, CO_CONST, "u32"),
     CO_OBJECT(struct values, real, 0x2001, 4, CO_REAL32, BOTH, -1500, 1500, "real"),
     CO_STRING(struct values, text, 0x2002, 0, BOTH, "text"),
-    CO_ANY(struct values, domain, 0x2003, 0, CO_DOMAIN, BOTH, "domain"),
+    CO_ANY(struct values, domain, 0x2003, 0, CO_DOMAIN, CO_READ, "domain"),
+    CO_ANY(struct values, domain, 0x2003, 1, CO_DOMAIN, CO_WRITE, "domain"),
     CO_ANY(struct values, i24, 0x2004, 0, CO_INTEGER24, BOTH, "i24"),
     CO_ANY(struct values, u24, 0x2005, 0, CO_UNSIGNED24, BOTH, "u24"),
 };

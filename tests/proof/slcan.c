@@ -20,6 +20,8 @@ void proof_slcan(void)
         message.length = any_u8; /* what is no frame is refused */
         const size_t bytes = slcan_encode(&message, line);
         //@ assert bytes: bytes <= SLCAN_LINE_MAX;
-        (void)slcan_channel_sent(&channel, message.id);
+        if (any_bool()) {
+            (void)slcan_channel_sent(&channel, message.id);
+        }
     }
 }
