@@ -42,8 +42,8 @@ struct settings_record {
 enum settings_result {
     SETTINGS_OK = 0,
     SETTINGS_BAD_CONTROL = -1, /* control_params_validate says what */
-    SETTINGS_BAD_AXIS = -2,    /* scale not finite and positive, zero or r0_max beyond 2^30
-                                  counts, force not finite or below 0, direction not +1 or -1 */
+    SETTINGS_BAD_AXIS = -2,    /* scale not finite and positive, zero or r0_max 2^30 counts or
+                                  more, force not finite or below 0, direction not +1 or -1 */
     SETTINGS_BAD_SENSOR = -3,  /* offset or lever not finite, lever not positive, direction */
     SETTINGS_BAD_SPEED = -4,
     SETTINGS_BAD_SETUP = -5 /* scale zero; scale, force or lever not the leg's; limits not in
