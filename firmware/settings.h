@@ -11,7 +11,7 @@
 #include "hal/devices/sea_drive_cia402.h"
 #include "hal/storage/param_store.h"
 
-enum { SETTINGS_VERSION = 4 }; /* another layout of struct settings_record is another number */
+enum { SETTINGS_VERSION = 5 }; /* another layout of struct settings_record is another number */
 
 struct settings {
     struct control_params control; /* its branch lies elsewhere and is only pointed to */
