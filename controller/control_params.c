@@ -59,6 +59,9 @@ int control_params_validate(const struct control_params *params)
     if (params->body == (real)BODY_PERSON && params->engage_steps < REAL(1.0)) {
         return CONTROL_PARAMS_ENGAGE;
     }
+    if (params->kp_low_m_s_rad > params->kp_high_m_s_rad) {
+        return CONTROL_PARAMS_GAIN_RANGE;
+    }
     return check_law(params);
 }
 

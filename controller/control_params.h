@@ -30,8 +30,9 @@
 #define LAW_CHOICE(value, number, id, name) "; " #number " " name
 #define BODY_CHOICE(value, number, id, name) "; " #number " " name
 
-/*  X(field, unit, minimum, maximum, meaning) */
-#define CONTROL_PARAM_TABLE(X)                                                                   \
+/*  X(field, unit, minimum, maximum, meaning). New rows of the first table stand behind the second's: a row is a
+ * sub-index of object 0x2010, and those never change their meaning. */
+#define CONTROL_PARAM_OPEN_TABLE(X)                                                              \
     X(torso_mass_kg, "kg", 0.1, 200.0, "M, the mass at the hip")                                 \
     X(leg_mass_kg, "kg", 0.0001, 30.0, "m, the mass in the middle of each leg")                  \
     X(leg_length_m, "m", 0.1, 1.5, "l, hip to heel")                                             \
@@ -77,6 +78,17 @@
     X(toe_off_bias_left_s, "s", -0.08, 0.08, "a person's left toe-offs are found so late")       \
     X(toe_off_bias_right_s, "s", -0.08, 0.08, "the right ones")
 
+/* What a tool on the bus must not change: it limits what a tool may. Made with the settings. */
+#define CONTROL_PARAM_LOCKED_TABLE(X)                                                        \
+    X(kp_low_m_s_rad, "m/(rad/s)", 0.0, 1.0, "over the bus kp_m_s_rad may be set from here") \
+    X(kp_high_m_s_rad, "m/(rad/s)", 0.0, 1.0,                                                \
+      "to here: what this walker's gaits bear; 0 = not at all")                              \
+    X(r0_ceiling_m, "m", 0.0, 0.6,                                                           \
+      "over the bus r0_max_m may be set to here; 0 = it may be lowered only")                \
+    X(r0_change_ceiling_m, "m per step", 0.0, 0.6, "likewise r0_change_max_m")
+
+#define CONTROL_PARAM_TABLE(X) CONTROL_PARAM_OPEN_TABLE(X) CONTROL_PARAM_LOCKED_TABLE(X)
+
 #define CONTROL_PARAM_FIELD(field, unit, minimum, maximum, meaning) real field;
 struct control_params {
     CONTROL_PARAM_TABLE(CONTROL_PARAM_FIELD)
@@ -88,7 +100,10 @@ struct control_params {
 #undef CONTROL_PARAM_FIELD
 
 #define CONTROL_PARAM_COUNT_ONE(field, unit, minimum, maximum, meaning) +1
-enum { CONTROL_PARAM_COUNT = 0 CONTROL_PARAM_TABLE(CONTROL_PARAM_COUNT_ONE) };
+enum {
+    CONTROL_PARAM_COUNT = 0 CONTROL_PARAM_TABLE(CONTROL_PARAM_COUNT_ONE),
+    CONTROL_PARAMS_LOCKED = 0 CONTROL_PARAM_LOCKED_TABLE(CONTROL_PARAM_COUNT_ONE)
+};
 #undef CONTROL_PARAM_COUNT_ONE
 
 struct control_param_descriptor {
@@ -113,7 +128,8 @@ enum {
     CONTROL_PARAMS_ENGAGE =
         CONTROL_PARAM_COUNT + 6, /* a person, and no steady step before assistance */
     CONTROL_PARAMS_BRANCH =
-        CONTROL_PARAM_COUNT + 5 /* the law needs a gait branch; none, or unusable */
+        CONTROL_PARAM_COUNT + 5, /* the law needs a gait branch; none, or unusable */
+    CONTROL_PARAMS_GAIN_RANGE = CONTROL_PARAM_COUNT + 7 /* kp_low above kp_high */
 };
 
 /* Checks every field against its range and the fields against each other.

@@ -35,10 +35,11 @@ static void default_objects(struct controller_objects *objects, const struct con
 {
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
-    objects->command_count = 4;
-    objects->state_count = 6;
+    objects->command_count = 5;
+    objects->state_count = 8;
     objects->step_count = 5;
     objects->record_count = 4;
+    objects->change_count = 5;
     objects->param_count = CONTROL_PARAM_COUNT;
     objects->counter_count = 28;
     objects->drive_count = 5;
@@ -160,6 +161,7 @@ void controller_node_update(struct controller_node *node, const struct controlle
 {
     node->rules.powered = supervisor_may_enable(output->state);
     node->rules.standstill = checks_standstill(&controller->checks);
+    settings_lock_tick(&node->rules.lock, &node->objects, !node->rules.powered);
     telemetry_update(&node->telemetry, &node->objects, &node->device, controller, output,
                      emergency_stop);
     if (output->new_zero) {

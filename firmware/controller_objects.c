@@ -18,6 +18,8 @@ enum param_sub {
 
 #define PARAM_ENTRY(field, unit, minimum, maximum, meaning) \
     CO_ANY(OWNER, params.field, 0x2010, PARAM_SUB_##field, CO_REAL32, RW, #field),
+#define LOCKED_ENTRY(field, unit, minimum, maximum, meaning) \
+    CO_ANY(OWNER, params.field, 0x2010, PARAM_SUB_##field, CO_REAL32, RO, #field),
 
 /* A key's CANopen type. */
 #define CO_OF_FLOAT CO_REAL32
@@ -41,6 +43,7 @@ const struct co_entry controller_object_table[] = {
     CO_OBJECT(OWNER, walk_requested, 0x2000, 2, CO_UNSIGNED8, RW, 0, 1, "Walk requested"),
     CO_OBJECT(OWNER, reset_requested, 0x2000, 3, CO_UNSIGNED8, RW, 0, 1, "Reset fault"),
     CO_OBJECT(OWNER, zero_requested, 0x2000, 4, CO_UNSIGNED8, RW, 0, 1, "Zero the leg sensors"),
+    CO_ANY(OWNER, unlock, 0x2000, 5, CO_UNSIGNED32, RW, "Unlock the parameters"),
     CO_ANY(OWNER, state_count, 0x2001, 0, CO_UNSIGNED8, FIXED, "State"),
     CO_ANY(OWNER, state, 0x2001, 1, CO_UNSIGNED8, RO | TX, "Supervisor state and emergency stop"),
     CO_ANY(OWNER, fault, 0x2001, 2, CO_UNSIGNED8, RO | TX, "Latched fault"),
@@ -49,6 +52,8 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, last_push[SIDE_LEFT], 0x2001, 5, CO_UNSIGNED8, RO,
            "Left push 1 given 2 to 5 not so: push_watch.h"),
     CO_ANY(OWNER, last_push[SIDE_RIGHT], 0x2001, 6, CO_UNSIGNED8, RO, "Right push likewise"),
+    CO_ANY(OWNER, unlocked_by, 0x2001, 7, CO_UNSIGNED8, RO, "Client that unlocked, 0 locked"),
+    CO_ANY(OWNER, unlocked_s, 0x2001, 8, CO_UNSIGNED8, RO, "Seconds until locked"),
     CO_ANY(OWNER, step_count, 0x2002, 0, CO_UNSIGNED8, FIXED, "Last step"),
     CO_ANY(OWNER, step_measured, 0x2002, 1, CO_UNSIGNED16, RO | TX, "Measured speed 0.1 mrad/s"),
     CO_ANY(OWNER, step_commanded, 0x2002, 2, CO_UNSIGNED16, RO | TX, "Commanded speed 0.1 mrad/s"),
@@ -60,8 +65,14 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, record_measured_rad_s, 0x2003, 2, CO_REAL32, RO, "Measured speed rad/s"),
     CO_ANY(OWNER, record_commanded_rad_s, 0x2003, 3, CO_REAL32, RO, "Commanded speed rad/s"),
     CO_ANY(OWNER, record_r0_m, 0x2003, 4, CO_REAL32, RO, "Precompression m"),
+    CO_ANY(OWNER, change_count, 0x2004, 0, CO_UNSIGNED8, FIXED, "Last parameter change"),
+    CO_ANY(OWNER, change_number, 0x2004, 1, CO_UNSIGNED32, RO, "Changes since the start"),
+    CO_ANY(OWNER, change_client, 0x2004, 2, CO_UNSIGNED8, RO, "Client"),
+    CO_ANY(OWNER, change_place, 0x2004, 3, CO_UNSIGNED8, RO, "Sub-index of 0x2010"),
+    CO_ANY(OWNER, change_before, 0x2004, 4, CO_REAL32, RO, "Old value"),
+    CO_ANY(OWNER, change_after, 0x2004, 5, CO_REAL32, RO, "New value"),
     CO_ANY(OWNER, param_count, 0x2010, PARAM_SUB_COUNT, CO_UNSIGNED8, FIXED, "Parameters"),
-    CONTROL_PARAM_TABLE(PARAM_ENTRY)
+    CONTROL_PARAM_OPEN_TABLE(PARAM_ENTRY) CONTROL_PARAM_LOCKED_TABLE(LOCKED_ENTRY)
         CO_ANY(OWNER, counter_count, 0x2020, 0, CO_UNSIGNED8, FIXED, "Counters"),
     CO_ANY(OWNER, counters.ticks, 0x2020, 1, CO_UNSIGNED32, RO, "Ticks"),
     CO_ANY(OWNER, counters.syncs_refused, 0x2020, 2, CO_UNSIGNED32, RO, "SYNCs refused by the bus"),

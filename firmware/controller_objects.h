@@ -48,12 +48,15 @@ struct controller_objects {
     uint8_t walk_requested;
     uint8_t reset_requested;
     uint8_t zero_requested;
+    uint32_t unlock; /* settings_lock.h; reads 0 */
     /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
     uint8_t state;
     uint8_t fault;
     uint8_t zeroing;               /* enum zeroing_state */
     uint8_t last_push[SIDE_COUNT]; /* enum push_outcome of the last stance */
     uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
+    uint8_t unlocked_by;   /* client number; 0 = the parameters are locked */
+    uint8_t unlocked_s;    /* for so long still */
     /* 0x2002: last step as in TPDO1 */
     uint16_t step_measured;  /* 0.1 mrad/s */
     uint16_t step_commanded; /* 0.1 mrad/s */
@@ -64,6 +67,10 @@ struct controller_objects {
     /* 0x2003: the same step in full */
     uint32_t record_number;
     float record_measured_rad_s, record_commanded_rad_s, record_r0_m;
+    /* 0x2004: the last change of a parameter over SDO */
+    uint8_t change_count, change_client, change_place; /* sub-index of 0x2010 */
+    uint32_t change_number;                            /* changes since the start */
+    float change_before, change_after;
     /* 0x2010: the parameters, in the order of CONTROL_PARAM_TABLE */
     struct control_params params;
     /* 0x2020: counters */

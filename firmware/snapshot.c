@@ -48,6 +48,8 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.objects.state)               \
     X(node.objects.fault)               \
     X(node.rules.powered)               \
+    X(node.rules.lock)                  \
+    X(node.objects.unlocked_by)         \
     X(node.telemetry.sent_state)        \
     X(node.telemetry.sent_fault)        \
     X(node.device.emcy_count)           \

@@ -22,7 +22,8 @@ enum {
     INDEX_REFUSED_DEVICE = 0x2053,
     BOTH_LEGS = 255,
     INDEX_COMMISSIONING = 0x2060,
-    INDEX_FORCE_SAMPLES = 0x2062
+    INDEX_FORCE_SAMPLES = 0x2062,
+    SUB_UNLOCK = 5
 };
 
 /* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
@@ -53,10 +54,33 @@ static uint32_t check_range(float value, float minimum, float maximum)
     return value < minimum ? CO_ABORT_TOO_LOW : CO_ABORT_VALUE; /* the last: not a number */
 }
 
+/* What this walker bears, and what is locked for this person: made with the settings. */
+static uint32_t check_ceilings(const struct control_params *params, size_t offset, float value)
+{
+    if (offset == offsetof(struct control_params, kp_m_s_rad)) {
+        return params->kp_high_m_s_rad > 0.0f
+                   ? check_range(value, params->kp_low_m_s_rad, params->kp_high_m_s_rad)
+                   : CO_ABORT_DEVICE_STATE;
+    }
+    if (offset == offsetof(struct control_params, r0_max_m)) {
+        return check_range(value, 0.0f,
+                           params->r0_ceiling_m > 0.0f ? params->r0_ceiling_m : params->r0_max_m);
+    }
+    if (offset == offsetof(struct control_params, r0_change_max_m)) {
+        return check_range(value, 0.0f,
+                           params->r0_change_ceiling_m > 0.0f ? params->r0_change_ceiling_m
+                                                              : params->r0_change_max_m);
+    }
+    return CO_ABORT_NONE;
+}
+
 static uint32_t check_parameter(struct write_rules *rules, unsigned parameter, float value)
 {
     const struct control_param_descriptor *d = &control_param_descriptors[parameter];
-    const uint32_t verdict = check_range(value, d->minimum, d->maximum);
+    uint32_t verdict = check_range(value, d->minimum, d->maximum);
+    if (verdict == CO_ABORT_NONE) {
+        verdict = check_ceilings(&rules->objects->params, d->offset, value);
+    }
     if (verdict != CO_ABORT_NONE) {
         return verdict;
     }
@@ -99,6 +123,27 @@ enum device_verdict write_rules_check_device(const struct write_rules *rules)
     objects->device_refused_leg = (uint8_t)(refused && refusal.leg < 0 ? BOTH_LEGS : refusal.leg);
     objects->device_refused_key = (uint8_t)(refused ? refusal.key + 1u : 0u);
     return verdict;
+}
+
+/* Under torque the value in force goes to the one written by a ramp (write_rules_written). */
+static uint32_t write_parameter(struct write_rules *rules, uint8_t place, float value)
+{
+    struct controller_objects *objects = rules->objects;
+    const size_t offset = control_param_descriptors[place - 1u].offset;
+    const float before = *(const float *)((const char *)&objects->params + offset);
+    if (!settings_lock_is_open(&rules->lock)) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    const uint32_t verdict = check_parameter(rules, place - 1u, value);
+    if (verdict != CO_ABORT_NONE) {
+        return verdict;
+    }
+    rules->before = before;
+    if (!settings_lock_begin_ramp(&rules->lock, place, before, value)) {
+        return CO_ABORT_DEVICE_STATE;
+    }
+    settings_lock_note(objects, place, before, value);
+    return CO_ABORT_NONE;
 }
 
 static uint32_t keep_settings(const struct write_rules *rules, const struct co_entry *entry,
@@ -156,6 +201,9 @@ uint32_t write_rules_writing(void *context, const struct co_entry *entry, const 
         return rules->black_box == NULL || bytes[0] == BLACK_BOX_CLOSING ? CO_ABORT_DEVICE_STATE
                                                                          : CO_ABORT_NONE;
     }
+    if (entry->index == INDEX_COMMANDS && entry->sub == SUB_UNLOCK) {
+        return settings_lock_try(&rules->lock, rules->objects, bytes_get_u32(bytes));
+    }
     if (entry->index >= DEVICE_INDEX_COMMON && entry->index <= DEVICE_INDEX_RIGHT) {
         return length == sizeof(float) ? check_device_key(rules, entry, bytes) : CO_ABORT_LENGTH;
     }
@@ -164,12 +212,7 @@ uint32_t write_rules_writing(void *context, const struct co_entry *entry, const 
     }
     const float value = bytes_get_f32(bytes);
     if (entry->index == INDEX_PARAMS && entry->sub >= 1 && entry->sub <= CONTROL_PARAM_COUNT) {
-        const uint32_t verdict = check_parameter(rules, entry->sub - 1u, value);
-        if (verdict == CO_ABORT_NONE) { /* that the value is stored once more changes nothing */
-            params_guard_change(&rules->objects->params, &rules->objects->params_crc,
-                                control_param_descriptors[entry->sub - 1u].offset, value);
-        }
-        return verdict;
+        return write_parameter(rules, entry->sub, value);
     }
     if (entry->index == INDEX_COMMANDS) {
         float low_rad_s, high_rad_s;
@@ -208,7 +251,15 @@ void write_rules_written(void *context, const struct co_entry *entry)
 {
     struct write_rules *rules = (struct write_rules *)context;
     struct controller_objects *objects = rules->objects;
-    if (entry->index == INDEX_PROGRAM_CONTROL) {
+    if (entry->index == INDEX_PARAMS) {
+        /* It was stored between two ticks; in force it comes by the ramp, whose end is now where nothing is
+         * loaded. */
+        *(float *)((char *)&objects->params + control_param_descriptors[entry->sub - 1u].offset) =
+            rules->before;
+        settings_lock_move(&rules->lock, objects, !rules->powered);
+    } else if (entry->index == INDEX_COMMANDS && entry->sub == SUB_UNLOCK) {
+        objects->unlock = 0;
+    } else if (entry->index == INDEX_PROGRAM_CONTROL) {
         show_program(rules);
     } else if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {
         show_settings_store(rules);

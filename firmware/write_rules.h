@@ -14,6 +14,7 @@
 
 #include "firmware/controller_objects.h"
 #include "firmware/program_update.h"
+#include "firmware/settings_lock.h"
 #include "hal/devices/device_verdict.h"
 #include "hal/storage/black_box.h"
 #include "hal/storage/crash_record.h"
@@ -26,8 +27,10 @@ struct controller_settings_store_ops {
 };
 
 struct write_rules {
+    struct settings_lock lock;
     struct controller_objects *objects;
     struct controller_comm *comm;
+    float before;    /* of the parameter that is being written */
     bool powered;    /* drives may be under torque: body parameters are locked */
     bool standstill; /* both legs are still */
     const struct controller_settings_store_ops *settings_store; /* NULL: nobody keeps settings */

@@ -7,6 +7,13 @@
 #include "sim_host/ctl/ctl.h"
 
 enum { CTL_STATE_INDEX = 0x2001, CTL_STATE_SUB = 1 };
+/* The client number under which this program changes parameters (firmware/settings_lock.h). */
+enum {
+    CTL_UNLOCK_INDEX = 0x2000,
+    CTL_UNLOCK_SUB = 5,
+    CTL_PARAMETERS_INDEX = 0x2010,
+    CTL_CLIENT = 100
+};
 
 /* An object known by its address alone, and its entry. */
 struct ctl_address_object {

@@ -1,6 +1,8 @@
 /* names, get, set, watch. */
 #include <string.h>
 
+#include "firmware/settings_lock.h"
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/ctl/ctl.h"
@@ -183,6 +185,22 @@ static int may_write_to_node(const struct ctl *ctl)
     return 0; /* or there is no controller on this bus */
 }
 
+/* The controller's parameters are locked until somebody gives a client number. */
+static void unlock(struct ctl *ctl, const struct named_object *object)
+{
+    struct ctl_address_object room;
+    static struct object_value key;
+    char message[OBJECT_MESSAGE_MAX];
+    if (ctl->link.node != NODE_CONTROLLER || object->entry->index != CTL_PARAMETERS_INDEX) {
+        return;
+    }
+    ctl_link_any_object(CTL_UNLOCK_INDEX, CTL_UNLOCK_SUB, &room.object, &room.entry);
+    bytes_put_u32(key.bytes, settings_lock_key_of(CTL_CLIENT));
+    key.length = 4;
+    (void)ctl_link_write(&ctl->link, &room.object, &key,
+                         message); /* the next write says what is wrong */
+}
+
 static bool set_one(struct ctl *ctl, const struct assignment *assignment, struct json_writer *json)
 {
     const struct named_object *object = assignment->object;
@@ -191,6 +209,7 @@ static bool set_one(struct ctl *ctl, const struct assignment *assignment, struct
     const bool readable = (object->entry->access & CO_READ) != 0;
     const bool known = readable && ctl_link_read(&ctl->link, object, &before, message) == 0;
     after = assignment->value;
+    unlock(ctl, object);
     if (ctl_link_write(&ctl->link, object, &assignment->value, message) != 0 ||
         (readable && ctl_link_read(&ctl->link, object, &after, message) != 0)) {
         ctl_complain(ctl, "%s", message);

@@ -215,10 +215,8 @@ enum laws_table_error laws_table_make(const struct gait_walker *gait_walker, dou
     return LAWS_TABLE_OK;
 }
 
-double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
-                       double *largest)
+static int points_from(const struct laws_table *table, double r0_low_m, struct loop_point *points)
 {
-    struct loop_point points[LAWS_TABLE_POINTS];
     int count = 0;
     for (int i = 0; i < table->count; i++) {
         const struct laws_point *from = &table->point[i];
@@ -230,6 +228,33 @@ double laws_table_gain(const struct laws_table *table, double r0_low_m, double w
             memcpy(to->by_r0, from->input, sizeof to->by_r0);
         }
     }
+    return count;
+}
+
+void laws_table_gain_range(const struct laws_table *table, double r0_low_m, double gain,
+                           double unit, double *low, double *high)
+{
+    struct loop_point points[LAWS_TABLE_POINTS];
+    const int count = points_from(table, r0_low_m, points);
+    const double step = 0.0005 * unit;
+    *low = *high = gain;
+    if (count == 0 || loop_gain_largest(points, count, gain) >= LAWS_TABLE_BORNE) {
+        return;
+    }
+    while (*low - step >= 0.0 && loop_gain_largest(points, count, *low - step) < LAWS_TABLE_BORNE) {
+        *low -= step;
+    }
+    while (*high < 0.2 * unit &&
+           loop_gain_largest(points, count, *high + step) < LAWS_TABLE_BORNE) {
+        *high += step;
+    }
+}
+
+double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
+                       double *largest)
+{
+    struct loop_point points[LAWS_TABLE_POINTS];
+    const int count = points_from(table, r0_low_m, points);
     double gain = wanted;
     *largest = loop_gain_largest(points, count, gain);
     if (*largest > LAWS_TABLE_CALM) {

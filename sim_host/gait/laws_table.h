@@ -57,6 +57,12 @@ enum laws_table_error laws_table_make(const struct gait_walker *walker, double l
 double laws_table_gain(const struct laws_table *table, double r0_low_m, double wanted, double unit,
                        double *largest);
 
+/* The gains of eq. (16) around `gain` with which no gait of the table from r0_low_m on has an eigenvalue of
+ * LAWS_TABLE_BORNE or more: *low to *high, found in steps of 0.0005 `unit`. Both are `gain` where it has one itself. */
+#define LAWS_TABLE_BORNE 0.95
+void laws_table_gain_range(const struct laws_table *table, double r0_low_m, double gain,
+                           double unit, double *low, double *high);
+
 /* In words; a static string, never NULL. */
 const char *laws_table_error_name(enum laws_table_error error);
 

@@ -84,22 +84,30 @@ static double smaller(double a, double b)
     return a < b ? a : b;
 }
 
+/* The gain of eq. (16), and the range that the walker's gaits bear. */
+struct gain {
+    double best, low, high;
+};
+
 /* What the laws beyond eq. (16) need, and eq. (16)'s gain for this very walker; a walker whose branch cannot be
  * followed has eq. (16) only, with the paper's gain scaled. */
 static void make_branch(const struct subject *subject, double length_scale, double scaled_kp,
-                        struct gait_branch *branch, double *kp)
+                        struct gait_branch *branch, struct gain *kp)
 {
     const struct gait_walker walker = subject_gait_walker(subject);
     const struct laws_weights weights = laws_weights_default();
     struct laws_table table;
     double largest;
     *branch = (struct gait_branch){.count = 0};
-    *kp = scaled_kp;
+    *kp = (struct gain){scaled_kp, scaled_kp, scaled_kp};
     const enum laws_table_error error = laws_table_make(&walker, length_scale, &weights, &table);
     if (error == LAWS_TABLE_NO_CURVE || error == LAWS_TABLE_LOST) {
         return;
     }
-    *kp = laws_table_gain(&table, LOW_R0 * length_scale, scaled_kp, scaled_kp / PAPER_KP, &largest);
+    kp->best =
+        laws_table_gain(&table, LOW_R0 * length_scale, scaled_kp, scaled_kp / PAPER_KP, &largest);
+    laws_table_gain_range(&table, LOW_R0 * length_scale, kp->best, scaled_kp / PAPER_KP, &kp->low,
+                          &kp->high);
     if (error != LAWS_TABLE_OK) {
         return;
     }
@@ -128,7 +136,8 @@ static void make_branch(const struct subject *subject, double length_scale, doub
 struct kept_branch {
     struct gait_branch branch;
     struct gait_walker walker;
-    double length_scale, kp;
+    double length_scale;
+    struct gain kp;
     struct kept_branch *next;
 };
 
@@ -140,7 +149,7 @@ static bool is_same_walker(const struct gait_walker *a, const struct gait_walker
 }
 
 static const struct gait_branch *branch_of(const struct subject *subject, double length_scale,
-                                           double scaled_kp, double *kp)
+                                           double scaled_kp, struct gain *kp)
 {
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
     static struct kept_branch *kept;
@@ -161,7 +170,7 @@ static const struct gait_branch *branch_of(const struct subject *subject, double
         kept = entry;
     }
     pthread_mutex_unlock(&lock);
-    *kp = entry != NULL ? entry->kp : scaled_kp;
+    *kp = entry != NULL ? entry->kp : (struct gain){scaled_kp, scaled_kp, scaled_kp};
     return entry != NULL && entry->branch.count > 0 ? &entry->branch : NULL;
 }
 
@@ -278,6 +287,9 @@ static void explain(const struct control_params *params, int verdict, char *mess
             "body is 1, a person, and engage_steps is %g: a person needs at least 1 steady step "
             "before assistance; set engage_steps = 4",
             (double)params->engage_steps);
+    } else if (verdict == CONTROL_PARAMS_GAIN_RANGE) {
+        snprintf(message, SUBJECT_MESSAGE_MAX, "kp_low_m_s_rad %g is above kp_high_m_s_rad %g",
+                 (double)params->kp_low_m_s_rad, (double)params->kp_high_m_s_rad);
     } else if (verdict == CONTROL_PARAMS_BRANCH) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "this law needs the walker's branch of gaits, which could not be computed");
@@ -295,6 +307,30 @@ static int check_person(const struct subject *subject, char *message)
     }
     device_refusal_text(&refusal, message, SUBJECT_MESSAGE_MAX);
     return -1;
+}
+
+/* What may be changed over the bus. Nobody knows what gain a person's own gait bears: the eigenvalues are those of a
+ * compass walker. So a person's gain may be lowered there, down to a constant push-off, and never raised above the one
+ * that was prescribed. The push-off may be raised to the one prescribed. */
+static void limit_changes(const struct subject *subject, struct control_params *params)
+{
+    const struct person *person = &subject->person;
+    if (params->body == (real)BODY_PERSON) {
+        params->kp_low_m_s_rad =
+            person_overrides(person, offsetof(struct control_params, kp_low_m_s_rad))
+                ? params->kp_low_m_s_rad
+                : REAL(0.0);
+        params->kp_high_m_s_rad =
+            person_overrides(person, offsetof(struct control_params, kp_high_m_s_rad))
+                ? params->kp_high_m_s_rad
+                : params->kp_m_s_rad;
+    }
+    if (!person_overrides(person, offsetof(struct control_params, r0_ceiling_m))) {
+        params->r0_ceiling_m = params->r0_max_m;
+    }
+    if (!person_overrides(person, offsetof(struct control_params, r0_change_ceiling_m))) {
+        params->r0_change_ceiling_m = params->r0_change_max_m;
+    }
 }
 
 int subject_control_params(const struct subject *subject, struct control_params *params,
@@ -351,13 +387,15 @@ int subject_control_params(const struct subject *subject, struct control_params 
         make_speed_table(&compass, compass_scale, &params->table, message) != 0) {
         return -1;
     }
-    double kp;
+    struct gain kp;
     params->branch = branch_of(&compass, compass_scale, (double)params->kp_m_s_rad, &kp);
     if (subject->actuators.as_built) {
         params->sea_acceleration_m_s2 =
             (real)reference_acceleration_m_s2(subject, (double)params->start_r0_m);
     }
-    params->kp_m_s_rad = (real)kp;
+    params->kp_m_s_rad = (real)kp.best;
+    params->kp_low_m_s_rad = (real)kp.low;
+    params->kp_high_m_s_rad = (real)kp.high;
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         if (subject->person.control_overridden[i]) {
             *(real *)((char *)params + control_param_descriptors[i].offset) =
@@ -369,6 +407,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
         params->r0_change_max_m =
             params->r0_max_m; /* what the motor can do limits it, step by step */
     }
+    limit_changes(subject, params);
     /* Not with the parameters' own checks: the controller does not know the SEA. */
     if ((double)params->r0_max_m > (double)(real)stroke) {
         snprintf(message, SUBJECT_MESSAGE_MAX,

@@ -66,6 +66,18 @@ START_TEST(fields_are_held_to_each_other)
 }
 END_TEST
 
+START_TEST(a_gain_range_has_its_ends_in_order)
+{
+    params.kp_low_m_s_rad = 0.04f;
+    params.kp_high_m_s_rad = 0.04f;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+    params.kp_high_m_s_rad = 0.039f;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_GAIN_RANGE);
+    params.kp_low_m_s_rad = 0.0f;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+}
+END_TEST
+
 START_TEST(an_open_loop_push_off_is_held_to_the_limits_of_all_others)
 {
     params.open_loop_r0_m = 0.99f * params.r0_min_m;
@@ -272,6 +284,7 @@ int main(void)
     tcase_add_checked_fixture(tests, setup, NULL);
     tcase_add_loop_test(tests, each_field_is_held_to_its_range, 0, CONTROL_PARAM_COUNT);
     tcase_add_test(tests, fields_are_held_to_each_other);
+    tcase_add_test(tests, a_gain_range_has_its_ends_in_order);
     tcase_add_test(tests, an_open_loop_push_off_is_held_to_the_limits_of_all_others);
     tcase_add_test(tests, a_law_is_one_that_there_is_and_has_what_it_needs);
     tcase_add_test(tests, a_law_serves_the_speeds_whose_gaits_it_knows);

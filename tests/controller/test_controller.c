@@ -187,9 +187,8 @@ START_TEST(pushes_that_never_come_end_the_assistance)
         walk(rig, 14);
         ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
         struct push_watch *watch = &controller_of(rig)->springs.watch;
-        ck_assert_uint_ge(watch->leg[SIDE_LEFT].count[PUSH_GIVEN] +
-                              watch->leg[SIDE_RIGHT].count[PUSH_GIVEN],
-                          1);
+        ck_assert_uint_ge(
+            watch->leg[SIDE_LEFT].count[PUSH_GIVEN] + watch->leg[SIDE_RIGHT].count[PUSH_GIVEN], 1);
         watch->missed_in_row = PUSH_WATCH_MISSES - 1;
         run(rig, 1);
         ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);

@@ -16,7 +16,15 @@
 #include "tests/support/fake_bus.h"
 
 enum { TOO_HIGH = 0x06090031, TOO_LOW = 0x06090032, VALUE = 0x06090030, DEVICE_STATE = 0x08000022 };
-enum { PARAMS = 0x2010, COMMANDS = 0x2000 };
+enum { READ_ONLY = 0x06010002 };
+enum {
+    PARAMS = 0x2010,
+    COMMANDS = 0x2000,
+    STATE = 0x2001,
+    CHANGE = 0x2004,
+    UNLOCK = 5,
+    CLIENT = 17
+};
 
 static struct fake_bus fake;
 static struct controller_node node;
@@ -87,6 +95,35 @@ static uint32_t read_u32(uint16_t index, uint8_t sub)
     return bytes_get_u32(ask(0x40, index, sub, 0) + 4);
 }
 
+static uint32_t write_key(uint32_t key)
+{
+    const uint8_t *answer = ask(0x23, COMMANDS, UNLOCK, key);
+    return answer[0] == 0x60 ? 0 : bytes_get_u32(answer + 4);
+}
+
+static void unlock(void)
+{
+    ck_assert_uint_eq(write_key(settings_lock_key_of(CLIENT)), 0);
+}
+
+static void unlocked_setup(void)
+{
+    setup();
+    unlock();
+}
+
+static bool is_locked(int i)
+{
+    static const char *const locked[] = {"kp_low_m_s_rad", "kp_high_m_s_rad", "r0_ceiling_m",
+                                         "r0_change_ceiling_m"};
+    for (size_t k = 0; k < sizeof locked / sizeof locked[0]; k++) {
+        if (strcmp(control_param_descriptors[i].name, locked[k]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static float *field(int i)
 {
     return (float *)((char *)&node.objects.params + control_param_descriptors[i].offset);
@@ -123,6 +160,10 @@ START_TEST(each_parameter_is_held_to_its_range)
     const struct control_param_descriptor *d = &control_param_descriptors[_i];
     const uint8_t sub = (uint8_t)(_i + 1);
     const float before = *field(_i);
+    if (is_locked(_i)) {
+        ck_assert_uint_eq(write_float(PARAMS, sub, before), READ_ONLY);
+        return;
+    }
     ck_assert_uint_eq(write_float(PARAMS, sub, nextafterf(d->maximum, INFINITY)), TOO_HIGH);
     ck_assert_uint_eq(write_float(PARAMS, sub, nextafterf(d->minimum, -INFINITY)), TOO_LOW);
     ck_assert_uint_eq(write_float(PARAMS, sub, NAN), VALUE);
@@ -138,6 +179,9 @@ START_TEST(with_power_on_only_the_law_may_change)
     static const char *const live[] = {"kp_m_s_rad", "speed_ramp_rad_s", "r0_min_m", "r0_max_m",
                                        "r0_change_max_m"};
     bool is_live = false;
+    if (is_locked(_i)) {
+        return;
+    }
     for (size_t i = 0; i < sizeof live / sizeof live[0]; i++) {
         is_live = is_live || strcmp(control_param_descriptors[_i].name, live[i]) == 0;
     }
@@ -163,6 +207,126 @@ START_TEST(a_parameter_that_does_not_fit_the_others_is_refused)
 }
 END_TEST
 
+/* ---- the lock ------------------------------------------------------------------------------- */
+
+START_TEST(parameters_are_locked_until_a_client_says_who_it_is)
+{
+    const float before = node.objects.params.kp_m_s_rad;
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.04f), DEVICE_STATE);
+    ck_assert_uint_eq(write_key(0x12345678), VALUE);
+    ck_assert_uint_eq(write_key(SETTINGS_LOCK_KEY), VALUE); /* nobody */
+    ck_assert_uint_eq(write_key(settings_lock_key_of(128)), VALUE);
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.04f), DEVICE_STATE);
+    ck_assert(node.objects.params.kp_m_s_rad == before);
+    ck_assert_uint_eq(ask(0x40, STATE, 7, 0)[4], 0);
+    unlock();
+    ck_assert_uint_eq(ask(0x40, STATE, 7, 0)[4], CLIENT);
+    ck_assert_uint_eq(ask(0x40, STATE, 8, 0)[4], SETTINGS_LOCK_S);
+    ck_assert_uint_eq(read_u32(COMMANDS, UNLOCK), 0); /* the key is not told */
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.045f), 0);
+    ck_assert(node.objects.params.kp_m_s_rad == 0.045f);
+}
+END_TEST
+
+START_TEST(the_lock_closes_by_itself_and_when_it_is_told_to)
+{
+    unlock();
+    run(1000 * SETTINGS_LOCK_S - 1);
+    ck_assert_uint_eq(ask(0x40, STATE, 8, 0)[4], 1);
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.045f), 0);
+    run(1);
+    ck_assert_uint_eq(ask(0x40, STATE, 7, 0)[4], 0);
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.041f), DEVICE_STATE);
+    unlock();
+    ck_assert_uint_eq(write_key(0), 0);
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.041f), DEVICE_STATE);
+    unlock();
+    ck_assert_uint_eq(write_key(1), VALUE); /* a wrong key closes it, too */
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.041f), DEVICE_STATE);
+}
+END_TEST
+
+START_TEST(a_change_is_told_with_who_made_it)
+{
+    const float before = node.objects.params.kp_m_s_rad;
+    unlock();
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.045f), 0);
+    ck_assert_uint_eq(write_float(PARAMS, 7, 2.0f), TOO_HIGH); /* no change */
+    ck_assert_uint_eq(read_u32(CHANGE, 1), 1);
+    ck_assert_uint_eq(ask(0x40, CHANGE, 2, 0)[4], CLIENT);
+    ck_assert_uint_eq(ask(0x40, CHANGE, 3, 0)[4], 7);
+    ck_assert_uint_eq(read_u32(CHANGE, 4), bits_of(before));
+    ck_assert_uint_eq(read_u32(CHANGE, 5), bits_of(0.045f));
+}
+END_TEST
+
+/* kp = 1 gave pushes of 71 J where 12 J were prescribed. */
+START_TEST(a_gain_that_the_gait_does_not_bear_is_refused)
+{
+    const struct control_params *params = &node.objects.params;
+    ck_assert(params->kp_low_m_s_rad < 0.042f && params->kp_high_m_s_rad > 0.042f);
+    ck_assert_uint_eq(write_float(PARAMS, 7, 1.0f), TOO_HIGH);
+    ck_assert_uint_eq(write_float(PARAMS, 7, nextafterf(params->kp_high_m_s_rad, 1.0f)), TOO_HIGH);
+    ck_assert_uint_eq(write_float(PARAMS, 7, nextafterf(params->kp_low_m_s_rad, 0.0f)), TOO_LOW);
+    ck_assert_uint_eq(write_float(PARAMS, 7, params->kp_high_m_s_rad), 0);
+    node.objects.params.kp_low_m_s_rad = node.objects.params.kp_high_m_s_rad = 0.0f;
+    ck_assert_uint_eq(write_float(PARAMS, 7, 0.042f), DEVICE_STATE); /* no range was made */
+}
+END_TEST
+
+START_TEST(limits_stay_below_the_persons_ceilings)
+{
+    static const char *const limits[] = {"r0_max_m", "r0_change_max_m"};
+    for (int i = 0; i < 2; i++) {
+        const uint8_t place = place_of(limits[i]);
+        const float prescribed = *field(place - 1);
+        ck_assert_uint_eq(write_float(PARAMS, place, 1.01f * prescribed), TOO_HIGH);
+        ck_assert_uint_eq(write_float(PARAMS, place, 0.9f * prescribed), 0);
+        ck_assert_uint_eq(write_float(PARAMS, place, prescribed), 0); /* back to it */
+    }
+    node.objects.params.r0_ceiling_m = 0.0f; /* none was made: it may be lowered only */
+    const uint8_t place = place_of("r0_max_m");
+    const float prescribed = *field(place - 1);
+    ck_assert_uint_eq(write_float(PARAMS, place, 0.9f * prescribed), 0);
+    ck_assert_uint_eq(write_float(PARAMS, place, prescribed), TOO_HIGH);
+}
+END_TEST
+
+/* The law's parameters move while a spring may be loaded; the checksum goes along. */
+START_TEST(under_torque_a_change_comes_by_a_ramp)
+{
+    const float before = node.objects.params.kp_m_s_rad, after = 0.0405f;
+    output.state = SUPERVISOR_WALKING;
+    run(1);
+    ck_assert_uint_eq(write_float(PARAMS, 7, after), 0);
+    const float step = (before - after) / (1000.0f * SETTINGS_RAMP_S);
+    float last = node.objects.params.kp_m_s_rad;
+    assert_close((double)last, (double)before, 1.1 * (double)step + 1e-8, 0);
+    for (int i = 0; i < 1000 * SETTINGS_RAMP_S - 10; i++) {
+        run(1);
+        const float now = node.objects.params.kp_m_s_rad;
+        ck_assert(now <= last && last - now < 1.01f * step + 1e-8f);
+        ck_assert(!scan_params());
+        last = now;
+    }
+    run(20);
+    ck_assert(node.objects.params.kp_m_s_rad == after);
+    ck_assert_uint_eq(read_u32(0x2030, 3), crc_of_params());
+    ck_assert_uint_eq(write_float(PARAMS, 7, before), 0);
+    run(100);
+    ck_assert(node.objects.params.kp_m_s_rad < before);
+    output.state = SUPERVISOR_STANDBY; /* nothing is loaded any more: it is there */
+    run(1);
+    ck_assert(node.objects.params.kp_m_s_rad == before);
+    output.state = SUPERVISOR_WALKING;
+    run(1);
+    ck_assert_uint_eq(write_float(PARAMS, 7, after), 0);
+    ck_assert_uint_eq(write_float(PARAMS, place_of("r0_min_m"), 0.02f), 0);
+    ck_assert_uint_eq(write_float(PARAMS, place_of("r0_max_m"), 0.2f), DEVICE_STATE); /* a third */
+    ck_assert_uint_eq(write_float(PARAMS, 7, before), 0); /* one of the two, elsewhere */
+}
+END_TEST
+
 START_TEST(the_checksum_is_the_parameters_own)
 {
     ck_assert_uint_eq(read_u32(0x2030, 3), crc_of_params());
@@ -181,7 +345,7 @@ START_TEST(writing_is_no_corruption)
                       2;
     for (int i = 0; i < 3 * round; i++) {
         if (i % 40 == 7) {
-            ck_assert_uint_eq(write_float(PARAMS, 7, 0.01f + 1e-4f * (float)(i % 64)), 0);
+            ck_assert_uint_eq(write_float(PARAMS, 7, 0.042f + 1e-4f * (float)(i % 64)), 0);
         }
         ck_assert(!scan_params());
     }
@@ -235,6 +399,7 @@ START_TEST(the_speed_asked_for_leaves_push_off_in_reserve)
     ck_assert(node.objects.desired_speed_rad_s == 1.14f);
     assert_close(highest_speed(), gait_speed(0.95 * (double)node.objects.params.r0_max_m), 0, 1e-4);
     ck_assert_uint_eq(write_float(PARAMS, place_of("r0_max_m"), 0.2f), 0); /* it follows */
+    run(1000 * SETTINGS_RAMP_S);
     assert_close(highest_speed(), gait_speed(0.95 * 0.2), 0, 1e-4);
 }
 END_TEST
@@ -502,7 +667,16 @@ int main(void)
 {
     Suite *suite = suite_create("controller_node");
     TCase *tests = tcase_create("all");
-    tcase_add_checked_fixture(tests, setup, NULL);
+    TCase *lock = tcase_create("lock");
+    tcase_add_checked_fixture(lock, setup, NULL);
+    tcase_set_timeout(lock, 20);
+    tcase_add_test(lock, parameters_are_locked_until_a_client_says_who_it_is);
+    tcase_add_test(lock, the_lock_closes_by_itself_and_when_it_is_told_to);
+    tcase_add_test(lock, a_change_is_told_with_who_made_it);
+    tcase_add_checked_fixture(tests, unlocked_setup, NULL);
+    tcase_add_test(tests, a_gain_that_the_gait_does_not_bear_is_refused);
+    tcase_add_test(tests, limits_stay_below_the_persons_ceilings);
+    tcase_add_test(tests, under_torque_a_change_comes_by_a_ramp);
     tcase_add_loop_test(tests, each_parameter_is_held_to_its_range, 0, CONTROL_PARAM_COUNT);
     tcase_add_loop_test(tests, with_power_on_only_the_law_may_change, 0, CONTROL_PARAM_COUNT);
     tcase_add_test(tests, a_parameter_that_does_not_fit_the_others_is_refused);
@@ -524,5 +698,6 @@ int main(void)
     tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
     tcase_add_test(tests, the_device_is_described_over_sdo);
     suite_add_tcase(suite, tests);
+    suite_add_tcase(suite, lock);
     return run_suite(suite);
 }

@@ -61,6 +61,7 @@ static void deliver(void)
     memset(&crash, 0, sizeof crash);
     memset(&box, 0, sizeof box);
     ck_assert_int_eq(settings_load(&settings, &store, &nv), PARAM_STORE_EMPTY);
+    settings.control.kp_high_m_s_rad = 0.1f;
     ck_assert_int_eq(settings_save(&settings, &store, true), PARAM_STORE_OK);
 }
 
@@ -105,6 +106,7 @@ static uint32_t write(uint16_t index, uint8_t sub, uint32_t value, unsigned size
 
 static uint32_t write_kp(float value)
 {
+    ck_assert_uint_eq(write(0x2000, 5, settings_lock_key_of(1), 4), SDO_DONE);
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
     for (uint8_t i = 0; i < CONTROL_PARAM_COUNT; i++) {

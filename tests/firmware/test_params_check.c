@@ -92,6 +92,14 @@ START_TEST(the_checksum_does_not_depend_on_where_tables_lie)
 }
 END_TEST
 
+static void unlock(void)
+{
+    const uint32_t key = settings_lock_key_of(1);
+    struct can_msg request = {.id = 0x610, .length = 8, .data = {0x23, 0x00, 0x20, 5}};
+    memcpy(request.data + 4, &key, sizeof key);
+    ck_assert(controller_node_receive(&node, &request, 0));
+}
+
 /* kp, over SDO: expedited, 4 bytes (CiA 301). */
 static void write_kp(float value)
 {
@@ -109,6 +117,7 @@ START_TEST(a_parameter_written_meanwhile_hides_no_changed_bit)
 {
     struct settings settings;
     settings_default(&settings);
+    settings.control.kp_high_m_s_rad = 0.1f;
     for (int with_branch = 0; with_branch < 2; with_branch++) {
         settings.control.branch = with_branch ? &branch : NULL;
         fake_bus_init(&fake);
@@ -116,6 +125,7 @@ START_TEST(a_parameter_written_meanwhile_hides_no_changed_bit)
             controller_node_init(&node, &settings.control, 0.4f, true, fake_bus_interface(&fake)),
             0);
         (void)scan_params();
+        unlock();
         write_kp(0.05f);
         ck_assert(node.objects.params.kp_m_s_rad == 0.05f);
         ck_assert_uint_eq(node.objects.params_crc, params_guard_crc(&node.objects.params));

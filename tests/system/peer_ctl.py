@@ -3,6 +3,7 @@ round. Every line printed is a check that held. Arguments: the program afo, a fo
 import json
 import pathlib
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -28,6 +29,14 @@ def values(*words):
     return json.loads(ctl("--json", "get", *words).stdout)
 
 
+def abort_code(action):
+    try:
+        action()
+    except canopen.SdoAbortedError as error:
+        return error.code
+    raise AssertionError("was not refused")
+
+
 def wait_for(condition, seconds, what):
     deadline = time.time() + seconds
     while not condition():
@@ -43,11 +52,18 @@ def main():
     network.add_node(node)
     try:
         wait_for(lambda: node.sdo[0x2003][1].raw >= 2, 120, "two steps")
-        ctl("set", "kp_m_s_rad=0.03125")
-        assert node.sdo[0x2010]["kp_m_s_rad"].raw == 0.03125
-        node.sdo[0x2010]["kp_m_s_rad"].raw = 0.04
+        ctl("set", "kp_m_s_rad=0.046875")
+        wait_for(lambda: node.sdo[0x2010]["kp_m_s_rad"].raw == 0.046875, 240, "a gain that comes by a ramp")
+        assert node.sdo[0x2004][2].raw == 100 and node.sdo[0x2004][5].raw == 0.046875    # who changed it, to what
+        assert abort_code(lambda: node.sdo.download(0x2010, 7, struct.pack("<f", 1.0))) == 0x06090031
+        node.sdo[0x2000][5].raw = 0
+        assert abort_code(lambda: node.sdo.download(0x2010, 7, struct.pack("<f", 0.045))) == 0x08000022
+        node.sdo[0x2000][5].raw = 0x07746573    # "set", client 7
+        node.sdo[0x2010]["kp_m_s_rad"].raw = 0.044921875
+        wait_for(lambda: node.sdo[0x2010]["kp_m_s_rad"].raw == 0.044921875, 240, "another gain")
+        assert node.sdo[0x2001][7].raw == 7 and node.sdo[0x2004][2].raw == 7
         told = values("kp_m_s_rad", "state", "0x1009")
-        assert told["parameters.kp_m_s_rad"] == {"value": 0.04, "unit": "m/(rad/s)"}
+        assert told["parameters.kp_m_s_rad"] == {"value": 0.044921875, "unit": "m/(rad/s)"}
         assert told["state.supervisor_state_and_emergency_stop"]["name"] == "walking"
         assert told["manufacturer_hardware_version"]["value"] == "1"
         say("each reads what the other has written")
@@ -59,7 +75,9 @@ def main():
         dump = FOLDER / "dump.ini"
         dump.write_text(ctl("dump").stdout)
         ctl("diff", str(dump))
+        node.sdo[0x2000][5].raw = 0x07746573
         node.sdo[0x2010]["r0_change_max_m"].raw = 0.01
+        wait_for(lambda: abs(node.sdo[0x2010]["r0_change_max_m"].raw - 0.01) < 1e-6, 240, "a limit by a ramp")
         assert "parameters.r0_change_max_m: file " in ctl("diff", str(dump), status=1).stdout
         say("a dump equals the device, and diff finds what was changed")
         with subprocess.Popen([AFO, "ctl", "--can", "vcan0", "--json", "--period", "50", "watch", "counters.ticks"],

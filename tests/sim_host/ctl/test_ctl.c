@@ -391,11 +391,11 @@ START_TEST(a_dump_equals_the_node_and_diff_names_what_was_changed)
     ck_assert_int_eq(run("diff", path, NULL), EXIT_GOOD);
     char compared[64];
     (void)snprintf(compared, sizeof compared, "%d compared, 0 different, 0 unknown\n",
-                   CONTROL_PARAM_COUNT + 1);
+                   CONTROL_PARAM_COUNT - CONTROL_PARAMS_LOCKED + 1);
     says(out_text, compared);
-    ck_assert_int_eq(run("set", "kp_m_s_rad=0.03", NULL), EXIT_GOOD);
+    ck_assert_int_eq(run("set", "kp_m_s_rad=0.045", NULL), EXIT_GOOD);
     ck_assert_int_eq(run("diff", path, NULL), EXIT_BAD);
-    says(out_text, "parameters.kp_m_s_rad: file 0.04, node 0.03 m/(rad/s)\n");
+    says(out_text, "parameters.kp_m_s_rad: file 0.04, node 0.045 m/(rad/s)\n");
     says(out_text, "1 different");
     ck_assert_int_eq(run("diff", "/nowhere/file", NULL), EXIT_USAGE);
     unlink(path);
