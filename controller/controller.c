@@ -95,7 +95,7 @@ static enum supervisor_fault screen(struct controller *controller, struct contro
 static bool pushes_fail(const struct controller *controller)
 {
     return !control_params_test_mode(controller->params) &&
-           controller->springs.watch.missed_in_row >= PUSH_WATCH_MISSES;
+           push_watch_fails(&controller->springs.watch);
 }
 
 /* A state was entered: what must be fresh when it begins. */
@@ -115,7 +115,7 @@ static void enter_state(struct controller *controller, const struct controller_i
         springs_begin(&controller->springs, params, values);
         command_guard_begin_motions(&controller->guard, params,
                                     motion_share_allowed(&controller->motion));
-        motion_enter(&controller->motion);
+        motion_enter(&controller->motion, params, values);
         break;
     case SUPERVISOR_UNLOADING:
         /* In test mode the first spring is loaded at once. It must not happen again by itself
@@ -219,7 +219,7 @@ static void follow(struct controller *controller, const struct step_decision *de
     const enum push_outcome outcome =
         springs_follow(&controller->springs, decision, &controller->observer.state,
                        !controller->step_monitor.seen);
-    if (outcome == PUSH_LATCH_OPEN || outcome == PUSH_NOT_LOADED) {
+    if (outcome == PUSH_LATCH_OPEN || outcome == PUSH_NOT_LOADED || outcome == PUSH_DRAGS) {
         step_plan_lower_assist(&controller->plan, controller->params);
     }
 }
@@ -241,6 +241,9 @@ static void guard(struct controller *controller, struct sea_request request[SIDE
 {
     const bool powered = supervisor_may_enable(controller->supervisor.state);
     command_guard_limit(&controller->guard, powered, request);
+    /*@ assert no_torque: powered ||
+          (!request[SIDE_LEFT].enable && !request[SIDE_LEFT].latch_armed &&
+           !request[SIDE_RIGHT].enable && !request[SIDE_RIGHT].latch_armed); */
 }
 
 void controller_update(struct controller *controller, const struct controller_input *input,

@@ -42,10 +42,12 @@ static inline real seconds_since(uint32_t tick, uint32_t then)
     return (real)(tick - then) * CONTROL_PERIOD_S;
 }
 
-/* The whole number of ticks nearest to a time from 0 to 4e6 s. */
+/* The whole number of ticks nearest to a time from 0 to 4e6 s; 0 for any other time and for NaN. */
 static inline uint32_t ticks_from_seconds(real seconds)
 {
-    return (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5));
+    return real_is_within(seconds, REAL(0.0), REAL(4.0e6))
+               ? (uint32_t)(seconds * (real)CONTROL_RATE_HZ + REAL(0.5))
+               : 0u;
 }
 
 /* An age that stands for "never received". */

@@ -105,7 +105,7 @@ static inline void control_task_show_missed(struct control_task *task, uint32_t 
 bool control_task_cycle_complete(const struct control_task *task);
 
 /* Notes how many cycles of the processor a tick took, interrupts included and sleep left out; the
- * most is shown at 0x2020:26. Loop only; O(1). */
+ * most is shown at 0x2020:28. Loop only; O(1). */
 void control_task_show_cycles(struct control_task *task, uint32_t cycles);
 
 /* True when the last tick had more to do than others: a gait event, a step, a node's set-up. What

@@ -40,7 +40,7 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->step_count = 5;
     objects->record_count = 4;
     objects->param_count = CONTROL_PARAM_COUNT;
-    objects->counter_count = 26;
+    objects->counter_count = 28;
     objects->drive_count = 5;
     objects->tool_count = 3;
     objects->identity_count = 3;

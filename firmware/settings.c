@@ -53,8 +53,9 @@ static int is_finite(float value)
     return real_is_finite(value);
 }
 
-/* Half the range: then zero and stroke together stay in it, to either side. */
-static const float counts_limit = 1073741824.0f;
+/* The float below half the range: then zero and stroke together stay in it, to either side, also
+ * where a count was rounded to a float. */
+static const float counts_limit = 1073741760.0f;
 
 static bool is_force(float force_N)
 {

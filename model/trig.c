@@ -66,14 +66,9 @@ static inline real cos_near_zero(real x, real tail)
     return top + (lost + (z * z * polynomial(cos_coefficients, TRIG_COS_COUNT, z) - x * tail));
 }
 
-static inline int is_unusable(real x)
-{
-    return !real_is_finite(x);
-}
-
 void real_sincos(real x_rad, real *sin_x, real *cos_x)
 {
-    if (is_unusable(x_rad)) {
+    if (!real_is_finite(x_rad)) {
         *sin_x = *cos_x = x_rad - x_rad;
         return;
     }

@@ -27,9 +27,9 @@ static void limit(const struct command_guard *guard, const struct sea_request *l
     if (last->enable && request->precompression_m > highest_m) {
         request->precompression_m = highest_m;
     }
-    const bool within = request->precompression_m >= -guard->command_limit_m &&
-                        request->precompression_m <= guard->command_limit_m;
-    if (!within) { /* or not a number */
+    /* Outside, or not a number. */
+    if (!real_is_within(request->precompression_m, -guard->command_limit_m,
+                        guard->command_limit_m)) {
         *request = (struct sea_request){REAL(0.0), false, false};
     }
 }
@@ -40,6 +40,8 @@ void command_guard_limit(struct command_guard *guard, bool powered,
     for (int side = 0; side < SIDE_COUNT; side++) {
         if (powered) {
             limit(guard, &guard->last[side], &request[side]);
+        } else {
+            request[side] = (struct sea_request){REAL(0.0), false, false};
         }
         guard->last[side] = request[side];
     }

@@ -29,8 +29,8 @@ void command_guard_begin_motions(struct command_guard *guard, const struct contr
                                  real share);
 
 /* Once a tick, on both requests. Where powered, limits their rise against those of the last tick;
- * a request that is not finite or beyond command_limit_m becomes zero, disabled and disarmed.
- * Remembers both for the next tick. Constant cost. */
+ * a request that is not finite or beyond command_limit_m becomes zero, disabled and disarmed. Where
+ * not powered, each request becomes that. Remembers both for the next tick. Constant cost. */
 void command_guard_limit(struct command_guard *guard, bool powered,
                          struct sea_request request[SIDE_COUNT]);
 

@@ -18,37 +18,67 @@ void push_watch_begin(struct push_watch *watch)
     for (int side = 0; side < SIDE_COUNT; side++) {
         forget(&watch->leg[side]);
     }
+    watch->leg[SIDE_LEFT].dragged = watch->leg[SIDE_RIGHT].dragged = false;
     watch->missed_in_row = 0;
+    watch->dragged_in_row = 0;
+}
+
+static void count_up(uint8_t *number)
+{
+    if (*number < UINT8_MAX) {
+        (*number)++;
+    }
 }
 
 void push_watch_prescribe(struct push_watch *watch, enum side side)
 {
+    struct push_leg *leg = &watch->leg[side];
     (void)push_watch_end(watch, side);
-    watch->leg[side].prescribed = true;
+    if (!leg->dragged && leg->last == PUSH_GIVEN) {
+        watch->dragged_in_row = 0;
+    }
+    leg->dragged = false;
+    leg->prescribed = true;
 }
 
-void push_watch_tick(struct push_watch *watch, enum side side, bool armed, bool waits, bool behind,
-                     enum latch_state latch)
+bool push_watch_drag(struct push_watch *watch, enum side side)
 {
     struct push_leg *leg = &watch->leg[side];
-    if (behind) {
+    if (leg->dragged) {
+        return false;
+    }
+    leg->dragged = true;
+    leg->last = (uint8_t)PUSH_DRAGS;
+    count(&leg->count[PUSH_DRAGS]);
+    count_up(&watch->dragged_in_row);
+    return true;
+}
+
+void push_watch_tick(struct push_watch *watch, enum side side, const struct push_view *view,
+                     uint32_t tick)
+{
+    struct push_leg *leg = &watch->leg[side];
+    if (view->behind) {
         count(&leg->behind_ticks);
     }
     if (!leg->prescribed) {
         return;
     }
-    leg->waited = waits;
-    leg->armed = leg->armed || armed;
+    leg->waited = view->waits;
+    if (view->armed && !leg->armed) {
+        leg->armed = true;
+        leg->armed_tick = tick;
+    }
     /* A drive that does not tell of its latch is believed. */
-    leg->opened = leg->opened || (leg->armed && latch != LATCH_CLOSED);
+    leg->opened = leg->opened || (leg->armed && view->latch != LATCH_CLOSED);
 }
 
-void push_watch_strike(struct push_watch *watch, enum side side, bool loaded)
+void push_watch_strike(struct push_watch *watch, enum side side, uint32_t strike_tick)
 {
     struct push_leg *leg = &watch->leg[side];
     if (leg->prescribed && !leg->struck) {
         leg->struck = true;
-        leg->loaded = loaded;
+        leg->loaded = leg->armed && leg->armed_tick <= strike_tick;
     }
 }
 
@@ -63,7 +93,7 @@ static enum push_outcome judge(const struct push_leg *leg)
     if (leg->waited) {
         return PUSH_LATCH_OPEN;
     }
-    return leg->loaded || leg->armed ? PUSH_NOT_RELEASED : PUSH_NOT_LOADED;
+    return leg->loaded ? PUSH_NOT_RELEASED : PUSH_NOT_LOADED;
 }
 
 enum push_outcome push_watch_end(struct push_watch *watch, enum side side)
@@ -76,8 +106,8 @@ enum push_outcome push_watch_end(struct push_watch *watch, enum side side)
         leg->last = (uint8_t)outcome;
         if (outcome == PUSH_GIVEN) {
             watch->missed_in_row = 0;
-        } else if (watch->missed_in_row < UINT8_MAX) {
-            watch->missed_in_row++;
+        } else {
+            count_up(&watch->missed_in_row);
         }
         forget(leg);
         return outcome;

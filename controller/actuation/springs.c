@@ -29,7 +29,9 @@ void springs_begin(struct springs *springs, const struct control_params *params,
         springs->waits[side] = false;
         springs->open[side] = false;
         springs->push_s[side] = REAL(0.0);
+        springs->swings[side] = false;
     }
+    springs->drags = false;
     push_watch_begin(&springs->watch);
 }
 
@@ -90,6 +92,8 @@ static enum push_outcome end_stance(struct springs *springs, const struct gait_e
 {
     const enum side side = lift_off->side;
     springs->waits[side] = false;
+    springs->swings[side] = true;
+    springs->toe_off_tick[side] = lift_off->tick;
     learn_push(springs, lift_off);
     sea_reference_unload(&springs->sea[side]);
     return push_watch_end(&springs->watch, side);
@@ -100,7 +104,8 @@ enum push_outcome springs_follow(struct springs *springs, const struct step_deci
 {
     const struct gait_event *strike = &gait->event[GAIT_HEEL_STRIKE];
     const struct gait_event *lift_off = &gait->event[GAIT_LIFT_OFF];
-    enum push_outcome outcome = PUSH_NONE;
+    enum push_outcome outcome = springs->drags ? PUSH_DRAGS : PUSH_NONE;
+    springs->drags = false;
     if (decision->improved) { /* not final yet: on the way there already, but not armed */
         begin_loading(springs, decision, decision->side);
     }
@@ -109,7 +114,8 @@ enum push_outcome springs_follow(struct springs *springs, const struct step_deci
     }
     if (strike->happened) {
         const enum side other = side_other(strike->side);
-        push_watch_strike(&springs->watch, other, springs->sea[other].phase == SEA_ARMED);
+        springs->swings[strike->side] = false;
+        push_watch_strike(&springs->watch, other, strike->tick);
         if (decision->assists) {
             push_watch_prescribe(&springs->watch, strike->side);
         }
@@ -189,6 +195,19 @@ static void take_back(struct springs *springs, const struct control_params *para
     }
 }
 
+/* The spring still pushes at a foot that is to be free. */
+static void watch_swing(struct springs *springs, const struct control_params *params,
+                        enum side side, const struct controller_input *input)
+{
+    const struct sea_measurement *sea = &input->sea[side];
+    const real pushed_m = sea->precompression_m - input->leg[side].ankle_extension_m;
+    if (springs->swings[side] && sea->latch == LATCH_OPEN && pushed_m > params->sea_tolerance_m &&
+        !body_of(params->body)->ankle_is_held &&
+        seconds_since(input->tick, springs->toe_off_tick[side]) > SWING_FREE_S) {
+        springs->drags = push_watch_drag(&springs->watch, side) || springs->drags;
+    }
+}
+
 static bool is_behind(const struct springs *springs, const struct control_params *params,
                       enum side side, real measured_m)
 {
@@ -200,18 +219,27 @@ void springs_command(struct springs *springs, const struct control_params *param
                      const struct controller_input *input, enum supervisor_state state,
                      const struct gait_state *gait, struct sea_request request[SIDE_COUNT])
 {
+    const bool assists = supervisor_may_assist(state);
     for (int side = 0; side < SIDE_COUNT; side++) {
         const struct sea_measurement *sea = &input->sea[side];
         load_when_allowed(springs, params, (enum side)side, sea->latch);
         take_back(springs, params, (enum side)side, input);
+        watch_swing(springs, params, (enum side)side, input);
         request[side] = sea_reference_update(&springs->sea[side], params, sea->precompression_m);
         /* A drive that is not heard while it is to unload does it by itself. */
         const bool silent = state == SUPERVISOR_UNLOADING &&
                             sea->age_ticks > ticks_from_seconds(params->sensor_age_max_s);
         request[side].enable = !silent;
-        request[side].latch_armed = request[side].latch_armed && may_release(gait, (enum side)side);
-        push_watch_tick(
-            &springs->watch, (enum side)side, request[side].latch_armed, springs->waits[side],
-            is_behind(springs, params, (enum side)side, sea->precompression_m), sea->latch);
+        if (!assists || !may_release(gait, (enum side)side)) {
+            request[side].latch_armed = false;
+        }
+        /*@ assert armed_near_strike: request[side].latch_armed == 0 ||
+              (assists && gait->strike_near && gait->stance == side); */
+        const struct push_view view = {
+            .armed = request[side].latch_armed,
+            .waits = springs->waits[side],
+            .behind = is_behind(springs, params, (enum side)side, sea->precompression_m),
+            .latch = sea->latch};
+        push_watch_tick(&springs->watch, (enum side)side, &view, input->tick);
     }
 }

@@ -27,6 +27,8 @@
 #define PUSH_FIRST_S REAL(0.1)
 #define PUSH_LEAST_S REAL(0.05)
 #define PUSH_MOST_S REAL(0.4)
+/* So long after toe-off the foot is free. */
+#define SWING_FREE_S REAL(0.05)
 /* The motor sets off so long before: it needs some 50 ms, and the foot is to be free 50 ms behind. */
 #define PUSH_LEAD_S REAL(0.025)
 
@@ -34,14 +36,17 @@ struct springs {
     struct sea_reference sea[SIDE_COUNT];
     struct sea_stop stop; /* limits of a stop, by the parameters as it engaged */
     struct push_watch watch;
-    bool may_load[SIDE_COUNT];      /* by the latch, as of the last tick */
-    bool waits[SIDE_COUNT];         /* to be loaded, as soon as it may */
-    bool waits_final[SIDE_COUNT];   /* and to what the step has decided */
-    real waiting_m[SIDE_COUNT];     /* to this */
-    real farthest_m[SIDE_COUNT];    /* the ankle since the latch is open */
-    bool open[SIDE_COUNT];          /* the latch, as of the last tick */
-    uint32_t open_tick[SIDE_COUNT]; /* since when */
-    real push_s[SIDE_COUNT];        /* mean time from there to toe-off; 0 = none seen */
+    bool may_load[SIDE_COUNT];         /* by the latch, as of the last tick */
+    bool waits[SIDE_COUNT];            /* to be loaded, as soon as it may */
+    bool waits_final[SIDE_COUNT];      /* and to what the step has decided */
+    real waiting_m[SIDE_COUNT];        /* to this */
+    real farthest_m[SIDE_COUNT];       /* the ankle since the latch is open */
+    bool open[SIDE_COUNT];             /* the latch, as of the last tick */
+    uint32_t open_tick[SIDE_COUNT];    /* since when */
+    real push_s[SIDE_COUNT];           /* mean time from there to toe-off; 0 = none seen */
+    bool swings[SIDE_COUNT];           /* the foot has left, */
+    uint32_t toe_off_tick[SIDE_COUNT]; /* then */
+    bool drags;                        /* a spring was found to push at a foot in swing */
 };
 
 /* A walk begins: both references start at the motors' positions. */
@@ -53,7 +58,8 @@ void springs_stop(struct springs *springs, const struct controller_input *input)
 
 /* Once a tick while assisting: the decision and the gait's events of this tick. first_stance: no
  * apex has been seen in this walk, so the first stance began without a heel strike. Returns what
- * became of a push-off whose stance ended in this tick, else PUSH_NONE. Constant cost. */
+ * became of a push-off whose stance ended in this tick, PUSH_DRAGS of one that was found to drag, else
+ * PUSH_NONE. Constant cost. */
 enum push_outcome springs_follow(struct springs *springs, const struct step_decision *decision,
                                  const struct gait_state *gait, bool first_stance);
 

@@ -6,8 +6,9 @@
 #define SECOND_SHARE REAL(0.2)
 #define PROVES_SECOND REAL(0.1)
 #define FULL_SHARE REAL(1.0)
-/* A motor's force has its friction and inertia in it: so much more is nothing to stop for. */
-#define FRICTION_SHARE REAL(0.03)
+/* A motor's force has its friction and inertia in it, on a screw several per cent of the largest load: so
+ * much more is nothing to stop for. */
+#define FRICTION_SHARE REAL(0.1)
 /* A motor this far beyond what it was sent to, as a part of it, has run away. */
 #define BEYOND_RATIO REAL(1.5)
 /* The bandwidth is where the motor does this part of its reference: 3 dB less (IEC 60050-702). */
@@ -24,7 +25,9 @@ enum {
     RETURN_TICKS = TICKS_OF_MS(500),
     HOLD_TICKS = TICKS_OF_MS(300),
     SETTLE_TICKS = TICKS_OF_MS(500),
-    FIRST_CYCLES = 2 /* of an oscillation: they begin from rest */
+    WAIT_TICKS = TICKS_OF_MS(200), /* what the drives do when they are enabled has died away */
+    FIRST_CYCLES = 2,              /* of an oscillation: they begin from rest */
+    HEAVY_SAMPLES = 2 /* force samples in a row: a single one may be the drive's own noise */
 };
 
 void motion_init(struct motion *motion)
@@ -94,9 +97,15 @@ static void turn_back(struct motion *motion, enum motion_outcome outcome)
     go_to(motion, MOTION_RETURNS);
 }
 
-void motion_enter(struct motion *motion)
+void motion_enter(struct motion *motion, const struct control_params *params,
+                  const struct controller_input *input)
 {
-    motion->reference_m[SIDE_LEFT] = motion->reference_m[SIDE_RIGHT] = REAL(0.0);
+    const real within_m = params->sea_tolerance_m; /* as the supervisor's checks have seen it */
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        motion->reference_m[side] =
+            real_clamp(input->sea[side].precompression_m, -within_m, within_m);
+    }
+    motion->heavy_samples = 0;
     motion->armed = motion->cut = false;
     go_to(motion, MOTION_IDLE);
 }
@@ -151,6 +160,7 @@ static void begin(struct motion *motion, const struct control_params *params,
     motion->frequency_Hz = fastest_Hz(params, motion->size_m, request->frequency_Hz);
     motion->bandwidth_Hz = motion->last_frequency_Hz = REAL(0.0);
     motion->release_ticks = motion->unload_ticks = UINT16_MAX;
+    motion->heavy_samples = 0;
     go_to(motion, MOTION_WAITS);
 }
 
@@ -313,17 +323,27 @@ static void give_back(struct motion *motion, const struct control_params *params
 }
 
 /* More than this stage allows, in force or in way. What a drive does that is cut off is its own. */
-static bool is_beyond(const struct motion *motion, const struct control_params *params,
+static bool is_beyond(struct motion *motion, const struct control_params *params,
                       const struct sea_measurement *sea)
 {
     const real share = motion_share_allowed(motion);
     const real limit_N = (share < FULL_SHARE ? share + FRICTION_SHARE : BEYOND_RATIO) *
                          params->spring_stiffness_n_m * params->r0_max_m;
-    const bool heavy = sea->force_age_ticks == 0 && real_abs(sea->force_N) > limit_N;
+    if (sea->force_age_ticks == 0) {
+        motion->heavy_samples =
+            real_abs(sea->force_N) > limit_N ? (uint8_t)(motion->heavy_samples + 1u) : 0u;
+    }
+    const bool heavy = motion->heavy_samples >= HEAVY_SAMPLES;
     const bool far =
         sea->precompression_m > BEYOND_RATIO * motion->size_m + params->sea_tolerance_m ||
         sea->precompression_m < -BEYOND_RATIO * motion->size_m - params->sea_tolerance_m;
     return !motion->cut && (heavy || far);
+}
+
+static bool is_at_zero(const struct motion *motion)
+{
+    return motion->reference_m[SIDE_LEFT] == REAL(0.0) &&
+           motion->reference_m[SIDE_RIGHT] == REAL(0.0);
 }
 
 static void step(struct motion *motion, const struct control_params *params,
@@ -338,7 +358,7 @@ static void step(struct motion *motion, const struct control_params *params,
     }
     switch (motion->phase) {
     case MOTION_WAITS:
-        if (enabled) {
+        if (enabled && motion->phase_ticks >= WAIT_TICKS && is_at_zero(motion)) {
             go_to(motion, MOTION_LOADS);
         }
         break;
@@ -356,11 +376,24 @@ static void step(struct motion *motion, const struct control_params *params,
     }
 }
 
+/* A motor that was not quite at zero when it was enabled is not made to jump there. */
+static void creep_to_zero(struct motion *motion, const struct control_params *params)
+{
+    const real step_m = params->sea_tolerance_m / (real)WAIT_TICKS;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const real reference_m = motion->reference_m[side];
+        motion->reference_m[side] -= real_clamp(reference_m, -step_m, step_m);
+    }
+}
+
 void motion_update(struct motion *motion, const struct control_params *params,
                    const struct controller_input *input)
 {
     const struct motion_request *request = &input->motion;
     motion->phase_ticks++;
+    if (motion->phase == MOTION_IDLE || motion->phase == MOTION_WAITS) {
+        creep_to_zero(motion, params);
+    }
     if (motion->phase == MOTION_IDLE && request->order != motion->order &&
         request->kind != MOTION_KIND_UNLOAD) {
         begin(motion, params, request);

@@ -10,7 +10,7 @@
  *     fault begins anew at 5 %, but not the one that a cut of the link makes by intent.
  *   - Beyond the force of the stage, or with the motor far from its reference, a motion returns to zero.
  *
- *   WAITS --both drives enabled--> LOADS --reference there--> HOLDS --time--> RETURNS --at zero--> IDLE
+ *   WAITS --both drives enabled, at zero--> LOADS --reference there--> HOLDS --time--> RETURNS --at zero--> IDLE
  *
  * The reference is half a cosine each way, so that it begins and ends at rest.
  */
@@ -70,6 +70,7 @@ struct motion {
     real size_m; /* the reference's largest value */
     real from_m; /* where RETURNS begins */
     real reference_m[SIDE_COUNT];
+    uint8_t heavy_samples;      /* forces in a row beyond what the stage allows */
     bool spent;                 /* a fault ended the request: it takes MOTION_KIND_NONE first */
     bool armed;                 /* the latch of `side` may be opened by the node */
     bool cut;                   /* nothing may be sent to the drives */
@@ -90,8 +91,9 @@ void motion_init(struct motion *motion);
  * newest force samples. O(1). */
 bool motion_watch(struct motion *motion, const struct controller_input *input);
 
-/* COMMISSIONING begins: both references at zero. */
-void motion_enter(struct motion *motion);
+/* COMMISSIONING begins: both references where the motors are, and from there slowly to zero. */
+void motion_enter(struct motion *motion, const struct control_params *params,
+                  const struct controller_input *input);
 
 /* COMMISSIONING has ended: a motion under way is interrupted. by_fault: loads begin small again. */
 void motion_forget(struct motion *motion, bool by_fault);

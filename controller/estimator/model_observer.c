@@ -83,7 +83,8 @@ static void advance_gains(struct model_observer *observer, uint32_t tick, real s
            observer_gains[observer->knot + 1].since <= since) {
         observer->knot++;
     }
-    const struct observer_gain *a = &observer_gains[observer->knot];
+    const uint32_t last = OBSERVER_GAIN_KNOTS - 2;
+    const struct observer_gain *a = &observer_gains[observer->knot < last ? observer->knot : last];
     const struct observer_gain *b = a + 1;
     const real part = real_clamp((since - a->since) / (b->since - a->since), REAL(0.0), REAL(1.0));
     for (int i = 0; i < 2; i++) {
@@ -209,7 +210,7 @@ static bool recall_strike(const struct model_observer *observer, uint32_t tick, 
                           real *state, real *since_s)
 {
     const real ticks = age_s * (real)CONTROL_RATE_HZ;
-    if (!(ticks >= REAL(0.0)) || ticks > (real)(MODEL_HISTORY - 2)) {
+    if (!real_is_within(ticks, REAL(0.0), (real)(MODEL_HISTORY - 2))) {
         return false;
     }
     const uint32_t whole = (uint32_t)ticks;
@@ -228,7 +229,7 @@ static bool recall_strike(const struct model_observer *observer, uint32_t tick, 
 
 void model_observer_strike(struct model_observer *observer, uint32_t tick, real age_s, real rest_m)
 {
-    real strike[SINGLE_SUPPORT_STATES], since_s;
+    real strike[SINGLE_SUPPORT_STATES] = {REAL(0.0)}, since_s = REAL(0.0);
     if (observer->phase != MODEL_SINGLE ||
         !recall_strike(observer, tick, age_s, strike, &since_s)) {
         model_observer_lose(observer);

@@ -37,12 +37,10 @@ static void find_events(struct body_state *body, const struct body_tick *now, in
     const uint32_t tick = now->input->tick;
     const struct leg_event event = person_events_update(&body->leg[side], view, tick);
     if (event.kind == LEG_EVENT_STRIKE) {
-        const real age_s = event.age_s + strike_bias_s(now->params, side);
-        gait_events_strike(now->gait, now->clock, now->params, (enum side)side, tick, age_s);
-        arm_window_strike(&body->window[side], tick, age_s + now->params->sensor_latency_s);
+        gait_events_strike(now->gait, now->clock, now->params, (enum side)side, tick, event.age_s);
+        arm_window_strike(&body->window[side], tick, event.age_s + now->params->sensor_latency_s);
     } else if (event.kind == LEG_EVENT_TOE_OFF) {
-        gait_events_lift_off(now->gait, now->params, (enum side)side, tick,
-                             event.age_s + toe_off_bias_s(now->params, side));
+        gait_events_lift_off(now->gait, now->params, (enum side)side, tick, event.age_s);
         body->window[1 - side].closed = true;
     }
 }
@@ -111,6 +109,8 @@ static void update(struct body_state *body, const struct body_tick *now)
                          angle_history_at(now->history, 1 - i, centre);
         view.extension = leg->ankle_extension_m * per_leg_length;
         view.fresh = leg->age_ticks == 0;
+        view.strike_bias_s = strike_bias_s(now->params, i);
+        view.toe_off_bias_s = toe_off_bias_s(now->params, i);
         find_events(body, now, i, &view);
     }
     watch_windows(body, now, view.walking_speed_rad_s);

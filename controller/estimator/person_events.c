@@ -204,6 +204,8 @@ struct leg_event person_events_update(struct person_events *leg, const struct le
         enter(leg, LEG_UNKNOWN, tick);
     }
     leg->rate_before_rad_s = view->rate_rad_s;
-    const struct leg_event toe_off = place_toe_off(leg, least_1_s, tick);
-    return toe_off.kind != LEG_EVENT_NONE ? toe_off : pop_due(leg, event);
+    event.age_s += view->strike_bias_s;
+    struct leg_event toe_off = place_toe_off(leg, least_1_s, tick);
+    toe_off.age_s += view->toe_off_bias_s;
+    return pop_due(leg, toe_off.kind != LEG_EVENT_NONE ? toe_off : event);
 }

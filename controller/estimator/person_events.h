@@ -62,6 +62,8 @@ struct leg_view {
     real walking_speed_rad_s; /* forward speed at the last apexes, > 0 */
     real extension;           /* of the ankle, over the leg's length */
     bool fresh;               /* the sensor's sample of this tick has come */
+    real strike_bias_s;       /* fitted: this leg's strikes are found so late, */
+    real toe_off_bias_s;      /* and its toe-offs; negative: early */
 };
 
 /* Slope of the line through the samples within LEG_RATE_HALF_WINDOW of `centre`, rad/s;

@@ -53,7 +53,7 @@ real gait_branch_at(const struct gait_branch *branch, real speed_rad_s,
     const real last = (real)(branch->count - 1u);
     const real position = real_clamp(
         (speed_rad_s - branch->speed_min_rad_s) / branch->speed_step_rad_s, REAL(0.0), last);
-    uint32_t interval = (uint32_t)position;
+    uint32_t interval = real_is_within(position, REAL(0.0), last) ? (uint32_t)position : 0u;
     if (interval > branch->count - 2u) {
         interval = branch->count - 2u;
     }

@@ -5,6 +5,7 @@ void step_plan_begin(struct step_plan *plan, const struct control_params *params
     step_law_init(&plan->law, params);
     plan->change_max_m = params->r0_change_max_m;
     plan->assist_level = control_params_test_mode(params) ? REAL(1.0) : REAL(0.0);
+    plan->assist_most = REAL(1.0);
     plan->step_pending = false;
 }
 
@@ -12,7 +13,7 @@ void step_plan_raise_assist(struct step_plan *plan, const struct control_params 
 {
     if (!control_params_test_mode(params)) {
         const real assist_level = plan->assist_level + REAL(1.0) / params->engage_ramp_steps;
-        plan->assist_level = assist_level < REAL(1.0) ? assist_level : REAL(1.0);
+        plan->assist_level = assist_level < plan->assist_most ? assist_level : plan->assist_most;
     }
 }
 
@@ -20,6 +21,7 @@ void step_plan_lower_assist(struct step_plan *plan, const struct control_params 
 {
     if (!control_params_test_mode(params)) {
         plan->assist_level *= REAL(0.75);
+        plan->assist_most = plan->assist_level;
     }
 }
 

@@ -21,6 +21,7 @@ struct step_plan {
     struct step_record pending_step; /* of the apex whose push-off the law still works on */
     real change_max_m;               /* of r0 from step to step, by the parameters as it engaged */
     real assist_level;               /* of the law's precompression that is given, 0..1 */
+    real assist_most;                /* what the device has shown that it can give, 0..1 */
     bool step_pending;
 };
 
@@ -37,11 +38,11 @@ struct step_decision {
 void step_plan_begin(struct step_plan *plan, const struct control_params *params);
 
 /* A steady step has ended while walking: the assist level rises by one part of
- * engage_ramp_steps, to at most 1; not in test mode. */
+ * engage_ramp_steps, to at most 1, or what the device can give; not in test mode. */
 void step_plan_raise_assist(struct step_plan *plan, const struct control_params *params);
 
-/* A prescribed push-off was not given: a smaller one may be loaded in time. The assist level falls to
- * three quarters, and steady steps raise it again; not in test mode. */
+/* A prescribed push-off was not given, or dragged: a smaller one may be loaded, and taken back, in time.
+ * The assist level falls to three quarters and rises no higher in this walk; not in test mode. */
 void step_plan_lower_assist(struct step_plan *plan, const struct control_params *params);
 
 /* Once a tick while assisting, with the observer's events of this tick. desired_speed_rad_s: the

@@ -69,7 +69,7 @@ static inline float bytes_get_f32(const uint8_t *from)
  * the ends of int32_t. */
 static inline int32_t bytes_saturate_i32(float value, int32_t low, int32_t high)
 {
-    if (!(value > (float)low)) {
+    if (value != value || value <= (float)low) {
         return low;
     }
     if (value >= (float)high) {

@@ -89,7 +89,7 @@ unsigned co_od_load(const struct co_entry *entry, const void *base, uint8_t *out
     const uint8_t *value = (const uint8_t *)base + entry->offset;
     if (entry->type == CO_VISIBLE_STRING) {
         unsigned length = 0;
-        while (length < entry->size && value[length] != 0) {
+        while (length < CO_VALUE_MAX && length < entry->size && value[length] != 0) {
             out[length] = value[length];
             length++;
         }
@@ -184,6 +184,7 @@ uint32_t co_od_store(const struct co_entry *entry, void *base, const uint8_t *by
     }
     uint8_t *value = (uint8_t *)base + entry->offset;
     if (entry->type == CO_VISIBLE_STRING) {
+        /*@ split length; */
         memcpy(value, bytes, length);
         memset(value + length, 0, entry->size - length);
         return CO_ABORT_NONE;

@@ -103,14 +103,20 @@ static void request_next_upload(struct co_sdo_client *client)
 
 static void request_next_download(struct co_sdo_client *client)
 {
-    const unsigned left = (unsigned)(client->length - client->position);
+    unsigned left = 0;
+    /*@ split client->position; */
+    if (client->position < client->length) {
+        left = (unsigned)(client->length - client->position);
+    }
     const unsigned count = left < SEGMENT_BYTES ? left : SEGMENT_BYTES;
     memset(client->request, 0, sizeof client->request);
     client->request[0] =
         (uint8_t)(REQUEST_DOWNLOAD_SEGMENT | client->toggle | (SEGMENT_BYTES - count) << 1 |
                   (count == left ? LAST_SEGMENT : 0));
-    memcpy(client->request + 1, client->buffer + client->position, count);
-    client->position = (uint8_t)(client->position + count);
+    if (count > 0) {
+        memcpy(client->request + 1, client->buffer + client->position, count);
+        client->position = (uint8_t)(client->position + count);
+    }
     client->unsent = true;
 }
 
@@ -139,12 +145,15 @@ static void take_upload_segment(struct co_sdo_client *client, const uint8_t *ans
         fail(client, CO_ABORT_TOGGLE, true);
         return;
     }
-    if (client->position + count > CO_VALUE_MAX) {
+    /*@ split client->position; */
+    if (client->position > CO_VALUE_MAX || count > CO_VALUE_MAX - (unsigned)client->position) {
         fail(client, CO_ABORT_MEMORY, true);
         return;
     }
-    memcpy(client->buffer + client->position, answer + 1, count);
-    client->position = (uint8_t)(client->position + count);
+    if (count > 0) {
+        memcpy(client->buffer + client->position, answer + 1, count);
+        client->position = (uint8_t)(client->position + count);
+    }
     client->toggle ^= TOGGLE;
     if ((answer[0] & LAST_SEGMENT) != 0) {
         client->length = client->position;

@@ -35,6 +35,7 @@ void co_sdo_server_init(struct co_sdo_server *server, const struct co_dictionary
     server->dictionary_count = dictionary_count;
     server->hooks = hooks;
     server->context = context;
+    server->source = server->buffer;
 }
 
 void co_sdo_server_reset(struct co_sdo_server *server)
@@ -164,11 +165,14 @@ static bool initiate_download(struct co_sdo_server *server, const uint8_t *reque
 static uint32_t take_segment(struct co_sdo_server *server, const uint8_t *bytes, unsigned count,
                              bool last)
 {
-    if (server->domain == NULL && server->position + count > CO_VALUE_MAX) {
-        return CO_ABORT_TOO_LONG; /* no object is longer */
-    }
     if (server->domain == NULL) {
-        memcpy(server->buffer + server->position, bytes, count);
+        /*@ split server->position; */
+        if (server->position > CO_VALUE_MAX || count > CO_VALUE_MAX - server->position) {
+            return CO_ABORT_TOO_LONG; /* no object is longer */
+        }
+        if (count > 0) {
+            memcpy(server->buffer + server->position, bytes, count);
+        }
     }
     server->position += count;
     if (server->length != 0 && server->position > server->length) {
@@ -257,10 +261,16 @@ static bool upload_segment(struct co_sdo_server *server, const uint8_t *request,
     if (toggle != server->toggle) {
         return send_abort(server, CO_ABORT_TOGGLE, answer);
     }
-    const uint32_t left = server->length - server->position;
+    uint32_t left = 0;
+    /*@ split server->position; */
+    if (server->position < server->length) {
+        left = server->length - server->position;
+    }
     const unsigned count = left < SEGMENT_BYTES ? left : SEGMENT_BYTES;
-    memcpy(answer + 1, server->source + server->position, count);
-    server->position += count;
+    if (count > 0) {
+        memcpy(answer + 1, server->source + server->position, count);
+        server->position += count;
+    }
     server->toggle = (uint8_t)(toggle ^ TOGGLE);
     answer[0] = (uint8_t)(SERVER_UPLOAD_SEGMENT | toggle | (SEGMENT_BYTES - count) << 1);
     if (server->position == server->length) {

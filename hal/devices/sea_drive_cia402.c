@@ -129,7 +129,7 @@ static float metres_from_counts(const struct cia402_axis_config *config, int32_t
 static int32_t counts_from_metres(const struct cia402_axis_config *config, float metres)
 {
     const int32_t travel =
-        bytes_saturate_i32(metres * config->counts_per_m, INT32_MIN / 2, INT32_MAX / 2);
+        bytes_saturate_i32(metres * config->counts_per_m, -(INT32_MAX / 2), INT32_MAX / 2);
     return config->zero_counts + travel * config->direction;
 }
 

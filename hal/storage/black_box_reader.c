@@ -66,21 +66,37 @@ static enum black_box_item damaged(struct black_box_reader *reader)
     return BLACK_BOX_DAMAGED;
 }
 
+/* Of a frame that is kept whole: code, flags, length, identifier. */
+enum { RAW_BYTES = 7 };
+
+/* Where the records of a block end. */
+static uint32_t end_of(const struct black_box_block *block)
+{
+    return block->used < sizeof block->data ? block->used : (uint32_t)sizeof block->data;
+}
+
 static enum black_box_item read_raw(struct black_box_reader *reader,
                                     const struct black_box_block *block)
 {
     const uint8_t *record = block->data + reader->position;
-    uint32_t left = block->used - reader->position;
+    const uint32_t end = end_of(block);
+    uint8_t length;
 
-    if (left < 7U || record[2] > CAN_FRAME_DATA_MAX || left < 7U + record[2]) {
+    if (end < RAW_BYTES || reader->position > end - RAW_BYTES) {
+        return damaged(reader);
+    }
+    length = record[2];
+    if (length > CAN_FRAME_DATA_MAX || length > end - RAW_BYTES - reader->position) {
         return damaged(reader);
     }
     reader->message.flags = record[1];
-    reader->message.length = record[2];
+    reader->message.length = length;
     reader->message.id = (uint32_t)record[3] | ((uint32_t)record[4] << 8) |
                          ((uint32_t)record[5] << 16) | ((uint32_t)record[6] << 24);
-    memcpy(reader->message.data, record + 7, record[2]);
-    reader->position += 7U + record[2];
+    reader->position += RAW_BYTES;
+    for (uint32_t i = 0; i < length && reader->position < end; i++) {
+        reader->message.data[i] = block->data[reader->position++];
+    }
     return BLACK_BOX_FRAME;
 }
 
@@ -88,13 +104,14 @@ static enum black_box_item read_row(struct black_box_reader *reader,
                                     const struct black_box_block *block, uint8_t code)
 {
     uint32_t row = code & (uint32_t)BLACK_BOX_ROW_MASK;
+    const uint32_t end = end_of(block);
     uint32_t at = reader->position + 1U, mask = 0;
 
     if (row >= sizeof table / sizeof table[0]) {
         return damaged(reader);
     }
     if ((code & BLACK_BOX_SAME) == 0) {
-        if (at >= block->used) {
+        if (at >= end) {
             return damaged(reader);
         }
         mask = block->data[at++];
@@ -103,7 +120,7 @@ static enum black_box_item read_row(struct black_box_reader *reader,
         if ((mask & (1U << i)) == 0U) {
             continue;
         }
-        if (at >= block->used || i >= table[row].bytes) {
+        if (at >= end || i >= table[row].bytes) {
             return damaged(reader);
         }
         reader->last[row][i] = block->data[at++];
@@ -128,7 +145,7 @@ enum black_box_item black_box_reader_next(struct black_box_reader *reader)
         return begin_block(reader);
     }
     block = &reader->box->blocks[reader->order[reader->next_block - 1U]];
-    if (reader->position >= block->used) {
+    if (reader->position >= end_of(block)) {
         return begin_block(reader);
     }
     memset(&reader->message, 0, sizeof reader->message);

@@ -1,6 +1,6 @@
 #include "sim_host/cli/host_options.h"
 
-enum { KEY_AUTO_RESET = 0x100, KEY_ANSWER_TIMEOUT };
+enum { KEY_AUTO_RESET = 0x100, KEY_ANSWER_TIMEOUT, KEY_STANDBY };
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "Time:", 3},
@@ -14,6 +14,8 @@ static const struct argp_option option_list[] = {
      "clear a latched fault once all nodes are back and still, and walk again (on a bench only: "
      "never with a person in it)",
      0},
+    {"standby", KEY_STANDBY, 0, 0,
+     "ask for no walk at the start: afo ctl walk does, or afo commission moves", 0},
     {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -30,6 +32,9 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_ANSWER_TIMEOUT:
         options->answer_timeout_ns =
             option_whole(state, "--answer-timeout", text, 1, 600000) * 1000000u;
+        break;
+    case KEY_STANDBY:
+        options->standby = true;
         break;
     case KEY_AUTO_RESET:
         options->auto_reset = true;

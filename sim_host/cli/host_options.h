@@ -13,6 +13,7 @@ struct host_options {
     struct bus_options bus;
     bool real_time;
     bool auto_reset; /* on a bench: clear a latched fault by itself, and walk again */
+    bool standby;    /* no walk is asked for at the start */
     uint64_t answer_timeout_ns;
 };
 

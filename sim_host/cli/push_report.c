@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { DIGITS = 6, FIGURES = 25 };
+enum { DIGITS = 6, FIGURES = 26 };
 
 /* One figure of a leg. */
 struct figure {
@@ -33,6 +33,7 @@ static void figures_of(const struct push_record *record, const struct loop *loop
         {"missed_latch_open", seen->count[PUSH_LATCH_OPEN]},
         {"missed_not_loaded", seen->count[PUSH_NOT_LOADED]},
         {"missed_not_released", seen->count[PUSH_NOT_RELEASED]},
+        {"dragged_in_swing", seen->count[PUSH_DRAGS]},
         {"peak_torque_Nm", push_mean_of(&leg->torque_Nm)},
         {"most_torque_Nm", leg->most_torque_Nm},
         {"work_J", push_mean_of(&leg->work_J)},
@@ -129,6 +130,12 @@ static void leg_lines(FILE *stream, const struct push_record *record, const stru
             push_record_rms_A(leg), leg->peak_A, leg->hottest_degC, leg->lowest_V,
             percent((double)leg->limited_ticks / (double)leg->ticks));
     }
+    if (seen->count[PUSH_DRAGS] > 0) {
+        fprintf(
+            stream,
+            "             %u pushes dragged at the foot in swing: the motor was not back in time\n",
+            (unsigned)seen->count[PUSH_DRAGS]);
+    }
     if (missed > 0) {
         fprintf(
             stream,
@@ -151,7 +158,9 @@ void push_report_text(FILE *stream, const struct push_record *record, const stru
     if (symmetry == symmetry) {
         fprintf(stream, "  symmetry   %.0f %% (work of the weaker leg)\n", percent(symmetry));
     }
-    if (loop->rig.task.controller.springs.watch.missed_in_row >= PUSH_WATCH_MISSES) {
-        fputs("  withdrawn  three pushes in a row were prescribed and not given\n", stream);
+    if (loop->rig.task.controller.request_spent) {
+        fputs(
+            "  withdrawn  three pushes in a row were not given, or dragged at the foot in swing\n",
+            stream);
     }
 }

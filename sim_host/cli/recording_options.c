@@ -69,7 +69,8 @@ enum {
     KEY_SWITCH_FAULT,
     KEY_SWITCH_FAULT_S,
     KEY_LATCH_FAULT,
-    KEY_LATCH_FAULT_S
+    KEY_LATCH_FAULT_S,
+    KEY_FIT
 };
 
 static const struct argp_option option_list[] = {
@@ -89,6 +90,10 @@ static const struct argp_option option_list[] = {
     {"latch-fault", KEY_LATCH_FAULT, "NAME", 0,
      "of both latches: well, opens, stays-open or stays-closed", 0},
     {"latch-fault-s", KEY_LATCH_FAULT_S, "S", 0, "it begins so late (default 10)", 0},
+    {"fit", KEY_FIT, "FILE.ini", 0,
+     "a fitting run: learn the bias of each leg's detection from the switches, and write the person's "
+     "file with it",
+     0},
     {0}};
 
 static const double FAULT_S = 10.0;
@@ -99,6 +104,10 @@ static void check_together(struct argp_state *state, const struct recording_opti
 {
     if (options->path == NULL && options->format_given) {
         argp_error(state, "--column, --rate and --angles describe the recording of --recording");
+    }
+    if (options->fit_path != NULL &&
+        (options->path == NULL || options->switches == FOOT_SWITCH_NONE)) {
+        argp_error(state, "--fit needs --recording, and foot switches");
     }
     if (options->path == NULL && options->switches_given) {
         argp_error(state, "--switches and the faults of switches and latches are of the person of "
@@ -152,6 +161,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_LATCH_FAULT_S:
         options->latch_fault_s = option_number(state, "--latch-fault-s", text, 0.0, 1e6);
+        return 0;
+    case KEY_FIT:
+        options->fit_path = text;
         return 0;
     case ARGP_KEY_END:
         check_together(state, options);

@@ -19,6 +19,7 @@ struct recording_options {
     double switch_fault_s;               /* from so long after its beginning on */
     enum plant_latch_fault latch_fault;  /* of both latches */
     double latch_fault_s;
+    const char *fit_path; /* NULL: no fitting run */
     bool switches_given;
 };
 

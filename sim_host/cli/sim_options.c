@@ -8,6 +8,7 @@
 enum {
     KEY_STEPS = 0x100,
     KEY_CSV,
+    KEY_PUSHES,
     KEY_TICKS,
     KEY_LOG,
     KEY_FAULT,
@@ -28,6 +29,7 @@ static const struct argp_option option_list[] = {
     {"real-time", KEY_REAL_TIME, 0, 0, "one tick a millisecond, with a report of the jitter", 0},
     {0, 0, 0, 0, "What comes out:", 3},
     {"csv", KEY_CSV, "FILE", 0, "one line per step; FILE.json says what the experiment was", 0},
+    {"pushes", KEY_PUSHES, "FILE", 0, "one line per leg: torque, work, timing, motor, as CSV", 0},
     {"ticks", KEY_TICKS, 0, 0, "one line per tick in --csv instead", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
     {"json", 'j', 0, 0, "one JSON object on standard output instead of the report", 0},
@@ -96,6 +98,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_CSV:
         options->csv_path = text;
+        break;
+    case KEY_PUSHES:
+        options->pushes_path = text;
         break;
     case KEY_TICKS:
         options->ticks = true;

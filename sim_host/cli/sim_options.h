@@ -17,6 +17,7 @@ struct sim_options {
     uint32_t steps; /* UINT32_MAX: to the recording's end */
     struct sensing_options sensing;
     const char *csv_path;
+    const char *pushes_path; /* NULL: no table of the legs' pushes */
     bool ticks;
     const char *log_path;
     struct recording_options recording;

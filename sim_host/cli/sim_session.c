@@ -76,6 +76,7 @@ int sim_session_open(struct sim_session *session)
     }
     if (open_output(&session->csv, options->csv_path) != 0 ||
         open_output(&session->log, options->log_path) != 0 ||
+        open_output(&session->pushes, options->pushes_path) != 0 ||
         loop_init(session->loop, &session->config, session->log.stream, message) != 0) {
         free(session->loop);
         session->loop = NULL;
@@ -95,6 +96,7 @@ int sim_session_open(struct sim_session *session)
 void sim_session_free(struct sim_session *session)
 {
     output_file_discard(&session->csv);
+    output_file_discard(&session->pushes);
     output_file_discard(&session->log);
     walk_record_free(&session->record);
     if (session->loop != NULL) {

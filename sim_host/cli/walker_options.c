@@ -1,6 +1,6 @@
 #include "sim_host/cli/walker_options.h"
 
-enum { KEY_SILENCE = 0x100 };
+enum { KEY_SILENCE = 0x100, KEY_STAND };
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The walker:", 3},
@@ -8,6 +8,7 @@ static const struct argp_option option_list[] = {
      "go on by the clock after so long without SYNC (default 1500: a host in lock-step waits 1000 "
      "for a lost frame; 20 suits real time)",
      0},
+    {"stand", KEY_STAND, 0, 0, "keep it in a stand, for afo commission: it does not walk", 0},
     {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -21,6 +22,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_SILENCE:
         options->silence_ms = option_whole(state, "--silence", text, 2, 60000);
+        return 0;
+    case KEY_STAND:
+        options->in_stand = true;
         return 0;
     case ARGP_KEY_END:
         if (options->bus.steps > WALKER_APEXES_MAX) {

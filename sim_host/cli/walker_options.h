@@ -2,6 +2,7 @@
 #ifndef SIM_HOST_CLI_WALKER_OPTIONS_H
 #define SIM_HOST_CLI_WALKER_OPTIONS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "sim_host/cli/bus_program.h"
@@ -14,6 +15,7 @@ struct walker_options {
     struct walk_options walk;
     struct bus_options bus; /* steps: at most WALKER_APEXES_MAX */
     struct sensing_options sensing;
+    bool in_stand;       /* it is held for ever, for commissioning */
     uint64_t silence_ms; /* without SYNC, before time goes on by the clock */
 };
 

@@ -23,6 +23,8 @@ void gait_record_free(struct gait_record *record)
         free(record->release[side].at);
         free(record->true_strike[side].at);
         free(record->true_toe_off[side].at);
+        free(record->switch_closed[side].at);
+        free(record->switch_opened[side].at);
     }
     memset(record, 0, sizeof *record);
 }
@@ -84,6 +86,25 @@ void gait_record_truth(struct gait_record *record, const struct walk_event *even
     }
 }
 
+/* Edges of the switches, as the controller takes them for a foot's. */
+static void take_switches(struct gait_record *record, const struct loop *loop, double period_s)
+{
+    const struct walk_proof *proof = &loop->rig.task.controller.observer.body.proof;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const struct foot_history *foot = &proof->foot[side];
+        if (foot->raw_edge_tick != record->switch_closed_tick[side] && foot->raw_edge_tick != 0) {
+            const double edge_s = ((double)foot->raw_edge_tick - SAMPLED_BEFORE_TICKS) * period_s;
+            append(record, &record->switch_closed[side], edge_s, edge_s, 0.0);
+        }
+        if (foot->contact == FOOT_UP && foot->raw_up_tick != record->switch_opened_tick[side]) {
+            const double edge_s = ((double)foot->raw_up_tick - SAMPLED_BEFORE_TICKS) * period_s;
+            append(record, &record->switch_opened[side], edge_s, edge_s, 0.0);
+            record->switch_opened_tick[side] = foot->raw_up_tick;
+        }
+        record->switch_closed_tick[side] = foot->raw_edge_tick;
+    }
+}
+
 void gait_record_take(struct gait_record *record, const struct loop *loop)
 {
     const struct controller *controller = &loop->rig.task.controller;
@@ -99,6 +120,7 @@ void gait_record_take(struct gait_record *record, const struct loop *loop)
                    now_s, 0.0);
         }
     }
+    take_switches(record, loop, period_s);
     for (int side = 0; side < SIDE_COUNT; side++) {
         if (record->phase_count[side] < GAIT_PHASE_TICKS) {
             record->phase[side][record->phase_count[side]++] = gait->stride_share[side];

@@ -33,6 +33,10 @@ struct gait_record {
     struct gait_moments
         true_strike[SIDE_COUNT]; /* by the plant or the recording; known_s = event_s */
     struct gait_moments true_toe_off[SIDE_COUNT];
+    struct gait_moments
+        switch_closed[SIDE_COUNT]; /* by the foot switches, as the controller heard */
+    struct gait_moments switch_opened[SIDE_COUNT];
+    uint32_t switch_closed_tick[SIDE_COUNT], switch_opened_tick[SIDE_COUNT]; /* the newest */
     float phase[SIDE_COUNT][GAIT_PHASE_TICKS]; /* the controller's, since the last true strike */
     uint32_t phase_count[SIDE_COUNT];
     double phase_squares[SIDE_COUNT]; /* sum of squared errors, share of the stride */

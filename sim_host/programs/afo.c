@@ -11,6 +11,8 @@ static const struct program_command table[] = {
     {"walker", afo_walker, "the simulated walker and its four nodes on a CAN interface"},
     {"host", afo_host, "the control task on a CAN interface"},
     {"ctl", afo_ctl, "read and write the objects of a node by name; walk, stop, reset, zero, save"},
+    {"commission", afo_commission,
+     "set a device up step by step; a device file and a page to sign"},
     {"blackbox", afo_blackbox, "fetch the controller's black box over CAN, as a log"},
     {"update", afo_update, "a new program for the controller, over CAN"},
     {"settings", afo_settings,

@@ -10,6 +10,7 @@ int afo_replay(int argc, char **argv);
 int afo_blackbox(int argc, char **argv);
 int afo_ctl(int argc, char **argv);
 int afo_update(int argc, char **argv);
+int afo_commission(int argc, char **argv);
 int afo_settings(int argc, char **argv);
 int afo_device(int argc, char **argv);
 int afo_eds(int argc, char **argv);

@@ -88,7 +88,7 @@ int afo_host(int argc, char **argv)
         return EXIT_USAGE;
     }
     if (host_task_init(&host.rig, &host.subject, &host.params, recorded_bus(&host),
-                       host.speed_rad_s, true) != CONTROL_PARAMS_OK) {
+                       host.speed_rad_s, !host.options.standby) != CONTROL_PARAMS_OK) {
         program_complain("the control task refuses these parameters");
         close_bus(&host);
         return EXIT_USAGE;

@@ -4,7 +4,9 @@
 
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/experiment.h"
+#include "sim_host/cli/person_fit.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/push_report.h"
 #include "sim_host/cli/sim_experiment.h"
 #include "sim_host/cli/sim_session.h"
 #include "sim_host/programs/commands.h"
@@ -77,6 +79,30 @@ static int complete_table(struct sim_session *session)
                : program_complain("%s", message);
 }
 
+/* What a fitting run has learned. */
+static int write_fit(const struct sim_session *session)
+{
+    const char *path = session->options.recording.fit_path;
+    char message[MESSAGE_MAX];
+    struct person_fit fit;
+    struct output_file file = {0};
+    if (path == NULL || interrupted) {
+        return 0;
+    }
+    if (!person_fit_make(&session->record.gait, &session->config.params, &fit)) {
+        return program_complain("nothing was fitted: %u edges of a foot's switch belong to found "
+                                "events, %d are needed, and no bias may be above 80 ms",
+                                fit.edges, PERSON_FIT_LEAST);
+    }
+    if (output_file_open(&file, path, message, sizeof message) != 0) {
+        return program_complain("%s", message);
+    }
+    person_fit_write(file.stream, &fit, &session->config.subject.person);
+    return output_file_commit(&file, message, sizeof message) == 0
+               ? 0
+               : program_complain("%s", message);
+}
+
 /* A disturbance that was asked for and never came must not pass for one that was survived. */
 static int complain_of_what_never_came(const struct sim_session *session, int status)
 {
@@ -107,9 +133,14 @@ static int finish(struct sim_session *session)
     if (session->csv.stream != NULL && !options->ticks) {
         sim_report_csv(session->csv.stream, &session->record, session->config.desired_speed_rad_s);
     }
+    if (session->pushes.stream != NULL) {
+        push_report_csv(session->pushes.stream, &session->record.push, session->loop);
+    }
     const int csv = complete_table(session);
     const int log = complete_output(session, &session->log); /* whatever became of the other */
-    if (csv != 0 || log != 0) {
+    const int pushes = complete_output(session, &session->pushes);
+    const int fit = write_fit(session);
+    if (csv != 0 || log != 0 || pushes != 0 || fit != 0) {
         status = EXIT_USAGE;
     }
     if (options->json) {

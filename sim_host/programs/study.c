@@ -5,6 +5,7 @@
 #include "sim_host/study/laws/laws_main.h"
 #include "sim_host/study/observer/commands.h"
 #include "sim_host/study/paper/command.h"
+#include "sim_host/study/size/latch_study.h"
 
 static const struct program_command table[] = {
     {"fixed-point", command_fixed_point, "a periodic gait, its eigenvalues and measures"},
@@ -18,6 +19,7 @@ static const struct program_command table[] = {
     {"atlas", afo_study_atlas,
      "basin as a volume, plane of push-off and stiffness, point by point"},
     {"laws", laws_main, "the laws that choose the push-off, beside each other"},
+    {"latch", latch_main, "what each law bears of a latch that opens late"},
     {"observe", command_observe, "how well the controller knows the gait, and what it costs"},
     {"observer-gains", command_observer_gains, "the model observer's gains, as C"},
     {"table", afo_study_table, "the gait curve of a walker as the controller's table, as C"},

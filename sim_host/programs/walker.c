@@ -105,6 +105,9 @@ static int prepare(struct session *session)
         return program_complain("%s", message);
     }
     session->config.plant.start_hold.hold_after_fall = true;
+    if (options->in_stand) {
+        session->config.plant.start_hold.release_tick = UINT64_MAX / 2;
+    }
     const int error = socketcan_bus_open(&session->bus, options->bus.interface, NULL, 0, false);
     if (error != 0) {
         bus_program_no_interface(options->bus.interface, error);

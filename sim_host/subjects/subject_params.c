@@ -37,12 +37,12 @@ static int check_spring(const struct subject *subject, double length_scale, char
     return -1;
 }
 
-/* The spring that the compass' gaits are computed with: the nearest one that suits. A person's law does
- * not ask for them, and their spring may be any. */
+/* The spring that the compass' gaits are computed with: the nearest one that suits well. A person's law
+ * does not ask for them, and their spring may be any. */
 static double clipped_length_scale(const struct subject *subject, double length_scale)
 {
-    const double least = GAIT_CURVE_FLOOR * subject->person.leg_length_m / 0.005;
-    const double most = GAIT_CURVE_CEILING * subject->person.leg_length_m / 0.3;
+    const double least = 0.5 * subject->person.leg_length_m;
+    const double most = subject->person.leg_length_m;
     return length_scale < least ? least : (length_scale > most ? most : length_scale);
 }
 
@@ -225,6 +225,16 @@ static int check_device(const struct subject *subject, const struct control_para
     if (check_actuators(subject, params, message) != 0 ||
         check_lever(subject, SIDE_LEFT, message) != 0 ||
         check_lever(subject, SIDE_RIGHT, message) != 0) {
+        return -1;
+    }
+    /* A trapezium of speed is 3/2 of its mean at its fastest. A person's cadence is their own. */
+    const double needed_m_s = 1.5 * (double)params->start_r0_m / SUBJECT_LOAD_S;
+    if (subject->is_person && needed_m_s > subject_speed_max_m_s(subject)) {
+        snprintf(
+            message, SUBJECT_MESSAGE_MAX,
+            "speed over drive: %g m in %.3g s, at 130 steps a minute, needs %.3g m/s of spring, "
+            "and speed_max_m_s is %.3g m/s",
+            (double)params->start_r0_m, SUBJECT_LOAD_S, needed_m_s, subject_speed_max_m_s(subject));
         return -1;
     }
     if (greatest_N > 1.0001 * force_N) {

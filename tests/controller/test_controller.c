@@ -179,6 +179,48 @@ START_TEST(irregular_steps_withdraw_the_assistance)
 }
 END_TEST
 
+/* Not given three times in a row, or dragging: unloaded, and nothing begins anew without a new request. */
+START_TEST(pushes_that_never_come_end_the_assistance)
+{
+    for (int drags = 0; drags < 2; drags++) {
+        struct rig *rig = start(0.45, 4);
+        walk(rig, 14);
+        ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
+        struct push_watch *watch = &controller_of(rig)->springs.watch;
+        ck_assert_uint_ge(watch->leg[SIDE_LEFT].count[PUSH_GIVEN], 1);
+        watch->missed_in_row = PUSH_WATCH_MISSES - 1;
+        run(rig, 1);
+        ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
+        *(drags != 0 ? &watch->dragged_in_row : &watch->missed_in_row) = PUSH_WATCH_MISSES;
+        run(rig, 2);
+        ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
+        for (int i = 0; i < 8000; i++) {
+            injector_tick(&rig->injector);
+            ck_assert(!supervisor_may_assist(state_of(rig)));
+        }
+        ck_assert_int_eq(state_of(rig), SUPERVISOR_STANDBY);
+        free(rig);
+    }
+}
+END_TEST
+
+/* A push that was not given makes the next ones smaller, for the rest of the walk. */
+START_TEST(what_was_not_given_is_prescribed_smaller)
+{
+    struct rig *rig = start(0.45, 4);
+    walk(rig, 9);
+    struct controller *controller = controller_of(rig);
+    const double before = (double)controller->plan.assist_level;
+    step_plan_lower_assist(&controller->plan, controller->params);
+    assert_close((double)controller->plan.assist_level, 0.75 * before, 1e-6, 0.0);
+    for (int i = 0; i < 30; i++) {
+        step_plan_raise_assist(&controller->plan, controller->params);
+    }
+    assert_close((double)controller->plan.assist_level, 0.75 * before, 1e-6, 0.0);
+    free(rig);
+}
+END_TEST
+
 START_TEST(the_same_leg_twice_is_a_fault_on_the_bench)
 {
     struct rig *rig = start(0.6, 0);
@@ -300,6 +342,8 @@ int main(void)
     tcase_add_test(tests, the_bench_walks_and_stops_when_asked);
     tcase_add_test(tests, the_bench_does_not_load_again_by_itself);
     tcase_add_test(tests, a_person_is_engaged_step_by_step_and_let_go);
+    tcase_add_test(tests, pushes_that_never_come_end_the_assistance);
+    tcase_add_test(tests, what_was_not_given_is_prescribed_smaller);
     tcase_add_test(tests, an_unsteady_step_does_not_raise_the_share);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);

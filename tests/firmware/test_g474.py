@@ -75,7 +75,7 @@ def test_faults_end_in_the_safe_state(fault, latched, crash, starts):
 
 
 def test_the_image_counts_its_own_cycles_and_tells_its_start_and_its_fault():
-    """0x2020:26. The emulator takes one cycle an instruction and 24 an exception, some 12 of them in a tick."""
+    """0x2020:28. The emulator takes one cycle an instruction and 24 an exception, some 12 of them in a tick."""
     end = g474("--fault", "emergency-stop", "--speed", "0.45", "--fault-step", "2")
     assert end["worst_tick_instructions"] < end["told_cycles"] < 1.2 * end["worst_tick_instructions"]
     start, fault = end["serial"].split("|")[:2]

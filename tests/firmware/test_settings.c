@@ -99,9 +99,10 @@ START_TEST(no_target_leaves_the_range_of_counts)
         settings.axis[leg].counts_per_m = 1.6e10f;
         ck_assert_int_eq(settings_check(&settings), SETTINGS_BAD_AXIS);
         settings = good;
-        settings.axis[leg].zero_counts = 1 << 30;
-        settings.setup.limit_min_counts[leg] = 1 << 30;
-        settings.setup.limit_max_counts[leg] = (1 << 30) + 4587520;
+        const int32_t most = (1 << 30) - 64; /* the largest float below half the range */
+        settings.axis[leg].zero_counts = most;
+        settings.setup.limit_min_counts[leg] = most;
+        settings.setup.limit_max_counts[leg] = most + 4587520;
         ck_assert_int_eq(settings_check(&settings), SETTINGS_OK);
         settings = good;
     }

@@ -55,12 +55,16 @@ def pitch(share):
     return furthest + (strike - furthest) * u * u
 
 
-def made_gait(seconds=50.0, seed=1):
-    """Rows with the columns of a recording: time_s and, by leg, thigh, shank, ankle, contact."""
+def made_gait(seconds=50.0, seed=1, stride_s=STRIDE_S, size=1.0, asymmetry=0.0):
+    """Rows with the columns of a recording: time_s and, by leg, thigh, shank, ankle, contact.
+
+    stride_s is the mean stride time. size scales the legs' pitch, and so the steps. asymmetry is the share
+    of the stride by which the right foot lands early, and by which the left leg's steps are smaller. The
+    walking speed is about 1.3 m/s * size * 1.12 s / stride_s on a leg of 0.9 m."""
     rng = random.Random(seed)
-    starts = [-STRIDE_S]
-    while starts[-1] < seconds + STRIDE_S:
-        starts.append(starts[-1] + STRIDE_S * (1 + rng.gauss(0.0, 0.01)))
+    starts = [-stride_s]
+    while starts[-1] < seconds + stride_s:
+        starts.append(starts[-1] + stride_s * (1 + rng.gauss(0.0, 0.01)))
     rows = []
     for i in range(int(seconds * RATE_HZ)):
         time_s = i / RATE_HZ
@@ -68,9 +72,9 @@ def made_gait(seconds=50.0, seed=1):
         phase = (time_s - starts[k]) / (starts[k + 1] - starts[k])
         row = {"time_s": time_s}
         for side, ahead in SIDES.items():
-            share = (phase + ahead) % 1.0
+            share = (phase + ahead + (asymmetry if side == "r" else 0.0)) % 1.0
             knee = through(KNEE, share)
-            angle = math.degrees(pitch(share))
+            angle = math.degrees(pitch(share)) * size * (1 - asymmetry if side == "l" else 1.0)
             row[f"thigh_{side}_deg"] = angle + knee / 2
             row[f"shank_{side}_deg"] = angle - knee / 2
             row[f"ankle_{side}_deg"] = through(ANKLE, share)

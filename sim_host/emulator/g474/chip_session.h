@@ -69,7 +69,7 @@ struct chip_session {
     struct can_bus tool; /* a port of its own, to ask the image over SDO */
     /* Results. */
     struct crash_record crash; /* as fetched over SDO at the end of a fault */
-    uint32_t told_cycles;      /* of the worst tick, as the image says at 0x2020:26 */
+    uint32_t told_cycles;      /* of the worst tick, as the image says at 0x2020:28 */
     bool started, reached, fell, crash_known;
     char trouble[256];
 };

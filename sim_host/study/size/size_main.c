@@ -33,17 +33,26 @@ static const struct argp_option option_list[] = {
     {"json", 'j', 0, 0, "one JSON object on standard output instead of the tables", 0},
     {0}};
 
+/* strtod would take the first dot of "80..130" for a decimal point. */
+static bool read_number(const char *text, size_t length, double *number)
+{
+    char copy[32], *end = NULL;
+    if (length == 0 || length >= sizeof copy) {
+        return false;
+    }
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    *number = strtod(copy, &end);
+    return *end == '\0';
+}
+
 static void take_cadence(struct argp_state *state, struct options *options, const char *text)
 {
-    char *end = NULL;
-    options->from = strtod(text, &end);
-    options->to = options->from;
-    if (end != text && strncmp(end, "..", 2) == 0) {
-        const char *second = end + 2;
-        options->to = strtod(second, &end);
-        end = end == second ? NULL : end;
-    }
-    if (end == NULL || end == text || *end != '\0' || !(options->from >= 20.0) ||
+    const char *dots = strstr(text, "..");
+    const size_t first = dots != NULL ? (size_t)(dots - text) : strlen(text);
+    const char *second = dots != NULL ? dots + 2 : text;
+    if (!read_number(text, first, &options->from) ||
+        !read_number(second, strlen(second), &options->to) || !(options->from >= 20.0) ||
         !(options->to <= 200.0) || !(options->from <= options->to)) {
         argp_error(state, "--cadence: \"%s\" is not A or A..B with 20 <= A <= B <= 200 steps/min",
                    text);

@@ -1,0 +1,112 @@
+/* What became of a push: every outcome, and the misses in a row. */
+#include "controller/actuation/push_watch.h"
+#include "tests/support/assert_close.h"
+
+static struct push_watch watch;
+
+static void setup(void)
+{
+    watch = (struct push_watch){0};
+}
+
+static uint32_t now;
+
+static void tick(enum side side, bool armed, bool waits, bool behind, enum latch_state latch)
+{
+    const struct push_view view = {armed, waits, behind, latch};
+    push_watch_tick(&watch, side, &view, ++now);
+}
+
+/* One stance of the left leg; loaded: armed before the other foot landed. */
+static enum push_outcome stance(bool armed, bool waits, enum latch_state latch, bool loaded)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, false, waits, false, LATCH_CLOSED);
+    tick(SIDE_LEFT, armed, waits, false, latch);
+    push_watch_strike(&watch, SIDE_LEFT, loaded ? now : now - 1);
+    return push_watch_end(&watch, SIDE_LEFT);
+}
+
+START_TEST(every_outcome_has_its_reason)
+{
+    ck_assert_int_eq(stance(true, false, LATCH_OPEN, true), PUSH_GIVEN);
+    ck_assert_int_eq(stance(true, false, LATCH_UNKNOWN, true), PUSH_GIVEN);
+    ck_assert_int_eq(stance(false, true, LATCH_OPEN, false), PUSH_LATCH_OPEN);
+    ck_assert_int_eq(stance(false, false, LATCH_CLOSED, false), PUSH_NOT_LOADED);
+    ck_assert_int_eq(stance(true, false, LATCH_CLOSED, false), PUSH_NOT_LOADED); /* too late */
+    ck_assert_int_eq(stance(true, false, LATCH_CLOSED, true), PUSH_NOT_RELEASED);
+    const struct push_leg *leg = &watch.leg[SIDE_LEFT];
+    ck_assert_uint_eq(leg->count[PUSH_GIVEN], 2);
+    ck_assert_uint_eq(leg->count[PUSH_LATCH_OPEN], 1);
+    ck_assert_uint_eq(leg->count[PUSH_NOT_LOADED], 2);
+    ck_assert_uint_eq(leg->count[PUSH_NOT_RELEASED], 1);
+    ck_assert_uint_eq(leg->last, PUSH_NOT_RELEASED);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].count[PUSH_GIVEN], 0);
+}
+END_TEST
+
+START_TEST(an_open_latch_that_nobody_armed_is_no_push)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, false, false, false, LATCH_OPEN);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_LOADED);
+}
+END_TEST
+
+START_TEST(three_misses_in_a_row_of_either_leg)
+{
+    for (int i = 0; i < PUSH_WATCH_MISSES - 1; i++) {
+        ck_assert_int_eq(stance(false, false, LATCH_CLOSED, false), PUSH_NOT_LOADED);
+    }
+    ck_assert_uint_eq(watch.missed_in_row, PUSH_WATCH_MISSES - 1);
+    push_watch_prescribe(&watch, SIDE_RIGHT);
+    tick(SIDE_RIGHT, true, false, false, LATCH_OPEN);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_RIGHT), PUSH_GIVEN); /* before the other landed */
+    ck_assert_uint_eq(watch.missed_in_row, 0);
+    for (int i = 0; i < 300; i++) {
+        (void)stance(false, false, LATCH_CLOSED, false);
+    }
+    ck_assert_uint_eq(watch.missed_in_row, UINT8_MAX);
+    push_watch_begin(&watch);
+    ck_assert_uint_eq(watch.missed_in_row, 0);
+    ck_assert_uint_eq(watch.leg[SIDE_LEFT].count[PUSH_NOT_LOADED], 302); /* stays counted */
+}
+END_TEST
+
+START_TEST(a_stance_that_was_not_seen_to_its_end_says_nothing)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    push_watch_prescribe(&watch, SIDE_LEFT); /* no other foot landed in between */
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NONE);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NONE);
+    ck_assert_uint_eq(watch.missed_in_row, 0);
+    push_watch_strike(&watch, SIDE_LEFT, now); /* nothing is prescribed */
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NONE);
+}
+END_TEST
+
+START_TEST(a_motor_that_is_behind_is_counted_always)
+{
+    tick(SIDE_RIGHT, false, false, true, LATCH_CLOSED);
+    tick(SIDE_RIGHT, false, false, false, LATCH_CLOSED);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].behind_ticks, 1);
+    watch.leg[SIDE_RIGHT].behind_ticks = UINT32_MAX;
+    tick(SIDE_RIGHT, false, false, true, LATCH_CLOSED);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].behind_ticks, UINT32_MAX);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("push_watch");
+    TCase *tests = tcase_create("outcomes");
+    tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_test(tests, every_outcome_has_its_reason);
+    tcase_add_test(tests, an_open_latch_that_nobody_armed_is_no_push);
+    tcase_add_test(tests, three_misses_in_a_row_of_either_leg);
+    tcase_add_test(tests, a_stance_that_was_not_seen_to_its_end_says_nothing);
+    tcase_add_test(tests, a_motor_that_is_behind_is_counted_always);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

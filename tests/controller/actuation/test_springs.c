@@ -1,0 +1,223 @@
+/* A person's springs over the step: loaded behind a closed latch only, taken back in time. */
+#include "controller/actuation/springs.h"
+#include "controller/estimator/body_table.h"
+#include "tests/support/assert_close.h"
+
+static struct control_params params;
+static struct springs springs;
+static struct controller_input input;
+static struct gait_state gait;
+static struct step_decision decision;
+static struct sea_request request[SIDE_COUNT];
+static enum push_outcome outcome;
+
+static void setup(void)
+{
+    params = (struct control_params){.sea_speed_max_m_s = 0.6f,
+                                     .sea_acceleration_m_s2 = 8.0f,
+                                     .sea_tolerance_m = 0.001f,
+                                     .sensor_age_max_s = 0.01f,
+                                     .leg_length_m = 0.9f,
+                                     .body = (float)BODY_PERSON};
+    input = (struct controller_input){.tick = 1000};
+    gait = (struct gait_state){.phase = PHASE_SINGLE_SUPPORT, .strike_near = true};
+    decision = (struct step_decision){.load_m = 0.04f, .side = SIDE_LEFT, .assists = true};
+    springs = (struct springs){0};
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        input.sea[side] = (struct sea_measurement){.state = DRIVE_ENABLED, .latch = LATCH_CLOSED};
+    }
+    springs_begin(&springs, &params, &input);
+}
+
+static void tick(void)
+{
+    input.tick++;
+    const enum push_outcome now = springs_follow(&springs, &decision, &gait, false);
+    outcome = now != PUSH_NONE ? now : outcome;
+    springs_command(&springs, &params, &input, SUPERVISOR_WALKING, &gait, request);
+    for (int kind = 0; kind < GAIT_EVENT_KINDS; kind++) {
+        gait.event[kind].happened = false;
+    }
+    decision.new_step = decision.improved = false;
+    input.sea[SIDE_LEFT].precompression_m = request[SIDE_LEFT].precompression_m; /* follows */
+}
+
+static void ticks(int count)
+{
+    for (int i = 0; i < count; i++) {
+        tick();
+    }
+}
+
+static void event(enum gait_event_kind kind, enum side side)
+{
+    gait.event[kind] = (struct gait_event){.happened = true, .side = side, .tick = input.tick + 1};
+    tick();
+}
+
+/* The left leg's stance up to where its latch is armed. */
+static void load_left(void)
+{
+    outcome = PUSH_NONE;
+    event(GAIT_HEEL_STRIKE, SIDE_LEFT);
+    ticks(100);
+    decision.new_step = true;
+    ticks(300);
+}
+
+/* And its push: toe-off so long after the latch has opened. */
+static void push_left(int toe_off_ticks)
+{
+    load_left();
+    ck_assert(request[SIDE_LEFT].latch_armed);
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    for (int i = 0; i < toe_off_ticks; i++) {
+        input.leg[SIDE_LEFT].ankle_extension_m = 0.0001f * (float)i;
+        tick();
+    }
+    event(GAIT_LIFT_OFF, SIDE_LEFT);
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.0f;
+    ticks(200);
+    input.sea[SIDE_LEFT].latch = LATCH_CLOSED;
+    ticks(5);
+}
+
+START_TEST(a_stance_is_loaded_armed_and_given)
+{
+    push_left(120);
+    ck_assert_int_eq(outcome, PUSH_GIVEN);
+    assert_close(request[SIDE_LEFT].precompression_m, 0.0, 1e-6, 0.0);
+}
+END_TEST
+
+START_TEST(behind_an_open_latch_nothing_is_loaded)
+{
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    tick();
+    load_left();
+    assert_close(request[SIDE_LEFT].precompression_m, 0.0, 0.0, 0.0);
+    ck_assert(!request[SIDE_LEFT].latch_armed);
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    ticks(100);
+    event(GAIT_LIFT_OFF, SIDE_LEFT);
+    ck_assert_int_eq(outcome, PUSH_LATCH_OPEN);
+    /* It closes during the stance: loaded from there on, to what the step has decided. */
+    load_left();
+    input.sea[SIDE_LEFT].latch = LATCH_CLOSED;
+    ticks(300);
+    ck_assert(request[SIDE_LEFT].latch_armed);
+    assert_close(request[SIDE_LEFT].precompression_m, 0.04, 1e-6, 0.0);
+}
+END_TEST
+
+START_TEST(a_compass_loads_whatever_its_latch_says)
+{
+    params.body = (float)BODY_COMPASS;
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    springs_begin(&springs, &params, &input);
+    tick();
+    event(GAIT_HEEL_STRIKE, SIDE_LEFT);
+    ticks(100);
+    ck_assert(request[SIDE_LEFT].precompression_m > 0.01f);
+}
+END_TEST
+
+START_TEST(a_slow_motor_is_seen_not_to_have_loaded)
+{
+    event(GAIT_HEEL_STRIKE, SIDE_LEFT);
+    decision.new_step = true;
+    ticks(20);
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    ticks(20);
+    event(GAIT_LIFT_OFF, SIDE_LEFT);
+    ck_assert_int_eq(outcome, PUSH_NOT_LOADED);
+    ck_assert_uint_eq(springs.watch.leg[SIDE_LEFT].count[PUSH_NOT_LOADED], 1);
+}
+END_TEST
+
+START_TEST(the_motor_is_on_its_way_back_before_the_foot_leaves)
+{
+    /* Once a toe-off 120 ms behind the release is known, the way back begins 25 ms before it. */
+    push_left(120);
+    push_left(120);
+    load_left();
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    int gone = 0;
+    for (int i = 1; i <= 140 && gone == 0; i++) {
+        input.leg[SIDE_LEFT].ankle_extension_m = 0.0001f * (float)i;
+        tick();
+        gone = springs.sea[SIDE_LEFT].phase == SEA_UNLOADING ? i : 0;
+    }
+    ck_assert_int_ge(gone, 90);
+    ck_assert_int_le(gone, 100);
+    ck_assert(springs.sea[SIDE_LEFT].stop_acceleration_m_s2 > params.sea_acceleration_m_s2);
+}
+END_TEST
+
+START_TEST(an_ankle_that_comes_back_or_has_it_all_ends_the_push)
+{
+    load_left();
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.02f;
+    ticks(10);
+    ck_assert_int_eq(springs.sea[SIDE_LEFT].phase, SEA_ARMED);
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.016f;
+    tick();
+    ck_assert_int_eq(springs.sea[SIDE_LEFT].phase, SEA_UNLOADING);
+    setup();
+    load_left();
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.041f; /* past the motor */
+    tick();
+    ck_assert_int_eq(springs.sea[SIDE_LEFT].phase, SEA_UNLOADING);
+}
+END_TEST
+
+START_TEST(a_push_that_drags_is_seen)
+{
+    /* The motor stays out behind an open latch while the foot comes back: seen 50 ms behind toe-off. */
+    load_left();
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.02f;
+    ticks(60);
+    event(GAIT_LIFT_OFF, SIDE_LEFT);
+    outcome = PUSH_NONE;
+    for (int i = 1; i <= 80; i++) {
+        tick();
+        input.sea[SIDE_LEFT].precompression_m = 0.035f; /* does not follow */
+        ck_assert_int_eq(outcome, i <= 51 ? PUSH_NONE : PUSH_DRAGS);
+    }
+    ck_assert_uint_eq(springs.watch.leg[SIDE_LEFT].count[PUSH_DRAGS], 1);
+    ck_assert_uint_eq(springs.watch.dragged_in_row, 1);
+    /* A good push in between ends the row; three in a row fail. */
+    input.sea[SIDE_LEFT].latch = LATCH_CLOSED;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.0f;
+    ticks(5);
+    push_left(120);
+    push_left(120);
+    ck_assert_uint_eq(springs.watch.dragged_in_row, 0);
+    springs.watch.dragged_in_row = PUSH_WATCH_MISSES;
+    ck_assert(push_watch_fails(&springs.watch));
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("springs");
+    TCase *tests = tcase_create("person");
+    tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_test(tests, a_stance_is_loaded_armed_and_given);
+    tcase_add_test(tests, behind_an_open_latch_nothing_is_loaded);
+    tcase_add_test(tests, a_compass_loads_whatever_its_latch_says);
+    tcase_add_test(tests, a_slow_motor_is_seen_not_to_have_loaded);
+    tcase_add_test(tests, the_motor_is_on_its_way_back_before_the_foot_leaves);
+    tcase_add_test(tests, a_push_that_drags_is_seen);
+    tcase_add_test(tests, an_ankle_that_comes_back_or_has_it_all_ends_the_push);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}

@@ -1,0 +1,194 @@
+"""A device of parts that can be built, on a person: what it gives, what it leaves alone, and what it says when it
+cannot. On a made walk and, where AFO_DATA names a folder with them, on recorded ones."""
+import csv
+import json
+
+import pytest
+
+from afo import file_of, recording, run, walk, who
+
+EXO50 = who("adult70", "exo50")
+SIDES = ("left", "right")
+
+
+@pytest.fixture(scope="module")
+def worn(person):
+    return walk(*EXO50, "--recording", person)
+
+
+def free_below(leg):
+    """The ankle's freedom: 1 N m or 2 % of the peak, whichever is larger."""
+    return max(1.0, 0.02 * leg["peak_torque_Nm"])
+
+
+def test_a_push_in_nearly_every_stance(worn):
+    status, result = worn
+    assert status == 0
+    for side in SIDES:
+        leg = result["push"][side]
+        assert leg["stances"] > 30 and leg["pushes"] >= 0.95 * leg["stances"]
+        assert 25 < leg["peak_torque_Nm"] < 48 and 1 < leg["work_J"] < 8
+        assert 45 < leg["release_percent"] < 55
+        assert leg["loaded_percent"] < 40
+        assert leg["missed_not_loaded"] == leg["missed_latch_open"] == 0
+    assert 0.5 < result["push"]["work_symmetry"] <= 1
+
+
+def test_the_table_of_the_legs_has_the_same_figures(worn, tmp_path, person):
+    table = tmp_path / "pushes.csv"
+    assert run(*EXO50, "--recording", person, "--pushes", table, "--quiet").returncode == 0
+    with open(table, newline="", encoding="utf-8") as file:
+        rows = {row.pop("leg"): row for row in csv.DictReader(file)}
+    for side in SIDES:
+        for name, value in worn[1]["push"][side].items():
+            assert float(rows[side][name]) == pytest.approx(value, rel=1e-5)
+
+
+def test_nothing_resists_in_swing(worn):
+    for side in SIDES:
+        leg = worn[1]["push"][side]
+        assert leg["swing_torque_Nm"] < free_below(leg)
+
+
+def test_the_motor_stays_within_its_limits(worn):
+    for side in SIDES:
+        leg = worn[1]["push"][side]
+        assert leg["current_rms_A"] < 10.5 and leg["current_peak_A"] <= 30
+        assert leg["winding_degC"] < 60 and leg["supply_least_V"] > 30
+        assert leg["limited_percent"] < 2
+        assert leg["torque_error_rms_Nm"] < 1
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("name", ("gait_young.csv", "people/gait_middle.csv"))
+def test_recorded_persons(name):
+    status, result = walk(*EXO50, "--recording", recording().parent / name)
+    assert status == 0
+    for side in SIDES:
+        leg = result["push"][side]
+        assert leg["pushes"] >= 0.95 * leg["stances"] > 30
+        assert leg["swing_torque_Nm"] < free_below(leg)
+
+
+def changed(path, name, *changes):
+    text = file_of("devices", name).read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text, encoding="utf-8")
+    return ("--person", file_of("persons", "adult70"), "--device", path)
+
+
+def paced(path, source, pace):
+    """The same walk at another pace."""
+    with open(source, newline="", encoding="utf-8") as file:
+        header, *rows = list(csv.reader(file))
+    column = header.index("time_s")
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        for row in rows:
+            row[column] = f"{float(row[column]) / pace:.6f}"
+            writer.writerow(row)
+    return path
+
+
+def too_slow(folder, source):
+    """A motor that is good at normal cadence, at 1.3 times that."""
+    device = changed(folder / "slow.ini", "exo50", ("\nspeed_max_m_s = 0.8", "\nspeed_max_m_s = 0.15"),
+                     ("speed_limit_m_s = 0.8", "speed_limit_m_s = 0.15"))
+    return (*device, "--recording", paced(folder / "fast.csv", source, 1.3))
+
+
+def test_a_motor_too_slow_for_the_pace_pushes_less_and_says_so(tmp_path, person):
+    arguments = too_slow(tmp_path, person)
+    status, result = walk(*arguments)
+    assert status == 0
+    assert sum(result["push"][side]["dragged_in_swing"] for side in SIDES) >= 1
+    good = walk(*EXO50, "--recording", person)[1]
+    for side in SIDES:
+        leg = result["push"][side]
+        assert leg["peak_torque_Nm"] < 0.8 * good["push"][side]["peak_torque_Nm"]
+        assert leg["dragged_in_swing"] <= 3 and leg["swing_torque_Nm"] < 6
+    assert "dragged at the foot in swing" in run(*arguments).stdout
+
+
+def test_before_the_push_nothing_is_pushed(tmp_path):
+    """On the made walk, whose ankle does not plantarflex before the other foot lands."""
+    from gait_play import write
+    from made_gait import made_gait
+    made = write(tmp_path / "made.csv", made_gait())
+    for arguments in ((*EXO50, "--recording", made), too_slow(tmp_path, made)):
+        for side in SIDES:
+            assert walk(*arguments)[1]["push"][side]["stance_torque_Nm"] < 1
+
+
+def test_pushes_that_never_come_end_the_assistance(person):
+    arguments = (*EXO50, "--recording", person, "--fault", "never-armed", "--fault-step", "30")
+    done = run(*arguments)
+    assert "not released" in done.stdout and "withdrawn" in done.stdout
+    push = walk(*arguments)[1]["push"]
+    assert 3 <= sum(push[side]["missed_not_released"] for side in SIDES) <= 4
+
+
+@pytest.mark.parametrize("change, says", (
+    ((("current_peak_A = 30", "current_peak_A = 11"),), "left leg: spring over motor"),
+    ((("lever_m = 0.12\nstructure", "lever_m = 0.05\nstructure"),), "left leg: stroke over lever"),
+    ((("motor_speed_max_rad_s = 2618", "motor_speed_max_rad_s = 300"),), "left leg: speed over motor"),
+    ((("supply_current_max_A = 20", "supply_current_max_A = 1"),), "left leg: energy over supply"),
+    ((("latch_holding_N = 900", "latch_holding_N = 300"),), "left leg: spring over latch"),
+    ((("speed_max_m_s = 0.8", "speed_max_m_s = 0.08"),), "speed over drive"),
+))
+def test_what_cannot_be_built_is_refused_before_anything_moves(tmp_path, person, change, says):
+    device = changed(tmp_path / "device.ini", "exo50", *change)
+    done = run(*device, "--recording", person)
+    assert done.returncode == 2 and says in done.stderr and done.stdout == ""
+
+
+def test_the_lever_of_the_device_is_that_of_the_recorded_ankle(tmp_path, person):
+    far = {}
+    for lever in ("0.12", "0.1"):
+        device = changed(tmp_path / f"{lever}.ini", "exo50", ("ankle_lever_m = 0.12", f"ankle_lever_m = {lever}"),
+                         ("\nlever_m = 0.12", f"\nlever_m = {lever}"))
+        _, result = walk(*device, "--recording", person)
+        far[lever] = result["push"]["left"]["ankle_most_m"]
+    assert far["0.1"] == pytest.approx(far["0.12"] / 1.2, rel=1e-4)
+
+
+def size(*arguments):
+    return run(file_of("devices", "exo50"), "--person", file_of("persons", "adult70"), *arguments, command="size")
+
+
+def test_sizing_over_cadence():
+    done = size("--cadence", "80..130", "--json", "--chirp")
+    assert done.returncode == 0
+    result = json.loads(done.stdout)
+    assert [row["steps_per_min"] for row in result["cadence"]] == [80, 90, 100, 110, 120, 130]
+    for row in result["cadence"]:
+        assert row["pushes"] == row["strides"] and 0 < row["margin"] < 1
+        assert row["used"][row["limited_by"]] == pytest.approx(1 - row["margin"], abs=1e-3)
+        assert row["swing_torque_Nm"] < 1
+    assert 1 < result["mass_kg"] < 4 and result["chirp"][0]["gain"] == pytest.approx(1, abs=0.05)
+    text = size().stdout
+    for word in ("after 1 h", "what limits", "mass", "push-off"):
+        assert word in text
+
+
+def test_sizing_refuses_what_is_not_told():
+    assert "--person" in run(file_of("devices", "exo50"), command="size").stderr
+    done = run(file_of("devices", "virtual-adult"), "--person", file_of("persons", "adult70"), command="size")
+    assert done.returncode == 2 and "[plant]" in done.stderr
+
+
+def test_what_a_law_bears_of_a_late_latch(tmp_path):
+    table = tmp_path / "latch.csv"
+    done = run("latch", "--law", "proportional", "--speed", "0.5", "--steps", "60", "--trials", "1", "--csv", table,
+               command="study")
+    assert done.returncode == 0 and "bears" in done.stdout
+    with open(table, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    steps = {(row["kind"], row["ms"]): int(row["steps_walked"]) for row in rows}
+    speeds = {(row["kind"], row["ms"]): float(row["speed_rad_s"]) for row in rows}
+    assert steps["delay", "0"] == steps["delay", "1"] == 60 and steps["jitter", "20"] < 60
+    # Some tenths of a per cent of the speed for each millisecond.
+    assert 0.0005 < 1 - speeds["delay", "1"] / speeds["delay", "0"] < 0.009

@@ -1,0 +1,108 @@
+"""afo commission from the outside, over a virtual bus: a device in a stand, a person at the terminal."""
+import configparser
+import html.parser
+
+import pytest
+
+from afo import BUILD, ROOT, run
+from test_peers import in_guest
+
+DEVICE = ROOT / "sim_host" / "devices" / "virtual.ini"
+
+
+class Page(html.parser.HTMLParser):
+    """Rows of the first table, and everything that a page could fetch."""
+    def __init__(self):
+        super().__init__()
+        self.rows, self.fetched, self.text = [], [], ""
+
+    def handle_starttag(self, tag, attributes):
+        if tag == "tr":
+            self.rows.append([])
+        if tag == "td":
+            self.rows[-1].append("")
+        self.fetched += [value for name, value in attributes if name in ("src", "href")]
+
+    def handle_data(self, data):
+        self.text += data
+        if self.rows and self.rows[-1]:
+            self.rows[-1][-1] += data
+
+
+def read_page(path):
+    page = Page()
+    page.feed(path.read_text())
+    return page
+
+
+def commission(folder, *words, answers="y\\n" * 8):
+    line = " ".join(f"'{word}'" for word in words)
+    return f"""printf '{answers}' | {BUILD}/afo commission --can vcan0 --device {DEVICE} --out {folder}/out.ini \
+        --page {folder}/page.html --record {folder}/record.ini {line}; echo "status $?"
+    """
+
+
+def in_stand(script):
+    return in_guest(f"""
+        {BUILD}/afo walker --can vcan0 --stand --silence 60000 --quiet & walker=$!
+        sleep 0.3
+        {BUILD}/afo host --can vcan0 --speed 0.41 --standby --quiet & host=$!
+        for _ in {{1..100}}; do {BUILD}/afo ctl --can vcan0 get supervisor_state | grep -q standby && break; sleep 0.1; done
+        {script}
+        kill -TERM $host; wait $host
+        kill -TERM $walker; wait $walker; true""", 280)
+
+
+HANDS = ["--skip", "latch=no foot is mounted", "--skip", "zero=nobody stands", "--skip", "sensors=nobody swings",
+         "--skip", "stop=there is no button"]
+
+
+def verdicts(page):
+    return {row[0]: row[2] for row in page.rows if len(row) == 5}
+
+
+def test_a_device_in_a_stand_is_moved_and_the_page_tells_what_is_left(tmp_path):
+    later = [word for step in ("spring", "bandwidth", "link") for word in ("--skip", f"{step}=tomorrow; in <the> lab")]
+    out = in_stand(commission(tmp_path, *HANDS, *later) + commission(tmp_path, "--step", "rest"))
+    assert out.count("status 0") == 2, out
+    page = read_page(tmp_path / "page.html")
+    verdict = verdicts(page)
+    assert [name for name in verdict if verdict[name] == "passed"] == ["identify", "rest", "moves"]
+    assert verdict["switches"] == "no such part" and list(verdict.values()).count("skipped") == 7
+    assert not page.fetched
+    assert "in <the> lab" in page.text and "Not shown (skipped)" in page.text
+    assert run("check", tmp_path / "out.ini", command="device").returncode == 0
+
+
+@pytest.mark.long
+def test_a_device_in_a_stand_is_commissioned(tmp_path):
+    out = in_stand(commission(tmp_path, *HANDS))
+    assert out.count("status 0") == 1, out
+    verdict = verdicts(read_page(tmp_path / "page.html"))
+    assert verdict == {"identify": "passed", "rest": "passed", "moves": "passed", "zero": "skipped",
+                       "sensors": "skipped", "latch": "skipped", "spring": "passed", "bandwidth": "passed",
+                       "link": "passed", "stop": "skipped", "switches": "no such part"}
+    device = configparser.ConfigParser(inline_comment_prefixes=(";",))
+    device.read(tmp_path / "out.ini")
+    assert device["both"]["unload"].strip() == "drive"
+
+
+def test_a_walking_device_and_a_silent_person_are_told(tmp_path):
+    out = in_stand(f"""
+        {commission(tmp_path, "--step", "identify", "--step", "rest")}
+        {commission(tmp_path, "--step", "moves", answers="")}
+        {BUILD}/afo ctl --can vcan0 set walk_requested=1 >/dev/null
+        {commission(tmp_path, "--step", "rest")}""")
+    assert "FOUND: left leg: nobody confirmed which motor moved" in out, out
+    assert "a walk is requested" in out, out
+    assert out.count("status 1") == 3, out    # steps are open
+
+
+def test_wrong_usage():
+    for words, part in ((["--device", DEVICE], "--can"), (["--can", "vcan0"], "--device"),
+                        (["--can", "x", "--device", DEVICE, "--step", "sprin"], "nearest: spring"),
+                        (["--can", "x", "--device", DEVICE, "--skip", "zero"], "NAME=REASON"),
+                        (["--can", "x", "--device", "/nowhere"], "/nowhere"),
+                        (["--can", "nocan9", "--device", DEVICE], "nocan9")):
+        done = run(*words, command="commission")
+        assert done.returncode == 2 and part in done.stderr, (words, done.stderr)
