@@ -38,7 +38,8 @@ def test_the_folder_is_whole_and_its_hashes_are_right(tmp_path):
 def test_another_image_from_the_same_sources_is_refused(tmp_path):
     build, again = copy_of_the_build(tmp_path / "build"), copy_of_the_build(tmp_path / "again")
     image = again / "arm" / f"{NAME}.bin"
-    image.write_bytes(image.read_bytes()[:-1] + b"\0")
+    content = image.read_bytes()
+    image.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
     result = release(build, "--again", str(again))
     assert result.returncode == 1 and "another image" in result.stderr
     assert not (build / "release").exists()
