@@ -14,7 +14,7 @@
 
 #include "hal/canopen/co_od.h"
 
-enum { OBJECT_NAME_MAX = 96, OBJECT_LIST_MAX = 320, OBJECT_MESSAGE_MAX = 512 };
+enum { OBJECT_NAME_MAX = 96, OBJECT_LIST_MAX = 640, OBJECT_MESSAGE_MAX = 512 };
 
 struct named_object {
     char name[OBJECT_NAME_MAX];
