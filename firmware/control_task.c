@@ -296,8 +296,8 @@ static unsigned run_tick(struct control_task *task)
 
 static bool hear_tool(struct control_task *task, const struct can_msg *message)
 {
-    const bool heard =
-        tool_watch_receive(&task->tools, &task->bring_up, message, &task->node.objects);
+    const bool heard = tool_watch_receive(&task->tools, &task->network, &task->bring_up, message,
+                                          &task->node.objects);
     if (heard) {
         drive_audit_give_way(&task->audit);
     }

@@ -27,15 +27,19 @@ void tool_watch_distrust(struct tool_watch *watch, unsigned index, uint16_t chan
     }
 }
 
-bool tool_watch_receive(struct tool_watch *watch, const struct bring_up *bring_up,
-                        const struct can_msg *message, struct controller_objects *objects)
+bool tool_watch_receive(struct tool_watch *watch, const struct network *network,
+                        const struct bring_up *bring_up, const struct can_msg *message,
+                        struct controller_objects *objects)
 {
     if (!frame_is_node_request(message->id) || message->length != SDO_BYTES ||
         message->flags != 0) {
         return false; /* no server takes another length */
     }
-    const uint8_t node = (uint8_t)(message->id - FRAME_SDO_REQUEST_DRIVE_LEFT + NODE_DRIVE_LEFT);
-    const unsigned index = node - (unsigned)NODE_DRIVE_LEFT; /* of the frame table's numbers */
+    const uint8_t node = (uint8_t)(message->id - (uint32_t)FRAME_SDO_REQUEST_BASE);
+    const unsigned index = network_index(network, node);
+    if (index >= NETWORK_NODES) {
+        return false; /* of another device on this bus */
+    }
     const unsigned command = (unsigned)message->data[0] >> 5;
     if (!is_download(command)) {
         count(&objects->counters.foreign_uploads);
@@ -49,7 +53,7 @@ bool tool_watch_receive(struct tool_watch *watch, const struct bring_up *bring_u
         objects->tool_index = named ? bytes_get_u16(message->data + 1) : 0;
         objects->tool_sub = named ? message->data[3] : 0;
     }
-    if (index < NETWORK_NODES && bring_up_is_configured(bring_up, index)) {
+    if (bring_up_is_configured(bring_up, index)) {
         watch->written = (uint8_t)(watch->written | 1u << index);
         tool_watch_distrust(watch, index, objects->tool_index);
     }

@@ -36,10 +36,11 @@ struct tool_watch {
     uint8_t behind_ticks[SIDE_COUNT];
 };
 
-/* Takes a frame that is an SDO request to one of the nodes, and says whether it is one. Shows it in
- * objects (0x2020, 0x2022). Loop only; O(NETWORK_NODES). */
-bool tool_watch_receive(struct tool_watch *watch, const struct bring_up *bring_up,
-                        const struct can_msg *message, struct controller_objects *objects);
+/* Takes a frame that is an SDO request to one of the network's nodes, whatever their numbers, and says
+ * whether it is one. Shows it in objects (0x2020, 0x2022). Loop only; O(NETWORK_NODES). */
+bool tool_watch_receive(struct tool_watch *watch, const struct network *network,
+                        const struct bring_up *bring_up, const struct can_msg *message,
+                        struct controller_objects *objects);
 
 /* Node `index` of the network is no longer as it was set up: its object `changed` is not (0: it is not known
  * which). It is set up anew when nothing can be loaded any more. O(1). */

@@ -116,11 +116,15 @@ static inline bool frame_is_masters(uint32_t id)
            id == FRAME_LATCH_COMMAND_RIGHT;
 }
 
-/* SDO requests to the nodes: while they run only the controller configures them, so it must hear
- * who else asks. */
+/* SDO requests go to this identifier and the number of the node (CiA 301, 7.3.5). */
+enum { FRAME_SDO_REQUEST_BASE = 0x600, NODE_NUMBER_LAST = 127 };
+
+/* SDO requests to nodes of any number but the controller's: while they run only the controller
+ * configures its nodes, so it must hear who else asks. */
 static inline bool frame_is_node_request(uint32_t id)
 {
-    return id >= FRAME_SDO_REQUEST_DRIVE_LEFT && id <= FRAME_SDO_REQUEST_SENSOR_RIGHT;
+    return id > FRAME_SDO_REQUEST_BASE && id <= FRAME_SDO_REQUEST_BASE + NODE_NUMBER_LAST &&
+           id != FRAME_SDO_REQUEST_CONTROLLER;
 }
 
 /* What the numbers in the frames mean. */

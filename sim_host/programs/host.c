@@ -18,6 +18,20 @@ static const struct {
 } table[] = {FRAME_TABLE(SENDER)};
 #undef SENDER
 
+/* Nodes of other numbers, and latch boards, answer with identifiers that the table does not have. */
+static bool has_numbers_of_the_table(const struct subject *subject)
+{
+    static const int32_t drives[SIDE_COUNT] = {NODE_DRIVE_LEFT, NODE_DRIVE_RIGHT};
+    static const int32_t sensors[SIDE_COUNT] = {NODE_SENSOR_LEFT, NODE_SENSOR_RIGHT};
+    bool same = true;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct device_leg *own = &subject->device.description.leg[leg];
+        same = same && own->drive_node == drives[leg] && own->leg_sensor_node == sensors[leg] &&
+               own->latch != DEVICE_LATCH_BOARD;
+    }
+    return same;
+}
+
 static int open_bus(struct host *host)
 {
     const struct socketcan_filter answers = {FRAME_SDO_ANSWER_CONTROLLER, CAN_ID_STANDARD_MAX};
@@ -30,7 +44,7 @@ static int open_bus(struct host *host)
             filters[count++] = (struct socketcan_filter){table[i].id, CAN_ID_STANDARD_MAX};
         }
     }
-    if (!host_task_configures(&host->subject)) {
+    if (!host_task_configures(&host->subject) || !has_numbers_of_the_table(&host->subject)) {
         count = 0; /* their identifiers are no frames of the table: hear everything */
     }
     int error =

@@ -370,6 +370,37 @@ START_TEST(a_tool_that_writes_to_a_node_is_a_fault)
 }
 END_TEST
 
+/* By the numbers that the nodes have, whatever these are. */
+START_TEST(a_tool_is_noticed_whatever_the_nodes_numbers)
+{
+    static const uint8_t numbers[NETWORK_NODES] = {21, 22, 33, 34};
+    struct bench b;
+    start(&b);
+    network_set_nodes(&b.task.network, numbers);
+    for (int i = 0; i < 110; i++) {
+        for (int node = 0; node < 4; node++) {
+            put(&b, 0x700u + numbers[node], 1, 5);
+        }
+        put_answers(&b, 0x1227);
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+    }
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+    put_sdo(&b, 0x600 + 5, 0x2B, 0x6007, 0); /* of no node of this device */
+    put_answers(&b, 0x1227);
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_ENGAGING);
+    put_sdo(&b, 0x600u + numbers[_i], 0x2B, 0x6007, 0);
+    put_answers(&b, 0x1227);
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(b.task.output.fault, SUPERVISOR_FAULT_NODE_WRITTEN);
+    ck_assert_uint_eq(b.task.node.objects.tool_node, numbers[_i]);
+}
+END_TEST
+
 /* Loaded, and its motor stands: a tick with the left drive at 0.2 m. */
 static void run_stuck_ticks(struct bench *b, int count)
 {
@@ -851,6 +882,7 @@ int main(void)
     tcase_add_loop_test(tests, somebody_elses_commands_are_a_fault, 0,
                         (int)(sizeof masters / sizeof masters[0]));
     tcase_add_loop_test(tests, a_tool_that_writes_to_a_node_is_a_fault, 0, 9);
+    tcase_add_loop_test(tests, a_tool_is_noticed_whatever_the_nodes_numbers, 0, 4);
     tcase_add_test(tests, a_tool_that_reads_is_counted_and_no_more);
     tcase_add_test(tests, a_written_drive_that_does_not_follow_is_stopped);
     tcase_add_test(tests, where_a_stop_may_mean_nothing_a_drive_is_shut_down);
