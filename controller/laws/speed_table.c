@@ -97,7 +97,10 @@ real speed_table_speed(const struct speed_table *table, real r0_m)
 {
     const real last = (real)(table->count - 1);
     const real position = real_clamp((r0_m - table->r0_min_m) / table->r0_step_m, REAL(0.0), last);
-    uint16_t interval = real_is_within(position, REAL(0.0), last) ? (uint16_t)position : 0;
+    uint16_t interval = 0;
+    if (real_is_within(position, REAL(0.0), last)) {
+        interval = (uint16_t)position;
+    }
     if (interval > table->count - 2) {
         interval = (uint16_t)(table->count - 2);
     }

@@ -86,6 +86,18 @@ static void refuse_unknown(const struct known *known, const char *word)
     exit(EXIT_USAGE);
 }
 
+/* The studies' letters of a walker, where the walker is a person and a device. */
+static void refuse_letter(const struct known *known, const char *word, size_t length)
+{
+    if (length != 1 || strchr("Mmlkg", word[0]) == NULL || find(known, "person", 6) < 0) {
+        return;
+    }
+    program_complain("no option \"--%c\": who walks is said by --person FILE, --device FILE (copy "
+                     "sim_host/persons/paper.ini and sim_host/devices/virtual.ini)",
+                     word[0]);
+    exit(EXIT_USAGE);
+}
+
 static void check_names(const struct argp *parser, int argc, char **argv)
 {
     static const char *const own[] = {"help", "usage", "version"};
@@ -98,6 +110,7 @@ static void check_names(const struct argp *parser, int argc, char **argv)
         const char *word = argv[i];
         if (strncmp(word, "--", 2) == 0) {
             const size_t length = strcspn(word + 2, "=");
+            refuse_letter(&known, word + 2, length);
             const int found = find(&known, word + 2, length);
             if (found < 0) {
                 refuse_unknown(&known, word + 2);

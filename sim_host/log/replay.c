@@ -69,10 +69,10 @@ static int switch_on(struct replay *replay)
     replay->next_fed = 0;
     replay->sync_pending = false;
     replay->fresh = true;
-    return host_task_init(&replay->rig, replay->subject, replay->params, bus,
-                          replay->desired_speed_rad_s, true) == CONTROL_PARAMS_OK
-               ? 0
-               : -1;
+    const int result = host_task_init(&replay->rig, replay->subject, replay->params, bus,
+                                      replay->desired_speed_rad_s, true);
+    replay->own_parameter_crc = replay->rig.task.node.objects.params_crc;
+    return result == CONTROL_PARAMS_OK ? 0 : -1;
 }
 
 int replay_init(struct replay *replay, const struct subject *subject,
@@ -284,7 +284,14 @@ static void blame_the_recorder(struct replay *replay)
 static void explain(struct replay *replay)
 {
     blame_the_recorder(replay);
-    const size_t used = strlen(replay->message);
+    size_t used = strlen(replay->message);
+    if (replay->parameter_crc != 0 && replay->parameter_crc != replay->own_parameter_crc) {
+        snprintf(replay->message + used, sizeof replay->message - used,
+                 " (the log was recorded with other parameters, CRC %08x, here %08x: are person, "
+                 "device and law those of the run?)",
+                 replay->parameter_crc, replay->own_parameter_crc);
+        used = strlen(replay->message);
+    }
     if (!replay->boot_seen && replay->snapshots == 0 && replay->all_ticks <= LATE_BOOT_TICKS) {
         snprintf(replay->message + used, sizeof replay->message - used,
                  " (no boot-up of the controller was recorded: does the log begin in the middle "

@@ -108,6 +108,7 @@ struct replay {
     uint32_t snapshot_bytes, snapshot_tick; /* announced; 0 = none under way */
     uint32_t snapshots;                     /* gone on from */
     uint32_t build_id, parameter_crc;       /* what recorded, by its own word; 0 = it says not */
+    uint32_t own_parameter_crc;             /* of the task here, as it was switched on */
     bool differs;
     char message[REPLAY_MESSAGE_MAX];
     char unheard_message[REPLAY_MESSAGE_MAX]; /* of the first unheard frame; "" = none */

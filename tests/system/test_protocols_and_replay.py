@@ -234,6 +234,7 @@ def test_the_ticks_that_no_digest_covers_are_told(log, tmp_path):
 def test_other_settings_than_the_recorded_ones_are_found(log):
     done = replay(log, "--kp", "0.03")
     assert done.returncode == 1 and "missing" not in done.stdout, done.stdout
+    assert "recorded with other parameters" in done.stdout, done.stdout
 
 
 @pytest.mark.parametrize("seed", range(10))
