@@ -105,6 +105,8 @@ static void choose_input(struct controller_input *input)
     input->foreign_node = any_bool();
     input->parameters_corrupt = any_bool();
     input->walk_requested = any_bool();
+    input->node_written = any_bool();
+    input->node_changed = any_bool();
     input->reset_requested = any_bool();
     input->zero_requested = any_bool();
     input->motion.order = any_u8;

@@ -9,6 +9,7 @@ static void choose_command(struct sea_drive_command *command)
     command->precompression_m = any_float;
     command->enable = any_bool();
     command->latch_armed = any_bool();
+    command->repeat = any_bool();
     command->clear_fault = any_bool();
     command->unconfigured = any_bool();
     command->operational = any_bool();

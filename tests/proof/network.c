@@ -25,7 +25,7 @@ void proof_network(void)
             network_clear_booted(&network);
             break;
         case 4:
-            (void)network_is_overdue(&network, network_index(any_u8) % NETWORK_NODES);
+            (void)network_is_overdue(&network, network_index(&network, any_u8) % NETWORK_NODES);
             break;
         default:
             (void)network_all_operational(&network);
