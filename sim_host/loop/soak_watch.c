@@ -23,7 +23,7 @@ static unsigned list_counters(struct loop *loop, uint32_t *counter[SOAK_COUNTERS
                              &counters->late_answers,
                              &counters->forced_stops,
                              &task->sensors.rx_malformed,
-                             &loop->rig.drives.rx_malformed,
+                             &loop->rig.drives.state.cia402.rx_malformed,
                              &device->counters.send_failures,
                              &device->counters.sdo_requests,
                              &device->counters.rpdo_length_errors,

@@ -6,6 +6,7 @@
 
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
+#include "hal/devices/device_description.h"
 
 enum {
     OBJECT_DOMAIN = 2,
@@ -155,6 +156,9 @@ static enum default_kind default_kind(const struct eds_subject *subject, unsigne
     }
     if ((entry->access & CO_ADD_NODE) != 0) {
         return DEFAULT_BY_NODE;
+    }
+    if (entry->index >= DEVICE_INDEX_COMMON && entry->index <= DEVICE_INDEX_RIGHT) {
+        return DEFAULT_NONE; /* of the device that hangs on this bus */
     }
     const unsigned length = load(subject->device, entry, base, own);
     if (load(subject->other, entry, other_base, others) == length &&

@@ -90,6 +90,7 @@ static void choose_sea(struct sea_measurement *sea)
     sea->latch = (enum latch_state)any_u32;
     sea->force_N = any_float;
     sea->force_age_ticks = any_u16;
+    sea->absent = any_bool();
 }
 
 static void choose_input(struct controller_input *input)
