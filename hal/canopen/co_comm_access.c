@@ -15,7 +15,8 @@ enum {
     RESTORE_PARAMETERS = 0x1011,
     SUB_COB_ID = 1,
     SUB_TYPE = 2,
-    SUB_INHIBIT = 3
+    SUB_INHIBIT = 3,
+    SUB_EVENT = 5
 };
 
 /* What the profile answers for: its own objects, programs, and storing parameters. */
@@ -192,7 +193,11 @@ void co_comm_written(void *context, const struct co_entry *entry)
     } else if (entry->index == 0x1017) {
         device->heartbeat_due_ns = 0; /* the new period starts with a heartbeat */
     } else if ((entry->index & 0xFF00) == RPDO_COMMUNICATION) {
-        co_device_forget_rpdo(device, entry->index & 0xFFU);
+        if (entry->sub == SUB_EVENT) {
+            co_device_forget_rpdo_timeout(device, entry->index & 0xFFU);
+        } else {
+            co_device_forget_rpdo(device, entry->index & 0xFFU);
+        }
     } else if ((entry->index & 0xFF00) == TPDO_COMMUNICATION) {
         struct co_pdo *pdo = &device->comm.tpdo[entry->index & 0xFFU];
         pdo->cob_id |= CO_PDO_NO_RTR; /* whatever was written: remote requests are not answered */

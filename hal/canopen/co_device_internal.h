@@ -40,6 +40,8 @@ void co_device_take_rpdo(struct co_device *device, unsigned number, const struct
 /* What was received of this RPDO, and what was wrong with it, is of the past: it was written, or
  * PDOs came to life or ended. The errors are over. */
 void co_device_forget_rpdo(struct co_device *device, unsigned number);
+/* Its time-out is over, as the time was written anew; what waits for the SYNC is still to be used. */
+void co_device_forget_rpdo_timeout(struct co_device *device, unsigned number);
 void co_device_take_sync(struct co_device *device, uint64_t now_ns);
 
 /* Each does what is due and returns when it wants to be called next. */

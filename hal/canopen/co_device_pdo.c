@@ -41,13 +41,18 @@ static void judge_length(struct co_device *device, unsigned number, unsigned len
                         cause, CO_ERROR_COMMUNICATION, NULL);
 }
 
+void co_device_forget_rpdo_timeout(struct co_device *device, unsigned number)
+{
+    device->comm.rpdo[number].timed_out = false;
+    co_device_clear_for(device, CO_EMCY_RPDO_TIMEOUT, cause_of(number));
+}
+
 void co_device_forget_rpdo(struct co_device *device, unsigned number)
 {
     struct co_pdo *pdo = &device->comm.rpdo[number];
     pdo->waiting = false;
     pdo->seen = false;
-    pdo->timed_out = false;
-    co_device_clear_for(device, CO_EMCY_RPDO_TIMEOUT, cause_of(number));
+    co_device_forget_rpdo_timeout(device, number);
     co_device_clear_for(device, CO_EMCY_PDO_TOO_SHORT, cause_of(number));
     co_device_clear_for(device, CO_EMCY_PDO_TOO_LONG, cause_of(number));
 }

@@ -208,6 +208,28 @@ START_TEST(what_is_not_for_it_is_left_to_others)
 }
 END_TEST
 
+/* Its time-out is a number beside the PDO (CiA 301, 7.5.2.35): a change of it takes nothing away that waits
+ * for the SYNC, however often it is written, and the new time begins with it. */
+START_TEST(a_new_time_out_drops_no_pdo)
+{
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x80000205), 0);
+    ck_assert_uint_eq(sdo(0x2F, 0x1400, 2, 1), 0); /* taken at the SYNC */
+    ck_assert_uint_eq(sdo(0x23, 0x1400, 1, 0x205), 0);
+    nmt(1);
+    ck_assert(give(0x205, 4, 0x55));
+    ck_assert_uint_eq(sdo(0x2B, 0x1400, 5, 30), 0);
+    ck_assert_uint_eq(values.number, 0);
+    ck_assert(give(0x080, 0, 0));
+    ck_assert_uint_eq(values.number, 0x55);
+    run(25);
+    ck_assert(!co_device_has_error(&device, CO_EMCY_RPDO_TIMEOUT));
+    run(10);
+    ck_assert(co_device_has_error(&device, CO_EMCY_RPDO_TIMEOUT));
+    ck_assert_uint_eq(sdo(0x2B, 0x1400, 5, 0), 0); /* not watched any more: it is over */
+    ck_assert(!co_device_has_error(&device, CO_EMCY_RPDO_TIMEOUT));
+}
+END_TEST
+
 START_TEST(a_pdo_of_a_wrong_length)
 {
     nmt(1);
@@ -665,6 +687,7 @@ int main(void)
     tcase_add_test(tcase, a_pdo_that_was_switched_off_is_forgotten);
     tcase_add_test(tcase, the_boot_up_comes_before_the_first_heartbeat);
     tcase_add_test(tcase, what_is_not_for_it_is_left_to_others);
+    tcase_add_test(tcase, a_new_time_out_drops_no_pdo);
     tcase_add_test(tcase, a_pdo_of_a_wrong_length);
     tcase_add_loop_test(tcase, the_error_behaviour_is_obeyed, 0, 3);
     tcase_add_test(tcase, a_stopped_node_is_silent);
