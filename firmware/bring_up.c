@@ -66,12 +66,27 @@ static void begin_scan(struct bring_up *bring_up, const struct network *network,
     }
 }
 
+/* All nodes that there are speak and are set up, and none began anew: so it is in nearly every tick. */
+static bool is_settled(const struct bring_up *bring_up, const struct network *network)
+{
+    bool settled = bring_up->setup.node == 0;
+    for (unsigned i = 0; i < NETWORK_NODES && settled; i++) {
+        const struct network_node *node = &network->node[i];
+        settled = node->id == 0 || (node->state != NMT_UNKNOWN && !node->booted &&
+                                    bring_up_is_configured(bring_up, i));
+    }
+    return settled;
+}
+
 struct bring_up_result bring_up_update(struct bring_up *bring_up, struct network *network,
                                        const struct node_setup_config *config,
                                        const struct can_bus *bus, uint64_t now_ns)
 {
     struct node_setup *setup = &bring_up->setup;
     struct bring_up_result result = {SETUP_BUSY, 0};
+    if (is_settled(bring_up, network)) {
+        return result;
+    }
     drop_lost_nodes(bring_up, network);
     begin_next_node(bring_up, network, config, bus, now_ns);
     begin_scan(bring_up, network, config, now_ns);

@@ -246,7 +246,7 @@ static void audit_drives(struct control_task *task)
     struct setup_failure found;
     struct controller_node *node = &task->node;
     if (drive_audit_update(&task->audit, &task->bring_up, &task->network, &task->config.bus,
-                           task->tick, task->now_ns, &found,
+                           task->tick, control_task_was_busy(task), task->now_ns, &found,
                            &node->objects.counters.audits_unanswered)) {
         telemetry_report_refused_node(&node->objects, &node->device, &found);
         tool_watch_distrust(&task->tools, network_index(&task->network, found.node), found.index);

@@ -118,6 +118,35 @@ static void begin(struct drive_audit *audit, const struct bring_up *bring_up,
                        now_ns);
 }
 
+/* A node's next heartbeat falls into this tick or the next. */
+static bool expects_heartbeat(const struct network *network)
+{
+    enum { PERIOD_TICKS = TICKS_OF_MS(HEARTBEAT_PERIOD_MS), AHEAD_TICKS = 2 };
+    bool expected = false;
+    for (unsigned i = 0; i < NETWORK_NODES; i++) {
+        const struct network_node *node = &network->node[i];
+        expected = expected || (node->id != 0 && node->silent_ticks + AHEAD_TICKS >= PERIOD_TICKS &&
+                                node->silent_ticks <= PERIOD_TICKS);
+    }
+    return expected;
+}
+
+/* The tick has nothing to do but what every tick has. What a busy one puts off, the next ones do. */
+static bool is_quiet(struct drive_audit *audit, const struct network *network, uint32_t tick,
+                     bool busy)
+{
+    enum { PUT_OFF_TICKS = 2 };
+    if (busy) {
+        audit->memory.busy_ticks = PUT_OFF_TICKS;
+        return false;
+    }
+    if (audit->memory.busy_ticks > 0) {
+        audit->memory.busy_ticks--;
+        return false;
+    }
+    return tick % SLOW_PDO_TICKS != 0 && !expects_heartbeat(network);
+}
+
 static bool compare(struct drive_audit *audit, enum co_sdo_result result,
                     struct setup_failure *failure)
 {
@@ -140,13 +169,19 @@ static bool compare(struct drive_audit *audit, enum co_sdo_result result,
 
 bool drive_audit_update(struct drive_audit *audit, const struct bring_up *bring_up,
                         const struct network *network, const struct can_bus *bus, uint32_t tick,
-                        uint64_t now_ns, struct setup_failure *failure, uint32_t *unanswered)
+                        bool busy, uint64_t now_ns, struct setup_failure *failure,
+                        uint32_t *unanswered)
 {
     forgive(audit, bring_up);
     if (audit->memory.quiet_ticks > 0) {
         audit->memory.quiet_ticks--;
     }
-    if (!audit->under_way && tick % DRIVE_AUDIT_TICKS == 0) {
+    const bool quiet = is_quiet(audit, network, tick, busy);
+    if (tick % DRIVE_AUDIT_TICKS == 0) {
+        audit->memory.waits = true;
+    }
+    if (audit->memory.waits && !audit->under_way && quiet) {
+        audit->memory.waits = false;
         begin(audit, bring_up, network, tick / DRIVE_AUDIT_TICKS, now_ns);
     }
     if (!audit->under_way) {

@@ -35,7 +35,9 @@ struct drive_audit_memory {
     uint32_t expected[SIDE_COUNT][DRIVE_AUDIT_OBJECTS];
     uint32_t known[SIDE_COUNT]; /* bit i: object i was read back */
     uint8_t quiet_ticks, skips;
-    uint8_t deviates; /* legs (bit 1 << side) whose drive is not as it was set up */
+    bool waits;         /* for a quiet tick, to ask for the next object */
+    uint8_t busy_ticks; /* left of those that do what a busy one has put off */
+    uint8_t deviates;   /* legs (bit 1 << side) whose drive is not as it was set up */
 };
 
 struct drive_audit {
@@ -53,11 +55,14 @@ bool drive_audit_receive(struct drive_audit *audit, const struct bring_up *bring
 /* Somebody else talks to a drive or a sensor. O(1). */
 void drive_audit_give_way(struct drive_audit *audit);
 
-/* Once a tick, numbered `tick`. Returns true when an object is found to be not as it was set up; *failure then
- * says which, and its leg's bit is in memory.deviates until the drive is set up anew. *unanswered counts
- * requests without an answer (saturates). Loop only; O(1). */
+/* Once a tick, numbered `tick`; busy: the controller has much to do in it. A request waits for a tick
+ * without gait event, heartbeat or telemetry: question and answer would add to these. Returns true when
+ * an object is found to be not as it was set up; *failure then says which, and its leg's bit is in
+ * memory.deviates until the drive is set up anew. *unanswered counts requests without an answer
+ * (saturates). Loop only; O(NETWORK_NODES). */
 bool drive_audit_update(struct drive_audit *audit, const struct bring_up *bring_up,
                         const struct network *network, const struct can_bus *bus, uint32_t tick,
-                        uint64_t now_ns, struct setup_failure *failure, uint32_t *unanswered);
+                        bool busy, uint64_t now_ns, struct setup_failure *failure,
+                        uint32_t *unanswered);
 
 #endif

@@ -77,28 +77,6 @@ size_t snapshot_size(const struct snapshot_source *source)
     return LARGEST_BYTES - sizeof source->drives->state + device_drives_state_bytes(source->drives);
 }
 
-/* memcpy that takes eight words at a time: a snapshot must not cost a tick its budget. */
-static inline void copy(void *to, const void *from, size_t length)
-{
-    struct block {
-        uint32_t word[8];
-    };
-    struct block *target = to;
-    const struct block *source = from;
-
-    if ((((uintptr_t)to | (uintptr_t)from) & 3u) == 0u) {
-        for (; length >= 4 * sizeof *target; length -= 4 * sizeof *target) {
-            target[0] = source[0];
-            target[1] = source[1];
-            target[2] = source[2];
-            target[3] = source[3];
-            target += 4;
-            source += 4;
-        }
-    }
-    memcpy(target, source, length);
-}
-
 size_t snapshot_save(const void *context, uint8_t *out, size_t capacity)
 {
     const struct snapshot_source *source = context;
@@ -110,12 +88,12 @@ size_t snapshot_save(const void *context, uint8_t *out, size_t capacity)
         return 0;
     }
     memset(out + CONTROLLER_BLOCK - 8, 0, 8);
-    copy(out, (const uint8_t *)&task->controller + offsetof(struct controller, observer),
-         CONTROLLER_BYTES);
+    memcpy(out, (const uint8_t *)&task->controller + offsetof(struct controller, observer),
+           CONTROLLER_BYTES);
     out += CONTROLLER_BLOCK;
-    copy(out, &source->drives->state, drives_bytes);
+    memcpy(out, &source->drives->state, drives_bytes);
     out += drives_bytes;
-    copy(out, &task->node.objects.params, PARAMS_GUARD_OWN_BYTES);
+    memcpy(out, &task->node.objects.params, PARAMS_GUARD_OWN_BYTES);
     out += PARAMS_GUARD_OWN_BYTES;
 #define SAVE(field)                                \
     memcpy(out, &task->field, sizeof task->field); \
