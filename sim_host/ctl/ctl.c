@@ -6,17 +6,18 @@
 #include "sim_host/text/nearest.h"
 
 const struct ctl_verb_row ctl_verbs[] = {
-    {"names", ctl_names, 0, -1, "[NAME..]", "what can be asked: names, access, ranges, meaning"},
-    {"get", ctl_get, 1, -1, "NAME..", "read objects or groups of them"},
-    {"set", ctl_set, 1, -1, "NAME=VALUE..", "write objects, each read back"},
-    {"watch", ctl_watch, 1, -1, "NAME..", "read again and again, and print what changes"},
-    {"dump", ctl_dump, 0, -1, "[NAME..]", "the settings as a file that diff reads"},
-    {"diff", ctl_diff, 1, 1, "FILE", "what differs between a dump's file and the node"},
-    {"save", ctl_save, 0, 0, "", "keep the settings over power cycles"},
-    {"walk", ctl_walk, 0, 0, "", "ask for assistance, and wait until it engages"},
-    {"stop", ctl_stop, 0, 0, "", "end it, and wait until both springs are unloaded"},
-    {"reset", ctl_reset, 0, 0, "", "clear a latched fault, at standstill"},
-    {"zero", ctl_zero, 0, 0, "", "find the leg sensors' offsets: stand still for 3 s"},
+    {"names", ctl_names, 0, -1, "[NAME..]", "what can be asked: names, access, ranges, meaning",
+     false},
+    {"get", ctl_get, 1, -1, "NAME..", "read objects or groups of them", false},
+    {"set", ctl_set, 1, -1, "NAME=VALUE..", "write objects, each read back", false},
+    {"watch", ctl_watch, 1, -1, "NAME..", "read again and again, and print what changes", false},
+    {"dump", ctl_dump, 0, -1, "[NAME..]", "the settings as a file that diff reads", false},
+    {"diff", ctl_diff, 1, 1, "FILE", "what differs between a dump's file and the node", false},
+    {"save", ctl_save, 0, 0, "", "keep the settings over power cycles", false},
+    {"walk", ctl_walk, 0, 0, "", "ask for assistance, and wait until it engages", true},
+    {"stop", ctl_stop, 0, 0, "", "end it, and wait until both springs are unloaded", true},
+    {"reset", ctl_reset, 0, 0, "", "clear a latched fault, at standstill", true},
+    {"zero", ctl_zero, 0, 0, "", "find the leg sensors' offsets: stand still for 3 s", true},
 };
 const size_t ctl_verb_count = sizeof ctl_verbs / sizeof ctl_verbs[0];
 
@@ -71,6 +72,11 @@ enum exit_status ctl_run(struct ctl *ctl, int count, char **words)
         if (count - 1 < verb->least_words ||
             (verb->most_words >= 0 && count - 1 > verb->most_words)) {
             ctl_complain(ctl, "usage: afo ctl %s %s", verb->name, verb->words);
+            return EXIT_USAGE;
+        }
+        if (verb->controllers && ctl->link.node != NODE_CONTROLLER) {
+            ctl_complain(ctl, "only the controller (node %d) can do that, not node %u",
+                         NODE_CONTROLLER, ctl->link.node);
             return EXIT_USAGE;
         }
         return verb->run(ctl, count - 1, words + 1);

@@ -53,6 +53,7 @@ struct ctl_verb_row {
     ctl_verb run;
     int least_words, most_words; /* most -1: as many as there are */
     const char *words, *summary;
+    bool controllers; /* only the controller can do that */
 };
 extern const struct ctl_verb_row ctl_verbs[];
 extern const size_t ctl_verb_count;

@@ -151,13 +151,6 @@ static int let_ticks_pass(const struct ctl *ctl)
     return -1;
 }
 
-static enum exit_status refuse_other_node(const struct ctl *ctl)
-{
-    ctl_complain(ctl, "only the controller (node %d) can do that, not node %u", NODE_CONTROLLER,
-                 ctl->link.node);
-    return EXIT_USAGE;
-}
-
 #define IN(state) (1u << SUPERVISOR_##state)
 
 /* ---- walk and stop ------------------------------------------------------------------ */
@@ -167,9 +160,6 @@ enum exit_status ctl_walk(struct ctl *ctl, int count, char **words)
     struct condition condition;
     (void)count;
     (void)words;
-    if (ctl->link.node != NODE_CONTROLLER) {
-        return refuse_other_node(ctl);
-    }
     if (read_condition(ctl, &condition) != 0) {
         return EXIT_BAD;
     }
@@ -208,9 +198,6 @@ enum exit_status ctl_stop(struct ctl *ctl, int count, char **words)
     struct condition condition;
     (void)count;
     (void)words;
-    if (ctl->link.node != NODE_CONTROLLER) {
-        return refuse_other_node(ctl);
-    }
     if (write_named(ctl, WALK_REQUESTED, 0) != 0) {
         return EXIT_BAD;
     }
@@ -237,9 +224,6 @@ enum exit_status ctl_reset(struct ctl *ctl, int count, char **words)
     struct condition condition;
     (void)count;
     (void)words;
-    if (ctl->link.node != NODE_CONTROLLER) {
-        return refuse_other_node(ctl);
-    }
     if (read_condition(ctl, &condition) != 0) {
         return EXIT_BAD;
     }
@@ -292,9 +276,6 @@ enum exit_status ctl_zero(struct ctl *ctl, int count, char **words)
     uint32_t zeroing = ZEROING_RUNNING;
     (void)count;
     (void)words;
-    if (ctl->link.node != NODE_CONTROLLER) {
-        return refuse_other_node(ctl);
-    }
     if (read_condition(ctl, &condition) != 0) {
         return EXIT_BAD;
     }

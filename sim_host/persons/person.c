@@ -58,25 +58,6 @@ void person_default(struct person *person)
                               .gravity_m_s2 = 9.80665};
 }
 
-static int parse_number(const char *key, const char *value, double minimum, double maximum,
-                        const char *meaning, double *result, char *message, size_t size)
-{
-    char *end = NULL;
-    errno = 0;
-    const double number = strtod(value, &end);
-    if (end == value || *end != '\0' || errno == ERANGE || !isfinite(number)) {
-        snprintf(message, size, "key \"%s\" (%s): \"%.40s\" is not a number", key, meaning, value);
-        return -1;
-    }
-    if (number < minimum || number > maximum) {
-        snprintf(message, size, "key \"%s\" (%s): %.40s is out of range, allowed is %g to %g", key,
-                 meaning, value, minimum, maximum);
-        return -1;
-    }
-    *result = number;
-    return 0;
-}
-
 static double *field_of(struct person *person, const struct person_key *key)
 {
     return (double *)((char *)person + key->offset);
@@ -85,8 +66,8 @@ static double *field_of(struct person *person, const struct person_key *key)
 static int take_number(struct person *person, const struct person_key *key, const char *value,
                        char *message, size_t size)
 {
-    return parse_number(key->key, value, key->minimum, key->maximum, key->meaning,
-                        field_of(person, key), message, size);
+    return number_text_read(key->key, value, key->minimum, key->maximum, key->meaning,
+                            field_of(person, key), message, size);
 }
 
 /* Parameters that are numbers of something, or of a kind, and so have no halves. */
@@ -123,8 +104,8 @@ static int take_parameter(struct person *person, int number, const char *value, 
         snprintf(message, size, "key \"law\" (%s): %s", d->meaning, reason);
         return -1;
     }
-    if (parse_number(d->name, value, (double)d->minimum, (double)d->maximum, d->meaning,
-                     &person->control_override[number], message, size) != 0) {
+    if (number_text_read(d->name, value, (double)d->minimum, (double)d->maximum, d->meaning,
+                         &person->control_override[number], message, size) != 0) {
         return -1;
     }
     return check_whole(d->name, person->control_override[number], message, size);

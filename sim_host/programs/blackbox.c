@@ -9,9 +9,8 @@
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/log/black_box_log.h"
+#include "sim_host/programs/bus_wait.h"
 #include "sim_host/programs/commands.h"
-
-enum { WAIT_NS = 20000000, WAITS_MAX = 100, RECOVERY_WAITS = 5 };
 
 struct options {
     const char *interface, *out_path;
@@ -58,22 +57,6 @@ static error_t take(int key, char *text, struct argp_state *state)
     return 0;
 }
 
-static bool wait(void *context, unsigned waits)
-{
-    struct socketcan_bus *socket = context;
-    const struct can_bus bus = socketcan_bus_interface(socket);
-    char advice[SOCKETCAN_ADVICE_MAX];
-
-    if (waits % RECOVERY_WAITS == 0) {
-        can_bus_recover(&bus); /* nothing, unless it is bus-off */
-    }
-    if (socketcan_bus_advice(socket, advice, sizeof advice)) {
-        program_complain("%s", advice);
-    }
-    (void)socketcan_bus_wait(socket, socketcan_now_ns() + WAIT_NS);
-    return waits < WAITS_MAX;
-}
-
 static void summarize(const struct black_box_summary *summary, const char *version)
 {
     fprintf(stderr, "firmware %s, build %08x, parameter CRC %08x\n", version,
@@ -96,7 +79,7 @@ static int run(const struct options *options, struct socketcan_bus *socket, stru
     struct crash_record crash;
     char version[BLACK_BOX_VERSION_MAX + 1], message[OUTPUT_PATH_MAX + 256] = "";
 
-    if (black_box_fetch_crash(&bus, wait, socket, &crash, message, sizeof message) != 0) {
+    if (black_box_fetch_crash(&bus, bus_wait, socket, &crash, message, sizeof message) != 0) {
         program_complain("%s", message);
         return EXIT_BAD;
     }
@@ -107,7 +90,7 @@ static int run(const struct options *options, struct socketcan_bus *socket, stru
             (unsigned)crash.count, (unsigned)crash.cause, (unsigned)crash.pc, (unsigned)crash.lr,
             (unsigned)crash.detail, (unsigned)crash.fault_address, (unsigned)crash.cfsr);
     }
-    if (black_box_fetch(&bus, wait, socket, options->freeze, &box, version, message,
+    if (black_box_fetch(&bus, bus_wait, socket, options->freeze, &box, version, message,
                         sizeof message) != 0) {
         program_complain("%s", message);
         return EXIT_BAD;
@@ -118,7 +101,8 @@ static int run(const struct options *options, struct socketcan_bus *socket, stru
         return EXIT_BAD;
     }
     if (output_file_commit(out, message, sizeof message) != 0 ||
-        (options->release && black_box_release(&bus, wait, socket, message, sizeof message) != 0)) {
+        (options->release &&
+         black_box_release(&bus, bus_wait, socket, message, sizeof message) != 0)) {
         program_complain("%s", message);
         return EXIT_BAD;
     }

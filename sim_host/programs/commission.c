@@ -13,9 +13,10 @@
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/commission/commission.h"
+#include "sim_host/programs/bus_wait.h"
 #include "sim_host/programs/commands.h"
 
-enum { WAIT_NS = 20000000, WAITS_MAX = 100, HELP_MAX = 4096, PATH_ROOM = OUTPUT_PATH_MAX + 256 };
+enum { HELP_MAX = 4096, PATH_ROOM = OUTPUT_PATH_MAX + 256 };
 /* Answers of all nodes, and their heartbeats: seven bits are the node. */
 enum { ANY_NODE_MASK = 0x780 };
 
@@ -143,30 +144,6 @@ static int confirm(void *context, enum side leg, const char *question)
             return line[0] == 'y' ? 1 : 0;
         }
     }
-}
-
-static bool wait(void *context, unsigned waits)
-{
-    struct socketcan_bus *socket = (struct socketcan_bus *)context;
-    const struct can_bus bus = socketcan_bus_interface(socket);
-    can_bus_recover(&bus); /* nothing, unless it is bus-off */
-    (void)socketcan_bus_wait(socket, socketcan_now_ns() + WAIT_NS);
-    return waits < WAITS_MAX && !bus_program_is_to_end();
-}
-
-static bool pause_for(void *context, unsigned milliseconds)
-{
-    struct socketcan_bus *socket = (struct socketcan_bus *)context;
-    const struct can_bus bus = socketcan_bus_interface(socket);
-    const uint64_t end_ns = socketcan_now_ns() + milliseconds * UINT64_C(1000000);
-    struct can_msg message;
-    while (socketcan_now_ns() < end_ns && !bus_program_is_to_end()) {
-        while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
-            /* heartbeats, and answers to other tools */
-        }
-        (void)socketcan_bus_wait(socket, end_ns);
-    }
-    return !bus_program_is_to_end();
 }
 
 /* ---- files ------------------------------------------------------------------------------- */
@@ -300,8 +277,8 @@ int afo_commission(int argc, char **argv)
         return EXIT_USAGE;
     }
     ctl->link = (struct ctl_link){.bus = socketcan_bus_interface(&options.socket),
-                                  .wait = wait,
-                                  .pause = pause_for,
+                                  .wait = bus_wait,
+                                  .pause = bus_wait_pause,
                                   .context = &options.socket,
                                   .node = NODE_CONTROLLER};
     ctl->out = stdout;

@@ -10,9 +10,10 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/ctl/ctl.h"
+#include "sim_host/programs/bus_wait.h"
 #include "sim_host/programs/commands.h"
 
-enum { WAIT_NS = 20000000, WAITS_MAX = 100, RECOVERY_WAITS = 5, WORDS_MAX = 256, HELP_MAX = 4096 };
+enum { WORDS_MAX = 256, HELP_MAX = 4096 };
 
 struct options {
     const char *interface;
@@ -76,38 +77,6 @@ static error_t take(int key, char *text, struct argp_state *state)
     return 0;
 }
 
-/* ---- how time passes on a real bus --------------------------------------------------- */
-
-static bool wait(void *context, unsigned waits)
-{
-    struct socketcan_bus *socket = (struct socketcan_bus *)context;
-    const struct can_bus bus = socketcan_bus_interface(socket);
-    char advice[SOCKETCAN_ADVICE_MAX];
-    if (waits % RECOVERY_WAITS == 0) {
-        can_bus_recover(&bus); /* nothing, unless it is bus-off */
-    }
-    if (socketcan_bus_advice(socket, advice, sizeof advice)) {
-        program_complain("%s", advice);
-    }
-    (void)socketcan_bus_wait(socket, socketcan_now_ns() + WAIT_NS);
-    return waits < WAITS_MAX && !bus_program_is_to_end();
-}
-
-static bool pause_for(void *context, unsigned milliseconds)
-{
-    struct socketcan_bus *socket = (struct socketcan_bus *)context;
-    const struct can_bus bus = socketcan_bus_interface(socket);
-    const uint64_t end_ns = socketcan_now_ns() + milliseconds * UINT64_C(1000000);
-    struct can_msg message;
-    while (socketcan_now_ns() < end_ns && !bus_program_is_to_end()) {
-        while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
-            /* answers to other tools */
-        }
-        (void)socketcan_bus_wait(socket, end_ns);
-    }
-    return !bus_program_is_to_end();
-}
-
 /* ---- the command ----------------------------------------------------------------------- */
 
 /* The list of verbs for --help, from their table. */
@@ -162,8 +131,8 @@ int afo_ctl(int argc, char **argv)
         return EXIT_USAGE;
     }
     ctl->link.bus = socketcan_bus_interface(&options.socket);
-    ctl->link.wait = wait;
-    ctl->link.pause = pause_for;
+    ctl->link.wait = bus_wait;
+    ctl->link.pause = bus_wait_pause;
     ctl->link.context = &options.socket;
     ctl_open(ctl);
     const enum exit_status status = ctl_run(ctl, options.word_count, options.words);

@@ -9,12 +9,10 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/log/program_send.h"
+#include "sim_host/programs/bus_wait.h"
 #include "sim_host/programs/commands.h"
 
 enum {
-    WAIT_NS = 20000000,
-    WAITS_MAX = 50,
-    RECOVERY_WAITS = 5,
     RESTART_WAITS = 20, /* each asks, and waits for a second when nothing answers */
     FILE_MAX = 1024 * 1024
 };
@@ -62,18 +60,6 @@ static error_t take(int key, char *text, struct argp_state *state)
     return 0;
 }
 
-static bool wait(void *context, unsigned waits)
-{
-    struct socketcan_bus *socket = context;
-    const struct can_bus bus = socketcan_bus_interface(socket);
-
-    if (waits % RECOVERY_WAITS == RECOVERY_WAITS - 1) {
-        can_bus_recover(&bus); /* nothing, unless it is bus-off */
-    }
-    (void)socketcan_bus_wait(socket, socketcan_now_ns() + WAIT_NS);
-    return waits < WAITS_MAX;
-}
-
 struct progress_of {
     size_t length;
     unsigned percent;
@@ -109,7 +95,7 @@ static int run(const struct options *options, struct socketcan_bus *socket, cons
 {
     const struct can_bus bus = socketcan_bus_interface(socket);
     struct sdo_upload tool = {
-        .bus = &bus, .node = NODE_CONTROLLER, .wait = wait, .context = socket};
+        .bus = &bus, .node = NODE_CONTROLLER, .wait = bus_wait, .context = socket};
     struct progress_of progress = {length, 0};
     struct program_send send = {.tool = &tool,
                                 .allow_older = options->allow_older,

@@ -10,6 +10,7 @@
 
 #include "sim_host/persons/law_name.h"
 #include "sim_host/text/ini.h"
+#include "sim_host/text/number_text.h"
 
 struct old_key {
     const char *section;
@@ -98,25 +99,6 @@ static void set_defaults(struct old_subject *subject)
     };
 }
 
-static int parse_number(const char *key, const char *value, double minimum, double maximum,
-                        const char *meaning, double *result, char *message, size_t size)
-{
-    char *end = NULL;
-    errno = 0;
-    const double number = strtod(value, &end);
-    if (end == value || *end != '\0' || errno == ERANGE || !isfinite(number)) {
-        snprintf(message, size, "key \"%s\" (%s): \"%.40s\" is not a number", key, meaning, value);
-        return -1;
-    }
-    if (number < minimum || number > maximum) {
-        snprintf(message, size, "key \"%s\" (%s): %.40s is out of range, allowed is %g to %g", key,
-                 meaning, value, minimum, maximum);
-        return -1;
-    }
-    *result = number;
-    return 0;
-}
-
 static int set_protocol(struct old_subject *subject, const char *value, char *message, size_t size)
 {
     static const char *const names[] = {"cia402", "cansimple", "mit"};
@@ -192,8 +174,8 @@ static int set_key(void *context, const char *section, const char *key, const ch
                 return -1;
             }
             reading->given[i] = true;
-            return parse_number(key, value, k->minimum, k->maximum, k->meaning,
-                                (double *)((char *)subject + k->offset), message, size);
+            return number_text_read(key, value, k->minimum, k->maximum, k->meaning,
+                                    (double *)((char *)subject + k->offset), message, size);
         }
     }
     if (section[0] == '\0') {
