@@ -32,7 +32,22 @@ def test_the_folder_is_whole_and_its_hashes_are_right(tmp_path):
     bill = json.loads((folder / "bom.json").read_text())
     assert bill["metadata"]["component"]["version"] == "1.2.3"
     names = [component["name"] for component in bill["components"]]
-    assert "controller/controller.c" in names and "libc.a" in names
+    assert "controller/controller.c" in names
+    assert not [name for name in names if name.endswith(".a")], "the image took a compiler's library: say so in firmware/README.md"
+
+
+def test_a_library_of_the_compiler_is_in_the_bill(tmp_path):
+    """The map as GNU ld writes it: what was linked, then what was thrown away."""
+    build = copy_of_the_build(tmp_path / "build")
+    taken = "/usr/lib/arm-none-eabi/newlib/thumb/v7e-m+fp/hard/libc.a(lib_a-memmove.o)\n"
+    left = "/usr/lib/gcc/arm-none-eabi/12.2.1/thumb/v7e-m+fp/hard/libgcc.a(_divdi3.o)\n"
+    (build / "arm" / f"{NAME}.map").write_text(f"Archive member included to satisfy reference by file (symbol)\n\n{taken}"
+                                               f"\nDiscarded input sections\n\n .text {left}")
+    result = release(build)
+    assert result.returncode == 0, result.stderr
+    bill = json.loads((build / "release/1.2.3/bom.json").read_text())
+    archives = {component["name"]: component["properties"][0]["value"] for component in bill["components"] if component["name"].endswith(".a")}
+    assert archives == {"libc.a": "memmove.o"}
 
 
 def test_another_image_from_the_same_sources_is_refused(tmp_path):
