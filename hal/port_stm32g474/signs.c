@@ -76,7 +76,7 @@ void signs_line_begin(struct signs_line *line, const char *name, uint32_t number
 {
     uint32_t length = 0;
 
-    for (; name[length] != '\0' && length < 10U; length++) {
+    for (; length < 10U && name[length] != '\0'; length++) {
         line->text[length] = name[length];
     }
     line->text[length++] = ' ';

@@ -330,11 +330,11 @@ static const struct named_object *only_one(const struct object_list *list, const
 /* Text where several objects are meant, or none: those that begin so, else the nearest. */
 static void refuse(const struct object_list *list, const char *text, char *message)
 {
-    size_t used = 0, shown = 0, count = 0;
+    size_t shown = 0, count = 0;
     (void)only_one(list, text, false, &count);
     if (count > 1) {
-        used = (size_t)snprintf(message, OBJECT_MESSAGE_MAX, "\"%s\" is one of %zu names:", text,
-                                count);
+        size_t used = (size_t)snprintf(message, OBJECT_MESSAGE_MAX,
+                                       "\"%s\" is one of %zu names:", text, count);
         for (size_t i = 0; i < list->count && shown < 5 && used < OBJECT_MESSAGE_MAX; i++) {
             if (object_is_meant(&list->object[i], text)) {
                 used += (size_t)snprintf(message + used, OBJECT_MESSAGE_MAX - used, "%s %s",

@@ -11,7 +11,7 @@ enum csv_text_error csv_text_read(struct csv_text *csv, const char *path, const 
 {
     enum csv_text_error error = CSV_TEXT_CANNOT_READ;
     FILE *file = fopen(path, "rb");
-    long size = -1;
+    long size;
     *csv = (struct csv_text){.line = 1};
     *why = "";
     if (file == NULL) {

@@ -59,7 +59,7 @@ static bool is_enabled(const struct chip *chip, unsigned exception)
     case USAGE_FAULT:
         return (chip->scs.shcsr >> (12 + exception) & 1) != 0;
     default:
-        return exception < 16 || chip->scs.enabled[exception];
+        return exception < 16 || (exception < CHIP_EXCEPTIONS && chip->scs.enabled[exception]);
     }
 }
 

@@ -32,7 +32,7 @@ struct leg {
     struct sea sea;
     struct sea_reference reference;
     double stride_s, time_s;
-    double ankle_m, before_Nm;
+    double ankle_m;
     double loaded_share, work_J, peak_Nm, peak_W; /* of this stride */
     bool counts, armed, pushed;
 };
