@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
 
 #ifdef PARAMS_WITHOUT_TEXT
@@ -80,12 +81,9 @@ static void set_default(void *owner, const struct device_key *rows, unsigned cou
     for (unsigned i = 0; i < count; i++) {
         const float fallback =
             rows[i].fallback == DEVICE_ASKED ? rows[i].minimum : rows[i].fallback;
-        const int32_t whole = (int32_t)fallback;
-        if (rows[i].type == DEVICE_FLOAT) {
-            memcpy((uint8_t *)owner + rows[i].offset, &fallback, sizeof fallback);
-        } else {
-            memcpy((uint8_t *)owner + rows[i].offset, &whole, sizeof whole);
-        }
+        const uint32_t bits =
+            rows[i].type == DEVICE_FLOAT ? bytes_of_f32(fallback) : (uint32_t)(int32_t)fallback;
+        memcpy((uint8_t *)owner + rows[i].offset, &bits, sizeof bits);
     }
 }
 

@@ -34,9 +34,9 @@ static uint8_t role_of(const struct node_setup_config *config, uint8_t node)
 #define NODE_ROLE(name, number, profile) [number] = NETWORK_##name,
     static const uint8_t standard[] = {NODE_TABLE(NODE_ROLE)};
 #undef NODE_ROLE
-    for (uint8_t role = 0; role < NETWORK_NODES; role++) {
+    for (unsigned role = 0; role < NETWORK_NODES; role++) {
         if (node != 0 && config->node[role] == node) {
-            return role;
+            return (uint8_t)role;
         }
     }
     return node < sizeof standard ? standard[node] : (uint8_t)NETWORK_LATCH_LEFT;

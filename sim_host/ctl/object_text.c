@@ -242,7 +242,7 @@ static int put_integer(const struct named_object *object, const char *text, doub
         return -1;
     }
     value->length = object->entry->size;
-    const uint32_t bits = (uint32_t)(int64_t)round(raw);
+    const uint64_t bits = (uint64_t)(int64_t)round(raw);
     for (size_t i = 0; i < value->length; i++) {
         value->bytes[i] = (uint8_t)(bits >> (8 * i) & 0xFFu);
     }

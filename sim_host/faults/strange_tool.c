@@ -100,7 +100,7 @@ static uint32_t value_for(struct shot_state *state, uint32_t now)
 struct can_msg strange_tool_frame(struct shot_state *state, const struct loop *loop)
 {
     const struct fault_shot *shot = &state->shot;
-    void *base;
+    void *base = NULL;
     uint8_t bytes[CO_VALUE_MAX] = {0};
     const struct co_entry *entry = entry_of(loop, shot, &base);
     const uint32_t node =

@@ -1,5 +1,6 @@
 #include "sim_host/log/replay.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "hal/bus/bytes.h"
@@ -90,7 +91,7 @@ bool replay_set_interface(struct replay *replay, const char *name)
     if (strlen(name) >= sizeof replay->interface) {
         return false;
     }
-    strcpy(replay->interface, name);
+    (void)snprintf(replay->interface, sizeof replay->interface, "%s", name);
     return true;
 }
 

@@ -1,5 +1,6 @@
 /* Which of the interfaces in a log is the orthosis's bus. Another bus may be a CANopen bus as well, with
  * SYNCs and PDOs of its own, so not one frame decides but how many kinds of the controller's there are. */
+#include <stdio.h>
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
@@ -41,7 +42,7 @@ static struct interface *interface_of(struct interfaces *all, const char *name)
     }
     struct interface *interface = &all->found[all->count++];
     *interface = (struct interface){.kinds = 0};
-    strcpy(interface->name, name);
+    (void)snprintf(interface->name, sizeof interface->name, "%s", name);
     return interface;
 }
 
@@ -126,7 +127,7 @@ bool replay_choose_interface(struct replay *replay, FILE *log)
         }
     }
     if (best != NULL) {
-        strcpy(replay->interface, best->name);
+        (void)snprintf(replay->interface, sizeof replay->interface, "%s", best->name);
     }
     return true;
 }
@@ -134,7 +135,7 @@ bool replay_choose_interface(struct replay *replay, FILE *log)
 bool replay_is_on_interface(struct replay *replay, const struct candump_record *record)
 {
     if (replay->interface[0] == '\0') {
-        strcpy(replay->interface, record->interface_name);
+        (void)snprintf(replay->interface, sizeof replay->interface, "%s", record->interface_name);
     }
     return strcmp(replay->interface, record->interface_name) == 0;
 }

@@ -81,10 +81,11 @@ static void compute_strikes(void *context, int row)
 {
     const struct making *making = (const struct making *)context;
     const struct terrain_range *r = &making->table->range;
+    const int speed = row / r->angle.count, angle = row % r->angle.count;
     for (int s = 0; s < r->swing.count; s++) {
         const int node = row * r->swing.count + s;
-        const struct apex apex = {-terrain_axis_value(&r->speed, row / r->angle.count),
-                                  terrain_axis_value(&r->angle, row % r->angle.count),
+        const struct apex apex = {-terrain_axis_value(&r->speed, speed),
+                                  terrain_axis_value(&r->angle, angle),
                                   terrain_axis_value(&r->swing, s)};
         for (int i = 0; i < r->rises; i++) {
             making->table->strike[(size_t)node * (size_t)r->rises + (size_t)i] = strike_from(

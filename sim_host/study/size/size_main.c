@@ -140,9 +140,8 @@ int size_main(int argc, char **argv)
     setup.seed = options.seed;
     int count = 0;
     bool all_given = true;
-    for (double cadence = options.from; cadence <= options.to + 1e-9 && count < ROWS_MAX;
-         cadence += options.step) {
-        size_walk(&setup, cadence, &rows[count]);
+    while (count < ROWS_MAX && options.from + count * options.step <= options.to + 1e-9) {
+        size_walk(&setup, options.from + count * options.step, &rows[count]);
         all_given = all_given && rows[count].pushes == SIZE_STRIDES;
         count++;
     }
