@@ -247,6 +247,9 @@ enum device_verdict device_check_person(const struct device_description *device,
         if (device_leg_is_driven(own) && !device_leg_reports_latch(own)) {
             return refuse(refusal, DEVICE_BAD_BENCH_ONLY, device, leg, DEVICE_LEG_latch, 0.0f);
         }
+        if (device_leg_is_driven(own) && own->unload == DEVICE_UNLOAD_NONE) {
+            return refuse(refusal, DEVICE_BAD_UNLOAD_PERSON, device, leg, DEVICE_LEG_unload, 0.0f);
+        }
     }
     return verdict;
 }

@@ -23,7 +23,7 @@ enum device_verdict device_check(const struct device_description *device,
                                  struct device_refusal *refusal);
 
 /* The same for a device that a person is to wear: besides, every driven leg needs a latch that
- * reports that it holds. */
+ * reports that it holds, and something that makes its spring safe when the link is lost. */
 enum device_verdict device_check_person(const struct device_description *device,
                                         struct device_refusal *refusal);
 

@@ -11,7 +11,7 @@
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/text/nearest.h"
 
-enum { NAME_MAX_BYTES = 64 };
+enum { NAME_MAX_BYTES = 64, COMPLAINT_MAX = 2048 };
 
 #define LONG_S 10.0
 
@@ -25,12 +25,13 @@ const char *program_name(void)
 
 int program_complain(const char *format, ...)
 {
+    char line[COMPLAINT_MAX];
     va_list arguments;
-    fprintf(stderr, "%s: ", running);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    (void)vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    fputc('\n', stderr);
+    (void)fflush(stdout); /* where both go to one file, lines stay whole and in their order */
+    fprintf(stderr, "%s: %s\n", running, line);
     return -1;
 }
 

@@ -25,11 +25,14 @@ struct ctl_address_object {
 struct named_object *ctl_address(const char *word, struct ctl_address_object *room);
 
 /* Marks what a word means. A whole name, the only one with this part behind the point, or the only one
- * that begins so, is one object; the name of a group is all of it. Returns 0, or -1 after a complaint. */
+ * that begins so, is one object; the name of a group, or an index without a sub-index, is all of it. Returns 0, or -1 after a complaint. */
 int ctl_mark(const struct ctl *ctl, const char *word, bool *is_meant);
 
 /* Which of the objects the words mean (all without words); is_meant: OBJECT_LIST_MAX. Returns 0, or -1 after a complaint. */
 int ctl_mark_all(const struct ctl *ctl, int count, char **words, bool *is_meant);
+
+/* Whether a word is an address that the node's dictionary here does not have. */
+bool ctl_is_foreign(const struct ctl *ctl, const char *word);
 
 /* "NAME = VALUE UNIT (NAME OF THE VALUE)". */
 void ctl_print_value(const struct ctl *ctl, const struct named_object *object,

@@ -5,14 +5,17 @@
 #include "sim_host/ctl/ctl.h"
 #include "sim_host/ctl/ctl_internal.h"
 
+enum { COMPLAINT_MAX = 2 * OBJECT_MESSAGE_MAX };
+
 void ctl_complain(const struct ctl *ctl, const char *format, ...)
 {
+    char line[COMPLAINT_MAX];
     va_list arguments;
     va_start(arguments, format);
-    fputs("afo ctl: ", ctl->complaints);
-    vfprintf(ctl->complaints, format, arguments);
-    fputc('\n', ctl->complaints);
+    (void)vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
+    (void)fflush(ctl->out); /* where both go to one file, lines stay whole and in their order */
+    fprintf(ctl->complaints, "afo ctl: %s\n", line);
 }
 
 /* ---- which objects are meant ------------------------------------------------------- */
@@ -28,16 +31,37 @@ struct named_object *ctl_address(const char *word, struct ctl_address_object *ro
     return &room->object;
 }
 
+bool ctl_is_foreign(const struct ctl *ctl, const char *word)
+{
+    uint16_t index;
+    uint8_t sub;
+    if (!object_address_from_text(word, &index, &sub)) {
+        return false;
+    }
+    const bool any_sub = strchr(word, ':') == NULL;
+    for (size_t i = 0; i < ctl->objects.count; i++) {
+        const struct co_entry *entry = ctl->objects.object[i].entry;
+        if (entry->index == index && (any_sub || entry->sub == sub)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 int ctl_mark(const struct ctl *ctl, const char *word, bool *is_meant)
 {
     const struct object_list *list = &ctl->objects;
     const size_t length = strlen(word);
     char message[OBJECT_MESSAGE_MAX];
     bool any = false;
+    uint16_t index = 0;
+    uint8_t sub;
+    const bool is_index = strchr(word, ':') == NULL && object_address_from_text(word, &index, &sub);
     for (size_t i = 0; i < list->count; i++) {
         const struct named_object *object = &list->object[i];
-        const bool in_group = object->leaf > 0 && strncmp(object->name, word, length) == 0 &&
-                              (length == object->leaf - 1 || length == object->leaf);
+        const bool in_group = (is_index && object->entry->index == index) ||
+                              (object->leaf > 0 && strncmp(object->name, word, length) == 0 &&
+                               (length == object->leaf - 1 || length == object->leaf));
         is_meant[i] = is_meant[i] || in_group;
         any = any || in_group;
     }

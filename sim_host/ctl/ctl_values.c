@@ -82,6 +82,16 @@ static void refusal_json(struct json_writer *json, const char *name, const char 
     json_close_object(json);
 }
 
+static void show(const struct ctl *ctl, const struct named_object *object,
+                 const struct object_value *value, struct json_writer *json)
+{
+    if (ctl->json) {
+        ctl_value_json(json, object, value);
+    } else {
+        ctl_print_value(ctl, object, value);
+    }
+}
+
 /* Reads one object and shows it. */
 static bool get_one(struct ctl *ctl, const struct named_object *object, struct json_writer *json)
 {
@@ -94,29 +104,45 @@ static bool get_one(struct ctl *ctl, const struct named_object *object, struct j
         }
         return false;
     }
-    if (ctl->json) {
-        ctl_value_json(json, object, &value);
-    } else {
-        ctl_print_value(ctl, object, &value);
-    }
+    show(ctl, object, &value, json);
     return true;
 }
 
-static bool is_known(const struct ctl *ctl, const char *word)
+/* An object of another maker: of an index alone also what lies below it, which its first byte counts. */
+static bool get_foreign(struct ctl *ctl, const char *word, struct json_writer *json)
 {
+    static struct object_value value;
+    struct ctl_address_object room;
     char message[OBJECT_MESSAGE_MAX];
-    return object_list_find(&ctl->objects, word, false, message) != NULL;
+    struct named_object *object = ctl_address(word, &room);
+    if (!get_one(ctl, object, json)) {
+        return false;
+    }
+    const bool whole = strchr(word, ':') == NULL;
+    if (!whole || ctl_link_read(&ctl->link, object, &value, message) != 0 || value.length != 1) {
+        return true;
+    }
+    const unsigned count = value.bytes[0];
+    for (unsigned sub = 1; sub <= count; sub++) {
+        ctl_link_any_object(room.entry.index, (uint8_t)sub, &room.object, &room.entry);
+        const bool there = ctl_link_read(&ctl->link, object, &value, message) == 0;
+        if (!there && sub == 1) {
+            return true; /* a variable of one byte */
+        }
+        if (there) {
+            show(ctl, object, &value, json);
+        }
+    }
+    return true;
 }
 
 enum exit_status ctl_get(struct ctl *ctl, int count, char **words)
 {
     bool is_meant[OBJECT_LIST_MAX] = {false};
-    struct ctl_address_object room;
     struct json_writer json;
     bool good = true;
     for (int i = 0; i < count; i++) {
-        const bool is_address = ctl_address(words[i], &room) != NULL && !is_known(ctl, words[i]);
-        if (!is_address && ctl_mark(ctl, words[i], is_meant) != 0) {
+        if (!ctl_is_foreign(ctl, words[i]) && ctl_mark(ctl, words[i], is_meant) != 0) {
             return EXIT_USAGE;
         }
     }
@@ -128,8 +154,8 @@ enum exit_status ctl_get(struct ctl *ctl, int count, char **words)
         good = (!is_meant[i] || get_one(ctl, &ctl->objects.object[i], &json)) && good;
     }
     for (int i = 0; i < count; i++) {
-        if (ctl_address(words[i], &room) != NULL && !is_known(ctl, words[i])) {
-            good = get_one(ctl, &room.object, &json) && good;
+        if (ctl_is_foreign(ctl, words[i])) {
+            good = get_foreign(ctl, words[i], &json) && good;
         }
     }
     if (ctl->json) {
@@ -201,6 +227,40 @@ static void unlock(struct ctl *ctl, const struct named_object *object)
                          message); /* the next write says what is wrong */
 }
 
+/* A parameter that was accepted and is not there yet: during a walk it moves evenly. */
+static bool is_on_its_way(const struct named_object *object, const struct object_value *wanted,
+                          const struct object_value *now)
+{
+    return object->entry->index == CTL_PARAMETERS_INDEX && object->entry->type == CO_REAL32 &&
+           now->length == sizeof(float) && memcmp(wanted->bytes, now->bytes, sizeof(float)) != 0;
+}
+
+static void tell_ramp(const struct ctl *ctl, const struct named_object *object,
+                      const struct object_value *wanted, const struct object_value *now,
+                      struct json_writer *json)
+{
+    char text[OBJECT_TEXT_MAX];
+    double number;
+    object_value_text(object, wanted, text);
+    if (!ctl->json) {
+        fprintf(ctl->out, "%s = %s %s accepted, there within %d s", object->name, text,
+                object->unit, SETTINGS_RAMP_S);
+        object_value_text(object, now, text);
+        fprintf(ctl->out, " (now %s)\n", text);
+        return;
+    }
+    json_open_object(json, object->name);
+    if (object_number(object, now, &number)) {
+        json_number(json, "value", number, 12);
+    }
+    if (object_number(object, wanted, &number)) {
+        json_number(json, "accepted", number, 12);
+    }
+    json_text(json, "unit", object->unit[0] != '\0' ? object->unit : NULL);
+    json_unsigned(json, "there_within_s", SETTINGS_RAMP_S);
+    json_close_object(json);
+}
+
 static bool set_one(struct ctl *ctl, const struct assignment *assignment, struct json_writer *json)
 {
     const struct named_object *object = assignment->object;
@@ -218,15 +278,15 @@ static bool set_one(struct ctl *ctl, const struct assignment *assignment, struct
         }
         return false;
     }
-    if (ctl->json) {
-        ctl_value_json(json, object, &after);
-        return true;
-    }
-    if (known) {
+    if (known && !ctl->json) {
         object_value_text(object, &before, text);
         fprintf(ctl->out, "was %s; ", text);
     }
-    ctl_print_value(ctl, object, &after);
+    if (is_on_its_way(object, &assignment->value, &after)) {
+        tell_ramp(ctl, object, &assignment->value, &after, json);
+    } else {
+        show(ctl, object, &after, json);
+    }
     return true;
 }
 

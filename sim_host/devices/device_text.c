@@ -181,10 +181,12 @@ int device_value_read(const struct device_key *row, const char *text, double *va
 
 const char *device_verdict_text(enum device_verdict verdict)
 {
-#define TEXT(code, number, text) text,
+#define TEXT(code, number, text) [number] = (text),
     static const char *const texts[] = {DEVICE_VERDICTS(TEXT)};
 #undef TEXT
-    return (size_t)verdict < sizeof texts / sizeof texts[0] ? texts[verdict] : "is refused";
+    const bool is_known =
+        (size_t)verdict < sizeof texts / sizeof texts[0] && texts[verdict] != NULL;
+    return is_known ? texts[verdict] : "is refused";
 }
 
 /* Behind the verdict: what would be right. */

@@ -6,6 +6,7 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/walk_options.h"
 #include "sim_host/devices/device_frames.h"
 #include "sim_host/devices/device_import.h"
 #include "sim_host/devices/device_text.h"
@@ -17,6 +18,7 @@ enum { FILES_MAX = 3 };
 
 struct arguments {
     int files, least, most;
+    const char *person; /* --person of check */
     const char *path[FILES_MAX];
 };
 
@@ -24,6 +26,9 @@ static error_t take(int key, char *text, struct argp_state *state)
 {
     struct arguments *arguments = (struct arguments *)state->input;
     switch (key) {
+    case 'p':
+        arguments->person = text;
+        return 0;
     case ARGP_KEY_ARG:
         if (arguments->files == arguments->most) {
             argp_error(state, "one file too many: \"%s\"", text);
@@ -87,17 +92,48 @@ static int check_plant(const char *path, const struct device_file *file)
     return actuators_of(file, path, &actuators, message) == 0 ? 0 : program_complain("%s", message);
 }
 
+/* With this person in it: their prescription within its limits, and a latch that reports for a body. */
+static int check_person(const char *path, const char *device_path)
+{
+    static struct control_params params;
+    static struct subject subject;
+    struct walk_options options;
+    char message[SUBJECT_MESSAGE_MAX] = "";
+    double speed_rad_s;
+    walk_options_init(&options);
+    options.person_path = path;
+    options.device_path = device_path;
+    if (walk_options_resolve(&options, &subject, &params, &speed_rad_s, message) != 0) {
+        return program_complain("%s", message);
+    }
+    return 0;
+}
+
 static int check(int argc, char **argv)
 {
+    static const struct argp_option options[] = {
+        {"person", 'p', "FILE", 0, "with this person in it: does it suit them, may they wear it?",
+         0},
+        {0}};
+    const struct argp parser = {options,
+                                take,
+                                "DEVICE.ini",
+                                "Checks a device file, and says what the device cannot do.\v"
+                                "Exit status: 0 it fits, 1 not, 2 wrong usage.",
+                                0,
+                                0,
+                                0};
     struct arguments arguments = {.least = 1, .most = 1};
     struct device_file file;
-    read_arguments(&arguments, argc, argv, "DEVICE.ini",
-                   "Checks a device file, and says what the device cannot do.\v"
-                   "Exit status: 0 it fits, 1 not, 2 wrong usage.");
+    option_parse(&parser, argc, argv, &arguments);
     if (read_device(arguments.path[0], &file) != 0 || check_plant(arguments.path[0], &file) != 0) {
         return EXIT_BAD;
     }
-    printf("%s: fits\n", file.name);
+    if (arguments.person != NULL && check_person(arguments.person, arguments.path[0]) != 0) {
+        return EXIT_BAD;
+    }
+    printf("%s: fits%s%s\n", file.name, arguments.person != NULL ? ", with " : "",
+           arguments.person != NULL ? arguments.person : "");
     print_limits(&file.description);
     return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
 }

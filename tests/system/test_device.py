@@ -27,6 +27,21 @@ def test_a_device_without_a_latch_that_reports_is_for_the_bench():
     assert "not safe on link loss" in device("check", file_of("devices", "odrive")).stdout
 
 
+def test_a_device_is_checked_for_a_person(tmp_path):
+    wearer = with_lines(tmp_path / "person.ini", file_of("persons", "paper"), ["body = 1", "engage_steps = 4"], "prescription")
+    loaded = with_lines(tmp_path / "loaded.ini", file_of("devices", "virtual"), ["unload = none"])
+    for path, words in ((file_of("devices", "odrive"), ["left leg", "\"latch\"", "bench only"]),
+                        (loaded, ["left leg", "\"unload\"", "none leaves the spring loaded", "bench only"]),
+                        (file_of("devices", "virtual-adult"), ["spring_N_per_m", "7000", "does not suit this body"])):
+        done = device("check", path, "--person", wearer)
+        assert done.returncode == 1 and not done.stdout, done.stdout
+        for word in words:
+            assert word in done.stderr, done.stderr
+    assert device("check", loaded).returncode == 0
+    assert "fits, with" in device("check", file_of("devices", "virtual"), "--person", wearer).stdout
+    assert "/nowhere" in device("check", loaded, "--person", "/nowhere").stderr
+
+
 def test_a_person_is_refused_on_a_device_for_the_bench(tmp_path):
     person = with_lines(tmp_path / "person.ini", file_of("persons", "paper"), ["body = 1", "engage_steps = 4"], "prescription")
     done = run("--person", person, "--device", file_of("devices", "odrive"), "--steps", "1")

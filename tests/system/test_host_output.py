@@ -76,6 +76,22 @@ def test_a_hangup_or_a_reader_that_went_away_unloads_and_ends(tmp_path):
         assert drives_left_off(tmp_path / f"{name}.log"), name
 
 
+def test_report_and_complaint_in_one_file_stay_in_their_order(tmp_path):
+    script = f"""
+        "{BUILD}/afo" walker --can vcan0 --silence 60000 --quiet & walker=$!
+        "{BUILD}/afo" host --can vcan0 --speed 0.45 --answer-timeout 3000 >{tmp_path}/both 2>&1 & host=$!
+        until grep -q engaging {tmp_path}/both; do sleep 0.05; done
+        kill -KILL $walker; wait $walker
+        until grep -q unloading: {tmp_path}/both; do sleep 0.05; done
+        kill -TERM $host; wait $host; true"""
+    done = subprocess.run(["scripts/vcan-guest", "--timeout", "150", "--", "bash", "-c", script], cwd=ROOT,
+                          capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stdout + done.stderr
+    lines = (tmp_path / "both").read_text().splitlines()
+    assert all(re.match(r"  (tick|steps|ticks|bus|state) +\S|afo host: \S|$", line) for line in lines), lines
+    assert lines[-2].startswith("  state ") and lines[-1].startswith("afo host: stopped by a fault: "), lines
+
+
 def test_a_node_that_is_refused_ends_a_walk_of_so_many_steps(tmp_path):
     """The drives count half as finely as the host's device file says. With --auto-reset it waits until they were
     exchanged, and walks."""

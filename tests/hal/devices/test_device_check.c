@@ -260,6 +260,23 @@ START_TEST(without_a_latch_that_reports_a_person_is_refused)
 }
 END_TEST
 
+START_TEST(without_a_spring_that_is_safe_on_link_loss_a_person_is_refused)
+{
+    for (int unload = DEVICE_UNLOAD_NONE; unload <= DEVICE_UNLOAD_HARDWARE; unload++) {
+        right()->unload = unload;
+        ck_assert_int_eq(device_check(&device, &refusal), DEVICE_OK);
+        ck_assert_int_eq(device_check_person(&device, &refusal),
+                         unload == DEVICE_UNLOAD_NONE ? DEVICE_BAD_UNLOAD_PERSON : DEVICE_OK);
+    }
+    right()->unload = DEVICE_UNLOAD_NONE;
+    (void)device_check_person(&device, &refusal);
+    ck_assert_int_eq(refusal.leg, SIDE_RIGHT);
+    ck_assert_uint_eq(refusal.key, DEVICE_LEG_unload);
+    right()->protocol = DEVICE_NO_DRIVE_PROTOCOL;
+    ck_assert_int_eq(device_check_person(&device, &refusal), DEVICE_OK);
+}
+END_TEST
+
 START_TEST(other_whole_reasons)
 {
     left()->ankle_side = DEVICE_AT_MOTOR;
@@ -295,6 +312,7 @@ int main(void)
     tcase_add_test(tcase, what_the_controller_has_one_number_for_is_alike);
     tcase_add_test(tcase, a_latch_tells_where_it_can);
     tcase_add_test(tcase, without_a_latch_that_reports_a_person_is_refused);
+    tcase_add_test(tcase, without_a_spring_that_is_safe_on_link_loss_a_person_is_refused);
     tcase_add_test(tcase, other_whole_reasons);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

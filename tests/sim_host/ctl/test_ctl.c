@@ -222,6 +222,46 @@ START_TEST(a_setting_is_written_and_read_back)
 }
 END_TEST
 
+START_TEST(a_value_that_comes_by_a_ramp_is_told_as_accepted)
+{
+    ticks(3000);
+    ck_assert_int_eq(state(), SUPERVISOR_WALKING);
+    ck_assert_int_eq(run("set", "kp_m_s_rad=0.046875", NULL), EXIT_GOOD);
+    says(out_text, "parameters.kp_m_s_rad = 0.046875 m/(rad/s) accepted, there within 5 s (now ");
+    ck_assert(loop.rig.task.node.objects.params.kp_m_s_rad != 0.046875f);
+    ticks(5001);
+    ck_assert(loop.rig.task.node.objects.params.kp_m_s_rad == 0.046875f);
+    ck_assert_int_eq(run("set", "kp_m_s_rad=0.046875", NULL), EXIT_GOOD);
+    ck_assert_msg(strstr(out_text, "accepted") == NULL, "%s", out_text);
+    ctl.json = true;
+    ck_assert_int_eq(run("set", "kp_m_s_rad=0.0439453125", NULL), EXIT_GOOD);
+    says(out_text, "\"accepted\": 0.043945312");
+    says(out_text, "\"there_within_s\": 5");
+    ctl.json = false;
+}
+END_TEST
+
+START_TEST(an_index_alone_is_its_whole_group)
+{
+    static char by_name[4096];
+    ck_assert_int_eq(run("get", "refused_node", NULL), EXIT_GOOD);
+    (void)snprintf(by_name, sizeof by_name, "%s", out_text);
+    says(by_name, "refused_node.node = 0 (for none)\n");
+    says(by_name, "refused_node.verdict = ");
+    char message[OBJECT_MESSAGE_MAX], index[8], first[16];
+    const struct named_object *object =
+        object_list_find(&ctl.objects, "refused_node.node", false, message);
+    (void)snprintf(index, sizeof index, "0x%04X", object->entry->index);
+    (void)snprintf(first, sizeof first, "%s:01", index);
+    ck_assert_int_eq(run("get", index, NULL), EXIT_GOOD);
+    ck_assert_str_eq(out_text, by_name);
+    ck_assert_int_eq(run("get", first, NULL), EXIT_GOOD);
+    ck_assert_str_eq(out_text, "refused_node.node = 0 (for none)\n");
+    ck_assert_int_eq(run("get", "0x2099", NULL), EXIT_BAD);
+    says(complaint_text, "no such object (0x06020000)");
+}
+END_TEST
+
 START_TEST(a_refusal_is_told_in_words_with_what_is_allowed)
 {
     ck_assert_int_eq(run("set", "kp_m_s_rad=2", NULL), EXIT_BAD);
@@ -413,6 +453,8 @@ int main(void)
     tcase_add_test(tcase, a_mistyped_name_is_answered_with_the_nearest);
     tcase_add_test(tcase, values_are_shown_in_si_units_with_their_names);
     tcase_add_test(tcase, a_setting_is_written_and_read_back);
+    tcase_add_test(tcase, a_value_that_comes_by_a_ramp_is_told_as_accepted);
+    tcase_add_test(tcase, an_index_alone_is_its_whole_group);
     tcase_add_test(tcase, a_refusal_is_told_in_words_with_what_is_allowed);
     tcase_add_test(tcase, what_makes_no_sense_is_not_sent);
     tcase_add_test(tcase, a_drive_is_not_written_to_while_it_has_torque);
