@@ -7,6 +7,7 @@
 #include "hal/bus/frame_table.h"
 #include "sim_host/bus/bus_budget.h"
 #include "sim_host/devices/eds_gate.h"
+#include "sim_host/gait/late_gait.h"
 #include "sim_host/log/black_box_log.h"
 #include "sim_host/log/candump_log.h"
 
@@ -64,7 +65,8 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
     const struct gait_walker walker = subject_gait_walker(subject);
     struct gait_point start;
     const enum gait_curve_error error =
-        gait_curve(&walker, (double)config->params.start_r0_m, 0.0, 1, &start, NULL);
+        late_gait_curve(&walker, subject_latch_delay_s(subject), (double)config->params.start_r0_m,
+                        0.0, 1, &start, NULL);
     if (error != GAIT_CURVE_OK && subject->is_person) {
         memset(&start, 0, sizeof start); /* no compass walks: its start is nobody's */
     } else if (error != GAIT_CURVE_OK) {

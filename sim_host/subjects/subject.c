@@ -81,6 +81,19 @@ double subject_force_max_N(const struct subject *subject)
     return smallest(subject, DEVICE_LEG_force_max_N);
 }
 
+double subject_latch_delay_s(const struct subject *subject)
+{
+    double sum_s = 0.0;
+    int driven = 0;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (device_leg_is_driven(&subject->device.description.leg[leg])) {
+            sum_s += device_file_number(&subject->device, (enum side)leg, DEVICE_LEG_latch_delay_s);
+            driven++;
+        }
+    }
+    return driven > 0 && !subject->is_person ? sum_s / driven : 0.0;
+}
+
 struct gait_walker subject_gait_walker(const struct subject *subject)
 {
     const struct person *person = &subject->person;
