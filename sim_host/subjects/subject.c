@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sim_host/gait/late_gait.h"
+
 void subject_default(struct subject *subject)
 {
     person_default(&subject->person);
@@ -99,4 +101,11 @@ struct gait_walker subject_gait_walker(const struct subject *subject)
     const struct person *person = &subject->person;
     return (struct gait_walker){person->torso_mass_kg, person->leg_mass_kg, person->leg_length_m,
                                 subject_spring_N_per_m(subject), person->gravity_m_s2};
+}
+
+enum gait_curve_error subject_gait(const struct subject *subject, double r0_m,
+                                   struct gait_point *gait)
+{
+    const struct gait_walker walker = subject_gait_walker(subject);
+    return late_gait_curve(&walker, subject_latch_delay_s(subject), r0_m, 0.0, 1, gait, NULL);
 }

@@ -54,6 +54,10 @@ struct walker_drives subject_drives(const struct subject *subject);
 /* The subject's body and spring as the study tools know them. */
 struct gait_walker subject_gait_walker(const struct subject *subject);
 
+/* Its steady gait at a precompression, the latches as late as they are declared. */
+enum gait_curve_error subject_gait(const struct subject *subject, double r0_m,
+                                   struct gait_point *gait);
+
 /* The controller's parameters for this subject: gains and limits scaled from the
  * paper's walker (kp with l sqrt(l/g), speeds with sqrt(g/l), lengths with l and
  * the spring's energy), finv computed from the model for this very walker, then

@@ -2,6 +2,7 @@
 cannot. On a made walk and, where AFO_DATA names a folder with them, on recorded ones."""
 import csv
 import json
+import math
 
 import pytest
 
@@ -157,6 +158,35 @@ def test_the_lever_of_the_device_is_that_of_the_recorded_ankle(tmp_path, person)
         _, result = walk(*device, "--recording", person)
         far[lever] = result["push"]["left"]["ankle_most_m"]
     assert far["0.1"] == pytest.approx(far["0.12"] / 1.2, rel=1e-4)
+
+
+def farthest(path, *changes, source):
+    _, result = walk(*changed(path, "exo50", *changes), "--recording", source)
+    return {side: result["push"][side]["ankle_most_m"] for side in SIDES}
+
+
+def test_a_leg_s_lever_and_neutral_angle_are_its_own(tmp_path, made):
+    """extension = lever sin(plantarflexion - neutral), of the leg whose section says it."""
+    plain = farthest(tmp_path / "plain.ini", source=made)
+    bent = farthest(tmp_path / "bent.ini", ("[right]\n", "[right]\nankle_neutral_rad = 0.05\n"), source=made)
+    short = farthest(tmp_path / "short.ini", ("[right]\n", "[right]\nankle_lever_m = 0.11\n"),
+                     ("\n[plant]\n", "\n[right.plant]\nlever_m = 0.11\n[plant]\n"), source=made)
+    assert bent["left"] == short["left"] == plain["left"]
+    angle = [math.asin(far["right"] / 0.12) for far in (plain, bent)]
+    assert angle[0] - angle[1] == pytest.approx(0.05, rel=1e-3)
+    assert short["right"] == pytest.approx(plain["right"] * 0.11 / 0.12, rel=1e-4)
+
+
+def test_both_legs_draw_on_one_battery(tmp_path, made):
+    least = {}
+    for shared in ("0", "1"):
+        device = changed(tmp_path / f"{shared}.ini", "exo50", ("supply_shared = 1", f"supply_shared = {shared}"))
+        _, result = walk(*device, "--recording", made)
+        least[shared] = min(result["push"][side]["supply_least_V"] for side in SIDES)
+    assert least["0"] - 1 < least["1"] < least["0"]
+    device = changed(tmp_path / "two.ini", "exo50", ("\n[plant]\n", "\n[right.plant]\nsupply_V = 24\n[plant]\n"))
+    done = run(*device, "--recording", made)
+    assert done.returncode == 2 and "one battery" in done.stderr and done.stdout == ""
 
 
 def test_a_compass_walks_with_parts_that_exist():
