@@ -174,6 +174,8 @@ enum device_key_when {
       "where the ankle's sensor sits: at the joint, or at the motor's end of the spring")       \
     X(foot_switches, WORD, "none|leg_sensor", 0.0f, 1.0f, 0.0f, ALWAYS, "where they are read")  \
     X(lacks, FLAGS, DEVICE_LACK_WORDS, 0.0f, 524287.0f, 0.0f, WHEN_CIA402,                      \
-      "what the drive does not have")
+      "what the drive does not have")                                                           \
+    X(latch_delay_s, FLOAT, "s", 0.0f, 0.025f, 0.0f, WHEN_DRIVEN,                               \
+      "mean time from the other foot's contact until the latch is open; the laws allow for it")
 
 #endif

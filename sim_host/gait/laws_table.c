@@ -2,15 +2,17 @@
 
 #include <string.h>
 
+#include "sim_host/gait/late_gait.h"
 #include "sim_host/gait/linear.h"
 #include "sim_host/gait/loop_gain.h"
-#include "sim_host/gait/stride_derivative.h"
 
 #define PAPER_GRAVITY_M_S2 9.80665 /* its leg is 1 m */
 #define FIRST_R0 0.005
 #define LAST_R0 0.262
+#define LATE_LAST_R0 0.255 /* beyond it an ankle comes back before a late release */
 #define NEWTON_MAX 30
 #define NEWTON_DONE 1e-12
+#define LATE_DONE 1e-10 /* by differences */
 #define RICCATI_MAX 20000
 #define RICCATI_DONE 1e-13
 
@@ -19,13 +21,12 @@ struct laws_weights laws_weights_default(void)
     return (struct laws_weights){1.0, 0.1, 0.01, 0.1, 0.1};
 }
 
-static int differentiate(const struct walker *walker, const double x[3], double r0_m,
-                         double next[3], struct stride_derivative *derivative)
+static int differentiate(const struct walker *walker, double delay_s, const double x[3],
+                         double r0_m, double next[3], struct stride_derivative *derivative)
 {
-    const struct stride_settings settings = stride_settings_accurate(walker);
     const struct apex from = {x[0], x[1], x[2]};
     struct stride_result result;
-    if (stride_differentiate(walker, &settings, &from, r0_m, &result, derivative) != STRIDE_OK) {
+    if (late_gait_differentiate(walker, delay_s, &from, r0_m, &result, derivative) != STRIDE_OK) {
         return 0;
     }
     next[0] = result.next.stance_rate_rad_s;
@@ -35,14 +36,14 @@ static int differentiate(const struct walker *walker, const double x[3], double 
 }
 
 /* The gait at point->speed_rad_s; in: first guess of its other three numbers. */
-static int find_gait(const struct walker *walker, struct laws_point *point)
+static int find_gait(const struct walker *walker, double delay_s, struct laws_point *point)
 {
     for (int i = 0; i < NEWTON_MAX; i++) {
         const double x[3] = {-point->speed_rad_s, point->swing_angle_rad, point->swing_rate_rad_s};
         double next[3], residual[3], correction[3], largest = 0.0;
         double system[LINEAR_MAX][LINEAR_MAX] = {{0.0}};
         struct stride_derivative d;
-        if (!differentiate(walker, x, point->r0_m, next, &d)) {
+        if (!differentiate(walker, delay_s, x, point->r0_m, next, &d)) {
             return 0;
         }
         for (int k = 0; k < 3; k++) {
@@ -56,7 +57,7 @@ static int find_gait(const struct walker *walker, struct laws_point *point)
                 point->map[k][j] = d.next[k][j];
             }
         }
-        if (largest * walker->time_unit_s < NEWTON_DONE) {
+        if (largest * walker->time_unit_s < (delay_s > 0.0 ? LATE_DONE : NEWTON_DONE)) {
             return 1;
         }
         if (!linear_solve(3, (const double(*)[LINEAR_MAX])system, residual, correction)) {
@@ -178,17 +179,19 @@ static void guess(struct laws_table *table, int i, const struct gait_point *firs
 }
 
 enum laws_table_error laws_table_make(const struct gait_walker *gait_walker, double length_scale,
-                                      const struct laws_weights *weights, struct laws_table *table)
+                                      double delay_s, const struct laws_weights *weights,
+                                      struct laws_table *table)
 {
     const struct walker_params params = {
         gait_walker->hip_mass_kg, gait_walker->leg_mass_kg, gait_walker->leg_length_m,
         gait_walker->ankle_stiffness_N_m, gait_walker->gravity_m_s2};
     struct walker walker;
     struct gait_point ends[2];
+    const double last_r0 = delay_s > 0.0 ? LATE_LAST_R0 : LAST_R0;
     *table = (struct laws_table){.count = LAWS_TABLE_POINTS};
     if (walker_init(&walker, &params) != WALKER_OK ||
-        gait_curve(gait_walker, FIRST_R0 * length_scale, (LAST_R0 - FIRST_R0) * length_scale, 2,
-                   ends, NULL) != GAIT_CURVE_OK) {
+        late_gait_curve(gait_walker, delay_s, FIRST_R0 * length_scale,
+                        (last_r0 - FIRST_R0) * length_scale, 2, ends, NULL) != GAIT_CURVE_OK) {
         return LAWS_TABLE_NO_CURVE;
     }
     const double time_scale = walker.time_unit_s * __builtin_sqrt(PAPER_GRAVITY_M_S2);
@@ -200,7 +203,7 @@ enum laws_table_error laws_table_make(const struct gait_walker *gait_walker, dou
     table->travel_weight = weights->travel * time_scale;
     for (int i = 0; i < LAWS_TABLE_POINTS; i++) {
         guess(table, i, &ends[0]);
-        if (!find_gait(&walker, &table->point[i])) {
+        if (!find_gait(&walker, delay_s, &table->point[i])) {
             return LAWS_TABLE_LOST;
         }
     }

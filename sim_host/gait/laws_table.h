@@ -46,9 +46,11 @@ enum laws_table_error {
 struct laws_weights laws_weights_default(void);
 
 /* Fills the table for a walker whose r0 scales by length_scale (1 for the paper's walker). The speeds are those of
- * the gaits from r0 = 0.005 to 0.262 times it, where the clamp of the collision begins. About 0.1 s. */
+ * the gaits from r0 = 0.005 to 0.262 times it, where the clamp of the collision begins. delay_s: the latch opens so
+ * long after heel strike (late_gait.h). About 0.1 s; 1 s with a delay. */
 enum laws_table_error laws_table_make(const struct gait_walker *walker, double length_scale,
-                                      const struct laws_weights *weights, struct laws_table *table);
+                                      double delay_s, const struct laws_weights *weights,
+                                      struct laws_table *table);
 
 /* The gain of eq. (16) for this walker. It is `wanted` when no gait of the table from r0_low_m on has an
  * eigenvalue beyond LAWS_TABLE_CALM with it. Else it is the gain whose largest eigenvalue is smallest. *largest

@@ -61,10 +61,9 @@ int loop_configure(struct loop_config *config, const struct subject *subject,
     config->subject = *subject;
     config->params = *params;
     config->desired_speed_rad_s = desired_speed_rad_s;
-    const struct gait_walker walker = subject_gait_walker(subject);
     struct gait_point start;
     const enum gait_curve_error error =
-        gait_curve(&walker, (double)config->params.start_r0_m, 0.0, 1, &start, NULL);
+        subject_gait(subject, (double)config->params.start_r0_m, &start);
     if (error != GAIT_CURVE_OK && subject->is_person) {
         memset(&start, 0, sizeof start); /* no compass walks: its start is nobody's */
     } else if (error != GAIT_CURVE_OK) {
@@ -198,20 +197,22 @@ static int init_nodes(struct loop *loop, char *message)
     return 0;
 }
 
-/* The lever that the device has at a recorded person's ankle is the one that their ankle moves. */
+/* The levers that the device has at a recorded person's ankles are the ones that their ankles move. */
 static void wear(struct loop_config *config)
 {
     const struct subject *subject = &config->subject;
     const struct actuators *actuators = &subject->actuators;
-    const double *number = subject->device.number[SIDE_LEFT];
-    struct recording_format *format = &config->plant.recording_format;
-    if (subject->device.description.leg[SIDE_LEFT].ankle == DEVICE_ANKLE_LEVER) {
-        format->ankle_lever_m = number[DEVICE_LEG_ankle_lever_m];
-        format->ankle_neutral_rad = number[DEVICE_LEG_ankle_neutral_rad];
-    }
-    if (actuators->as_built) {
-        format->ankle_lever_m = actuators->config[SIDE_LEFT].lever_m;
-        format->lever_table = actuators->config[SIDE_LEFT].lever_table;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const double *number = subject->device.number[side];
+        struct recording_ankle *ankle = &config->plant.recording_format.ankle[side];
+        if (subject->device.description.leg[side].ankle == DEVICE_ANKLE_LEVER) {
+            ankle->lever_m = number[DEVICE_LEG_ankle_lever_m];
+            ankle->neutral_rad = number[DEVICE_LEG_ankle_neutral_rad];
+        }
+        if (actuators->as_built) {
+            ankle->lever_m = actuators->config[side].lever_m;
+            ankle->lever_table = actuators->config[side].lever_table;
+        }
     }
 }
 

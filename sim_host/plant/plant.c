@@ -149,6 +149,10 @@ static void advance_walker(struct plant *plant)
 void plant_advance(struct plant *plant)
 {
     plant->walk.time_s = plant_now_s(plant);
+    if (plant->sea[SIDE_LEFT].params.as_built && plant->sea[SIDE_RIGHT].params.as_built) {
+        sea_built_share(&plant->sea[SIDE_LEFT].built, &plant->sea[SIDE_RIGHT].built,
+                        plant->config.tick_s);
+    }
     if (is_person(plant)) {
         plant_advance_recorded_person(plant);
     } else {
@@ -222,10 +226,9 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
 double plant_ankle_lever_m(const struct plant *plant, enum side side, double ankle_m)
 {
     const struct recording_format *format = &plant->config.recording_format;
-    (void)side; /* a recording has one lever, as it has one neutral angle */
-    return is_person(plant)
-               ? sea_lever_at_way_m(&format->lever_table, format->ankle_lever_m, ankle_m)
-               : 0.0;
+    const struct recording_ankle *ankle = &format->ankle[side];
+    return is_person(plant) ? sea_lever_at_way_m(&ankle->lever_table, ankle->lever_m, ankle_m)
+                            : 0.0;
 }
 
 bool plant_next_event(struct plant *plant, struct walk_event *event)

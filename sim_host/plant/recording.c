@@ -83,8 +83,7 @@ void recording_format_default(struct recording_format *format)
         .contact_column = {"contact_l", "contact_r"},
         .sample_rate_hz = 200.0,
         .angle_unit_rad = 3.14159265358979323846 / 180.0,
-        .ankle_lever_m = 0.12,
-        .ankle_neutral_rad = 0.0,
+        .ankle = {{.lever_m = 0.12}, {.lever_m = 0.12}},
         .largest_gap_s = 0.15,
     };
 }
@@ -93,8 +92,10 @@ static enum recording_error check_format(const struct recording_format *format, 
 {
     const struct range ranges[] = {
         {"sample_rate_hz", format->sample_rate_hz, 1.0, 1e5},
-        {"ankle_lever_m", format->ankle_lever_m, 1e-3, 10.0},
-        {"ankle_neutral_rad", format->ankle_neutral_rad, -1.5, 1.5},
+        {"left ankle's lever_m", format->ankle[SIDE_LEFT].lever_m, 1e-3, 10.0},
+        {"right ankle's lever_m", format->ankle[SIDE_RIGHT].lever_m, 1e-3, 10.0},
+        {"left ankle's neutral_rad", format->ankle[SIDE_LEFT].neutral_rad, -1.5, 1.5},
+        {"right ankle's neutral_rad", format->ankle[SIDE_RIGHT].neutral_rad, -1.5, 1.5},
         {"largest_gap_s", format->largest_gap_s, 1e-5, 1e3},
         {"angle_unit_rad", format->angle_unit_rad, 1e-6, 1.0},
     };
@@ -264,6 +265,7 @@ static enum recording_error fill_sample(const struct reader *reader,
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         const double unit_rad = reader->format->angle_unit_rad;
+        const struct recording_ankle *ankle = &reader->format->ankle[side];
         const double thigh_rad = values[THIGH_L + side] * unit_rad;
         const double shank_rad = values[SHANK_L + side] * unit_rad;
         const double knee_rad = thigh_rad - shank_rad;
@@ -275,11 +277,9 @@ static enum recording_error fill_sample(const struct reader *reader,
          * atan2(sin thigh + sin shank, cos thigh + cos shank). */
         sample->leg_angle_rad[side] = 0.5 * (thigh_rad + shank_rad);
         sample->plantarflexion_rad[side] = -values[ANKLE_L + side] * unit_rad;
-        const double bent_rad =
-            sample->plantarflexion_rad[side] - reader->format->ankle_neutral_rad;
+        const double bent_rad = sample->plantarflexion_rad[side] - ankle->neutral_rad;
         const bool has_ankle = reader->index[ANKLE_L + side] != ABSENT;
-        const double lifted_m =
-            sea_lever_way_m(&reader->format->lever_table, reader->format->ankle_lever_m, bent_rad);
+        const double lifted_m = sea_lever_way_m(&ankle->lever_table, ankle->lever_m, bent_rad);
         sample->ankle_m[side] = has_ankle && lifted_m > 0.0 ? lifted_m : 0.0;
         sample->contact[side] = values[CONTACT_L + side] != 0.0;
     }

@@ -19,6 +19,13 @@
 
 enum { RECORDING_NAME_MAX = 64, RECORDING_ERROR_MAX = 512 };
 
+/* How a leg's device sees its ankle: extension = way of the lever over plantarflexion less neutral. */
+struct recording_ankle {
+    double lever_m;               /* default 0.12 */
+    double neutral_rad;           /* plantarflexion at r = 0; default 0 */
+    struct sea_table lever_table; /* in lever_m's place, over plantarflexion from neutral */
+};
+
 /* Names of the columns, and how to read them. An empty name says that the file has no such column. Without
  * time, sample_rate_hz counts; without contact, there are no contacts; without an ankle, its extension
  * stays 0. Thigh and shank must be there. */
@@ -28,12 +35,10 @@ struct recording_format {
     char shank_column[SIDE_COUNT][RECORDING_NAME_MAX];
     char ankle_column[SIDE_COUNT][RECORDING_NAME_MAX];
     char contact_column[SIDE_COUNT][RECORDING_NAME_MAX];
-    double sample_rate_hz;        /* used without a time column */
-    double angle_unit_rad;        /* of all angles: 1, or pi / 180 (the default) */
-    double ankle_lever_m;         /* default 0.12 */
-    double ankle_neutral_rad;     /* plantarflexion at r = 0; default 0 */
-    struct sea_table lever_table; /* in ankle_lever_m's place, over plantarflexion from neutral */
-    double largest_gap_s;         /* a longer one between samples is an error; default 0.15 */
+    double sample_rate_hz;                    /* used without a time column */
+    double angle_unit_rad;                    /* of all angles: 1, or pi / 180 (the default) */
+    struct recording_ankle ankle[SIDE_COUNT]; /* what the device has there */
+    double largest_gap_s; /* a longer one between samples is an error; default 0.15 */
 };
 
 struct recording_sample {

@@ -68,7 +68,7 @@ static void account(struct sea_built *built, double period_s, double current_A, 
 {
     struct sea_load *load = &built->load;
     const struct sea_motor *motor = &built->next;
-    const double supply_A = motor->voltage_V * current_A / motor->bus_V;
+    const double supply_A = (motor->voltage_V * current_A + motor->other_W) / motor->bus_V;
     load->time_s += period_s;
     load->current_squares_A2s += current_A * current_A * period_s;
     raise(&load->peak_current_A, magnitude(current_A));
@@ -118,6 +118,23 @@ void sea_built_release(struct sea_built *built, double output_m)
     built->pushing.at_m = compression_m;
     built->snap_J += sea_built_energy_J(built, true, compression_m) -
                      sea_built_energy_J(built, false, compression_m);
+}
+
+static double drawn_W(struct sea_built *built, double period_s)
+{
+    const double drawn_J = built->motor.supplied_J - built->shared_from_J;
+    built->shared_from_J = built->motor.supplied_J;
+    return drawn_J / period_s;
+}
+
+void sea_built_share(struct sea_built *left, struct sea_built *right, double period_s)
+{
+    if (left->config.supply_shared < 0.5 || right->config.supply_shared < 0.5) {
+        return;
+    }
+    const double left_W = drawn_W(left, period_s), right_W = drawn_W(right, period_s);
+    left->motor.other_W = right_W;
+    right->motor.other_W = left_W;
 }
 
 double sea_built_rms_A(const struct sea_built *built)

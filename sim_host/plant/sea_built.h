@@ -36,6 +36,7 @@ struct sea_built {
     double spring_N_per_m;     /* secant over the stroke, as others see it */
     double spring_scale;       /* of a fault: 1 = as configured */
     double snap_J;             /* lost at releases, where the cuff takes up its load */
+    double shared_from_J;      /* what was supplied when the battery's other leg was last told */
     struct sea_load load;
 };
 
@@ -60,6 +61,10 @@ void sea_built_finish(struct sea_built *built);
 
 /* The latch opens with the motor and the output where they are. */
 void sea_built_release(struct sea_built *built, double output_m);
+
+/* Two legs on one battery: tells each what the other drew on average in the last period_s seconds. Call once
+ * so often; does nothing unless both configs say supply_shared. */
+void sea_built_share(struct sea_built *left, struct sea_built *right, double period_s);
 
 /* Begins to count the load anew. */
 void sea_built_clear_load(struct sea_built *built);

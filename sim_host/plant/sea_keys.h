@@ -64,6 +64,8 @@
     X(supply_V, "V", 1.0, 1e3, SEA_ASKED, "without load")                                    \
     X(supply_ohm, "ohm", 0.0, 100.0, SEA_ASKED, "of battery and cables")                     \
     X(supply_current_max_A, "A", 0.01, 1e4, SEA_ASKED, "that the battery or its fuse bears") \
+    X(supply_shared, "", 0.0, 1.0, 0.0,                                                      \
+      "1: one battery for both legs: it sags by what both draw; 0: one each")                \
     X(supply_energy_Wh, "W h", 0.0, 1e5, 0.0, "of the battery for this leg; 0: not told")    \
     X(supply_mass_kg, "kg", 0.0, 50.0, 0.0, "of the battery for this leg; 0: not told")
 

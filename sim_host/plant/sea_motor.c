@@ -118,7 +118,7 @@ void sea_motor_step(struct sea_motor *motor, const struct sea_config *config, do
     motor->copper_J += ohm * current_A * current_A * step_s;
     motor->friction_J += motor->friction_N * way_m;
     motor->load_J += load_N * way_m;
-    sag(motor, config, power_W);
+    sag(motor, config, power_W + motor->other_W);
 }
 
 void sea_motor_warm(struct sea_motor *motor, const struct sea_config *config, double copper_W,

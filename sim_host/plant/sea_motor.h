@@ -9,6 +9,7 @@
  *             against the load takes load / forward, holding back a moving load takes load * backward,
  *             and between the two the motor stands.
  *   supply:   u_bus = supply_V - supply_ohm * P / u_bus, of the power P drawn; what is fed back raises it.
+ *             P has the other leg's power in it where both share a battery.
  *   heat:     winding -> housing -> ambient; the winding's resistance rises with its temperature.
  * Integrated by steps of the caller, with the trapezium rule in current and position: the work of every
  * term over a step closes its balance (test: 0.1 %).
@@ -31,6 +32,7 @@ struct sea_motor {
     /* state */
     double position_m, speed_m_s, current_A;
     double bus_V;
+    double other_W; /* that the other leg draws from the same battery now; 0: none does */
     double winding_degC, housing_degC;
     /* of the last step */
     double voltage_V, force_N, friction_N;

@@ -46,6 +46,24 @@ static int refuse_twice(const struct device_file *file, const char *path, char *
     return 0;
 }
 
+/* One battery is told alike at both legs. */
+static int check_battery(const struct actuators *actuators, const char *path, char *message)
+{
+    const struct sea_config *left = &actuators->config[SIDE_LEFT];
+    const struct sea_config *right = &actuators->config[SIDE_RIGHT];
+    const bool alike = left->supply_V == right->supply_V && left->supply_ohm == right->supply_ohm &&
+                       left->supply_current_max_A == right->supply_current_max_A;
+    if (left->supply_shared == right->supply_shared && (left->supply_shared < 0.5 || alike)) {
+        return 0;
+    }
+    (void)snprintf(
+        message, ACTUATORS_MESSAGE_MAX,
+        "%.250s: [plant]: supply_shared is %g at the left leg and %g at the right: one battery has "
+        "one supply_V, supply_ohm and supply_current_max_A; tell them in [plant]",
+        path, left->supply_shared, right->supply_shared);
+    return -1;
+}
+
 int actuators_of(const struct device_file *file, const char *path, struct actuators *actuators,
                  char *message)
 {
@@ -70,5 +88,5 @@ int actuators_of(const struct device_file *file, const char *path, struct actuat
             return -1;
         }
     }
-    return 0;
+    return check_battery(actuators, path, message);
 }

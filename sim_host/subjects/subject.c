@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sim_host/gait/late_gait.h"
+
 void subject_default(struct subject *subject)
 {
     person_default(&subject->person);
@@ -81,9 +83,29 @@ double subject_force_max_N(const struct subject *subject)
     return smallest(subject, DEVICE_LEG_force_max_N);
 }
 
+double subject_latch_delay_s(const struct subject *subject)
+{
+    double sum_s = 0.0;
+    int driven = 0;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (device_leg_is_driven(&subject->device.description.leg[leg])) {
+            sum_s += device_file_number(&subject->device, (enum side)leg, DEVICE_LEG_latch_delay_s);
+            driven++;
+        }
+    }
+    return driven > 0 && !subject->is_person ? sum_s / driven : 0.0;
+}
+
 struct gait_walker subject_gait_walker(const struct subject *subject)
 {
     const struct person *person = &subject->person;
     return (struct gait_walker){person->torso_mass_kg, person->leg_mass_kg, person->leg_length_m,
                                 subject_spring_N_per_m(subject), person->gravity_m_s2};
+}
+
+enum gait_curve_error subject_gait(const struct subject *subject, double r0_m,
+                                   struct gait_point *gait)
+{
+    const struct gait_walker walker = subject_gait_walker(subject);
+    return late_gait_curve(&walker, subject_latch_delay_s(subject), r0_m, 0.0, 1, gait, NULL);
 }

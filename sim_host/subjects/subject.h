@@ -44,11 +44,19 @@ double subject_stroke_m(const struct subject *subject);
 double subject_speed_max_m_s(const struct subject *subject);
 double subject_force_max_N(const struct subject *subject);
 
+/* What the laws allow for of the latches' delay, s: the mean of the legs'. 0 for a person, whose law knows no
+ * compass' gaits: their ankle is still flexed when the latch opens, and a late push gives the same energy. */
+double subject_latch_delay_s(const struct subject *subject);
+
 /* The drives as the virtual nodes are to play them. */
 struct walker_drives subject_drives(const struct subject *subject);
 
 /* The subject's body and spring as the study tools know them. */
 struct gait_walker subject_gait_walker(const struct subject *subject);
+
+/* Its steady gait at a precompression, the latches as late as they are declared. */
+enum gait_curve_error subject_gait(const struct subject *subject, double r0_m,
+                                   struct gait_point *gait);
 
 /* The controller's parameters for this subject: gains and limits scaled from the
  * paper's walker (kp with l sqrt(l/g), speeds with sqrt(g/l), lengths with l and

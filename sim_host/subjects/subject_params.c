@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "sim_host/devices/device_text.h"
-#include "sim_host/gait/gait_curve.h"
+#include "sim_host/gait/late_gait.h"
 #include "sim_host/gait/laws_table.h"
 #include "sim_host/subjects/subject.h"
 
@@ -54,7 +54,7 @@ static void set_spring(struct subject *subject, double spring_N_per_m)
     }
 }
 
-static int make_speed_table(const struct subject *subject, double length_scale,
+static int make_speed_table(const struct subject *subject, double length_scale, double delay_s,
                             struct speed_table *table, char *message)
 {
     const struct gait_walker walker = subject_gait_walker(subject);
@@ -63,7 +63,7 @@ static int make_speed_table(const struct subject *subject, double length_scale,
     struct gait_point points[SPEED_TABLE_MAX];
     int reached = 0;
     const enum gait_curve_error error =
-        gait_curve(&walker, first_m, step_m, SPEED_TABLE_MAX, points, &reached);
+        late_gait_curve(&walker, delay_s, first_m, step_m, SPEED_TABLE_MAX, points, &reached);
     if (error != GAIT_CURVE_OK) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "no curve of steady gaits for this walker from r0 = %g m on: %s",
@@ -91,8 +91,8 @@ struct gain {
 
 /* What the laws beyond eq. (16) need, and eq. (16)'s gain for this very walker; a walker whose branch cannot be
  * followed has eq. (16) only, with the paper's gain scaled. */
-static void make_branch(const struct subject *subject, double length_scale, double scaled_kp,
-                        struct gait_branch *branch, struct gain *kp)
+static void make_branch(const struct subject *subject, double length_scale, double delay_s,
+                        double scaled_kp, struct gait_branch *branch, struct gain *kp)
 {
     const struct gait_walker walker = subject_gait_walker(subject);
     const struct laws_weights weights = laws_weights_default();
@@ -100,7 +100,8 @@ static void make_branch(const struct subject *subject, double length_scale, doub
     double largest;
     *branch = (struct gait_branch){.count = 0};
     *kp = (struct gain){scaled_kp, scaled_kp, scaled_kp};
-    const enum laws_table_error error = laws_table_make(&walker, length_scale, &weights, &table);
+    const enum laws_table_error error =
+        laws_table_make(&walker, length_scale, delay_s, &weights, &table);
     if (error == LAWS_TABLE_NO_CURVE || error == LAWS_TABLE_LOST) {
         return;
     }
@@ -136,7 +137,7 @@ static void make_branch(const struct subject *subject, double length_scale, doub
 struct kept_branch {
     struct gait_branch branch;
     struct gait_walker walker;
-    double length_scale;
+    double length_scale, delay_s;
     struct gain kp;
     struct kept_branch *next;
 };
@@ -149,7 +150,7 @@ static bool is_same_walker(const struct gait_walker *a, const struct gait_walker
 }
 
 static const struct gait_branch *branch_of(const struct subject *subject, double length_scale,
-                                           double scaled_kp, struct gain *kp)
+                                           double delay_s, double scaled_kp, struct gain *kp)
 {
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
     static struct kept_branch *kept;
@@ -158,14 +159,16 @@ static const struct gait_branch *branch_of(const struct subject *subject, double
 
     pthread_mutex_lock(&lock);
     for (entry = kept; entry != NULL; entry = entry->next) {
-        if (is_same_walker(&entry->walker, &walker) && entry->length_scale == length_scale) {
+        if (is_same_walker(&entry->walker, &walker) && entry->length_scale == length_scale &&
+            entry->delay_s == delay_s) {
             break;
         }
     }
     if (entry == NULL && (entry = calloc(1, sizeof *entry)) != NULL) {
         entry->walker = walker;
         entry->length_scale = length_scale;
-        make_branch(subject, length_scale, scaled_kp, &entry->branch, &entry->kp);
+        entry->delay_s = delay_s;
+        make_branch(subject, length_scale, delay_s, scaled_kp, &entry->branch, &entry->kp);
         entry->next = kept;
         kept = entry;
     }
@@ -377,6 +380,7 @@ int subject_control_params(const struct subject *subject, struct control_params 
         .terrain_speed_rad_s = REAL(0.0), /* nobody gets faster than asked unless it is said so */
     };
     struct subject compass = *subject;
+    const double delay_s = subject_latch_delay_s(subject);
     double compass_scale = length_scale;
     if (subject->is_person) {
         const double ratio = length_scale / clipped_length_scale(subject, length_scale);
@@ -384,11 +388,11 @@ int subject_control_params(const struct subject *subject, struct control_params 
         set_spring(&compass, spring_N_per_m * ratio * ratio);
     }
     if (check_spring(&compass, compass_scale, message) != 0 ||
-        make_speed_table(&compass, compass_scale, &params->table, message) != 0) {
+        make_speed_table(&compass, compass_scale, delay_s, &params->table, message) != 0) {
         return -1;
     }
     struct gain kp;
-    params->branch = branch_of(&compass, compass_scale, (double)params->kp_m_s_rad, &kp);
+    params->branch = branch_of(&compass, compass_scale, delay_s, (double)params->kp_m_s_rad, &kp);
     if (subject->actuators.as_built) {
         params->sea_acceleration_m_s2 =
             (real)reference_acceleration_m_s2(subject, (double)params->start_r0_m);

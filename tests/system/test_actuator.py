@@ -2,6 +2,7 @@
 cannot. On a made walk and, where AFO_DATA names a folder with them, on recorded ones."""
 import csv
 import json
+import math
 
 import pytest
 
@@ -159,6 +160,35 @@ def test_the_lever_of_the_device_is_that_of_the_recorded_ankle(tmp_path, person)
     assert far["0.1"] == pytest.approx(far["0.12"] / 1.2, rel=1e-4)
 
 
+def farthest(path, *changes, source):
+    _, result = walk(*changed(path, "exo50", *changes), "--recording", source)
+    return {side: result["push"][side]["ankle_most_m"] for side in SIDES}
+
+
+def test_a_leg_s_lever_and_neutral_angle_are_its_own(tmp_path, made):
+    """extension = lever sin(plantarflexion - neutral), of the leg whose section says it."""
+    plain = farthest(tmp_path / "plain.ini", source=made)
+    bent = farthest(tmp_path / "bent.ini", ("[right]\n", "[right]\nankle_neutral_rad = 0.05\n"), source=made)
+    short = farthest(tmp_path / "short.ini", ("[right]\n", "[right]\nankle_lever_m = 0.11\n"),
+                     ("\n[plant]\n", "\n[right.plant]\nlever_m = 0.11\n[plant]\n"), source=made)
+    assert bent["left"] == short["left"] == plain["left"]
+    angle = [math.asin(far["right"] / 0.12) for far in (plain, bent)]
+    assert angle[0] - angle[1] == pytest.approx(0.05, rel=1e-3)
+    assert short["right"] == pytest.approx(plain["right"] * 0.11 / 0.12, rel=1e-4)
+
+
+def test_both_legs_draw_on_one_battery(tmp_path, made):
+    least = {}
+    for shared in ("0", "1"):
+        device = changed(tmp_path / f"{shared}.ini", "exo50", ("supply_shared = 1", f"supply_shared = {shared}"))
+        _, result = walk(*device, "--recording", made)
+        least[shared] = min(result["push"][side]["supply_least_V"] for side in SIDES)
+    assert least["0"] - 1 < least["1"] < least["0"]
+    device = changed(tmp_path / "two.ini", "exo50", ("\n[plant]\n", "\n[right.plant]\nsupply_V = 24\n[plant]\n"))
+    done = run(*device, "--recording", made)
+    assert done.returncode == 2 and "one battery" in done.stderr and done.stdout == ""
+
+
 def test_a_compass_walks_with_parts_that_exist():
     """An adult as a compass walker, whose latch takes 5 ms and scatters by 2: the predictive law bears it."""
     status, result = walk(*EXO50, "--law", "predictive", "--steps", "40")
@@ -198,8 +228,36 @@ def test_what_a_law_bears_of_a_late_latch(tmp_path):
     assert done.returncode == 0 and "bears" in done.stdout
     with open(table, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    steps = {(row["kind"], row["ms"]): int(row["steps_walked"]) for row in rows}
-    speeds = {(row["kind"], row["ms"]): float(row["speed_rad_s"]) for row in rows}
-    assert steps["delay", "0"] == steps["delay", "1"] == 60 and steps["jitter", "20"] < 60
-    # Some tenths of a per cent of the speed for each millisecond.
-    assert 0.0005 < 1 - speeds["delay", "1"] / speeds["delay", "0"] < 0.009
+    told = {(row["kind"], row["declared"], row["ms"]): row for row in rows}
+    steps = {key: int(row["steps_walked"]) for key, row in told.items()}
+    speeds = {key: float(row["speed_rad_s"]) for key, row in told.items()}
+    in_time = speeds["delay", "0", "0"]
+    assert steps["delay", "0", "0"] == steps["delay", "0", "1"] == 60 and steps["jitter", "0", "20"] < 60
+    # Some tenths of a per cent of the speed for each millisecond; where the device declares it, nothing.
+    assert 0.0005 < 1 - speeds["delay", "0", "1"] / in_time < 0.009
+    assert speeds["delay", "0", "10"] < 0.97 * in_time
+    assert steps["delay", "1", "10"] == 60
+    assert speeds["delay", "1", "10"] == pytest.approx(in_time, rel=0.002)
+
+
+def declared(path, name, delay):
+    return changed(path, name, ("latch = drive", f"latch = drive\nlatch_delay_s = {delay}"))[-1]
+
+
+def test_a_declared_delay_is_allowed_for(tmp_path):
+    """The virtual latches open at once: told of 10 ms, the law asks for more than is needed, and walks faster."""
+    speeds = {}
+    for delay in ("0", "0.01"):
+        device = declared(tmp_path / f"{delay}.ini", "virtual", delay)
+        _, result = walk("--device", device, "--speed", "0.6", "--steps", "80")
+        speeds[delay] = result["apex_speed_rad_s"][-1]
+    assert 0.01 < speeds["0.01"] / speeds["0"] - 1 < 0.08
+    done = run("--device", declared(tmp_path / "slow.ini", "virtual", "0.03"), "--speed", "0.6")
+    assert done.returncode == 2 and "latch_delay_s" in done.stderr and "0.025" in done.stderr
+
+
+def test_a_declared_delay_opens_no_person_s_latch_earlier(tmp_path, made):
+    """Every figure is the same, to the last digit: the release keeps its two signs, and the push its energy."""
+    plain = changed(tmp_path / "plain.ini", "exo50", ("latch_delay_s = 0.006", "latch_delay_s = 0"))
+    push = [walk(*who, "--recording", made)[1]["push"] for who in (plain, EXO50)]
+    assert push[0] == push[1]

@@ -1,4 +1,5 @@
-/* afo study latch: the trials, and the table of what each law bears. */
+/* afo study latch: the trials, and the table of what each law bears, with and without the latch's mean delay
+ * in the device's description. */
 #include <argp.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,11 +11,12 @@
 #include "sim_host/study/size/latch_study.h"
 
 enum { KEY_SPEED = 0x500, KEY_STEPS, KEY_TRIALS, KEY_LAW, KEY_CSV };
-enum { LAWS = 4, TIMES = 7, KINDS = 2, TRIALS_MAX = 20 };
+enum { LAWS = 4, TIMES = 7, KINDS = 4, TRIALS_MAX = 20 };
 
 static const enum law_mode laws[LAWS] = {LAW_PROPORTIONAL, LAW_DLQR, LAW_DEADBEAT, LAW_PREDICTIVE};
 static const char *const law_names[LAWS] = {"proportional", "dlqr", "deadbeat", "predictive"};
-static const char *const kinds[KINDS] = {"delay", "jitter"};
+/* Odd ones scatter; those behind the first two are declared. */
+static const char *const kinds[KINDS] = {"delay", "jitter", "delay, declared", "jitter, declared"};
 static const double times_ms[TIMES] = {0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
 
 /* A release takes so long at least: the presets' latency. */
@@ -65,16 +67,26 @@ static error_t take(int key, char *text, struct argp_state *state)
     }
 }
 
+static bool scatters(int kind)
+{
+    return kind % 2 == 1;
+}
+
+static bool is_declared(int kind)
+{
+    return kind >= 2;
+}
+
 /* A constant delay has nothing to do with the seed but the sensors' noise: one trial. */
 static int trials_of(const struct study *study, int kind)
 {
-    return kind == 0 ? 1 : study->trials;
+    return scatters(kind) ? study->trials : 1;
 }
 
 static bool is_asked(const struct study *study, int law, int kind, int time, int trial)
 {
     return (study->only < 0 || law == study->only) && trial < trials_of(study, kind) &&
-           !(kind == 1 && time == 0);
+           (kind == 0 || time > 0);
 }
 
 static void compute(void *context, int i)
@@ -85,10 +97,12 @@ static void compute(void *context, int i)
     if (!is_asked(study, law, kind, time, trial)) {
         return;
     }
+    const double time_s = 1e-3 * times_ms[time], mean_s = scatters(kind) ? 0.5 * time_s : time_s;
     const struct latch_trial asked = {.law = laws[law],
                                       .speed_rad_s = study->speed_rad_s,
-                                      .delay_s = BASE_S + (kind == 0 ? 1e-3 * times_ms[time] : 0.0),
-                                      .jitter_s = kind == 1 ? 1e-3 * times_ms[time] : 0.0,
+                                      .delay_s = BASE_S + (scatters(kind) ? 0.0 : time_s),
+                                      .jitter_s = scatters(kind) ? time_s : 0.0,
+                                      .declared_s = is_declared(kind) ? BASE_S + mean_s : 0.0,
                                       .steps = study->steps,
                                       .seed = 1 + (uint64_t)trial};
     if (latch_trial_run(&asked, &study->result[law][kind][time][trial]) != 0) {
@@ -143,7 +157,7 @@ static bool walks_on(const struct study *study, int law, int kind, int time)
 static double bears_ms(const struct study *study, int law, int kind)
 {
     double most = 0.0;
-    for (int time = kind; time < TIMES; time++) {
+    for (int time = kind == 0 ? 0 : 1; time < TIMES; time++) {
         if (!walks_on(study, law, kind, time)) {
             break;
         }
@@ -157,7 +171,7 @@ static void print(const struct study *study)
     printf(
         "\n%u steps at %g rad/s; a jitter's worst of %d trials; change of the speed against no delay\n\n",
         (unsigned)study->steps, study->speed_rad_s, study->trials);
-    printf("            ms");
+    printf("  %-16s   ms", "");
     for (int law = 0; law < LAWS; law++) {
         if (study->only < 0 || law == study->only) {
             printf("  %-18s", law_names[law]);
@@ -165,8 +179,8 @@ static void print(const struct study *study)
     }
     printf("\n");
     for (int kind = 0; kind < KINDS; kind++) {
-        for (int time = kind; time < TIMES; time++) {
-            printf("  %-7s %4g", kinds[kind], times_ms[time]);
+        for (int time = kind == 0 ? 0 : 1; time < TIMES; time++) {
+            printf("  %-16s %4g", kinds[kind], times_ms[time]);
             for (int law = 0; law < LAWS; law++) {
                 cell(study, law, kind, time);
             }
@@ -176,8 +190,10 @@ static void print(const struct study *study)
     printf("\n");
     for (int law = 0; law < LAWS; law++) {
         if (study->only < 0 || law == study->only) {
-            printf("  %-14s bears %g ms of delay and %g ms of jitter\n", law_names[law],
-                   bears_ms(study, law, 0), bears_ms(study, law, 1));
+            printf("  %-14s bears %g ms of delay and %g ms of jitter; %g ms and %g ms where "
+                   "latch_delay_s tells the mean\n",
+                   law_names[law], bears_ms(study, law, 0), bears_ms(study, law, 1),
+                   bears_ms(study, law, 2), bears_ms(study, law, 3));
         }
     }
 }
@@ -188,16 +204,17 @@ static int write_csv(const struct study *study)
     if (file == NULL) {
         return program_complain("%s cannot be written", study->csv_path);
     }
-    fputs("law,kind,ms,trial,steps_asked,steps_walked,speed_rad_s\n", file);
+    fputs("law,kind,declared,ms,trial,steps_asked,steps_walked,speed_rad_s\n", file);
     for (int law = 0; law < LAWS; law++) {
         for (int kind = 0; kind < KINDS; kind++) {
             for (int time = 0; time < TIMES; time++) {
                 for (int trial = 0; trial < study->trials; trial++) {
                     const struct latch_result *result = &study->result[law][kind][time][trial];
                     if (is_asked(study, law, kind, time, trial)) {
-                        fprintf(file, "%s,%s,%g,%d,%u,%u,%.6f\n", law_names[law], kinds[kind],
-                                times_ms[time], trial + 1, (unsigned)study->steps,
-                                (unsigned)result->walked, result->speed_rad_s);
+                        fprintf(file, "%s,%s,%d,%g,%d,%u,%u,%.6f\n", law_names[law],
+                                kinds[kind % 2], is_declared(kind), times_ms[time], trial + 1,
+                                (unsigned)study->steps, (unsigned)result->walked,
+                                result->speed_rad_s);
                     }
                 }
             }
@@ -215,8 +232,9 @@ int latch_main(int argc, char **argv)
         option_list,
         take,
         0,
-        "What each law bears of a latch that opens late, by a constant time or by one that scatters. The "
-        "paper's walker walks in closed loop, through bus, sensors and actuator.\v"
+        "What each law bears of a latch that opens late, by a constant time or by one that scatters, and what "
+        "where the device's key latch_delay_s tells the mean of that time. The paper's walker walks in closed "
+        "loop, through bus, sensors and actuator.\v"
         "Exit status: 0 done, 2 wrong usage, or the laws do not serve this speed.",
         0,
         0,
@@ -225,10 +243,9 @@ int latch_main(int argc, char **argv)
     study = (struct study){.speed_rad_s = 0.8, .steps = 200, .trials = 3, .only = -1};
     option_parse(&parser, argc, argv, &study);
     const int law_count = study.only < 0 ? LAWS : 1;
-    program_announce(8e-3 * study.steps * law_count * (TIMES + (TIMES - 1) * study.trials) /
-                         pool_processors(),
-                     "%d trials of %u steps", law_count * (TIMES + (TIMES - 1) * study.trials),
-                     (unsigned)study.steps);
+    const int trials = 2 * (TIMES - 1) * (1 + study.trials) + 1;
+    program_announce(8e-3 * study.steps * law_count * trials / pool_processors(),
+                     "%d trials of %u steps", law_count * trials, (unsigned)study.steps);
     const struct pool_jobs jobs = {.count = LAWS * KINDS * TIMES * study.trials,
                                    .threads = pool_processors(),
                                    .context = &study,

@@ -13,6 +13,10 @@ static int configure(const struct latch_trial *trial, struct loop_config *config
     char message[LOOP_MESSAGE_MAX];
     subject_default(&subject);
     person_override(&subject.person, "law", (double)trial->law);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        device_file_set(&subject.device, (enum side)side, DEVICE_LEG_latch_delay_s,
+                        trial->declared_s);
+    }
     if (subject_control_params(&subject, &params, message) != 0 ||
         loop_configure(config, &subject, &params, trial->speed_rad_s, SENSORS_17BIT, trial->seed,
                        message) != 0) {

@@ -14,6 +14,7 @@ struct latch_trial {
     enum law_mode law;
     double speed_rad_s;
     double delay_s, jitter_s; /* added to each other: delay + uniform in [0, jitter) */
+    double declared_s;        /* latch_delay_s of the device: what the laws allow for */
     uint32_t steps;           /* to walk */
     uint64_t seed;
 };

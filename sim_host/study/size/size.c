@@ -25,6 +25,9 @@ const char *size_limit_name(enum size_limit limit)
     return (unsigned)limit < SIZE_LIMITS ? names[limit] : "unknown";
 }
 
+/* Half a stride at the slowest cadence, ticks. */
+enum { HALF_STRIDE_MOST = 3001 };
+
 /* One leg that walks. */
 struct leg {
     const struct size_setup *setup;
@@ -35,6 +38,9 @@ struct leg {
     double ankle_m;
     double loaded_share, work_J, peak_Nm, peak_W; /* of this stride */
     bool counts, armed, pushed;
+    /* What it drew in each tick of the last half stride: the other leg draws it now. */
+    double drawn_W[HALF_STRIDE_MOST];
+    int half_ticks, drawn_at;
 };
 
 static double share_of(const struct leg *leg)
@@ -130,12 +136,24 @@ static void run_latch(struct leg *leg)
     (void)sea_reclose(sea, 0.0);
 }
 
+/* The other leg is the same half a stride later, on the same battery. */
+static void share_battery(struct leg *leg, double drawn_J)
+{
+    const double other_W = leg->drawn_W[leg->drawn_at];
+    leg->drawn_W[leg->drawn_at] = drawn_J / TICK_S;
+    leg->drawn_at = (leg->drawn_at + 1) % leg->half_ticks;
+    if (leg->setup->config.supply_shared >= 0.5) {
+        leg->sea.built.motor.other_W = other_W;
+    }
+}
+
 static void tick(struct leg *leg, double before_share)
 {
     struct sea *sea = &leg->sea;
     const double share = share_of(leg);
     const double period_s = sea->params.drive_period_s;
     const int periods = (int)(TICK_S / period_s + 0.5);
+    const double before_J = sea->built.motor.supplied_J;
     if (share < before_share) {
         end_stride(leg);
         begin_stride(leg);
@@ -154,6 +172,7 @@ static void tick(struct leg *leg, double before_share)
         leg->ankle_m = next_m;
         leg->time_s += period_s;
     }
+    share_battery(leg, sea->built.motor.supplied_J - before_J);
 }
 
 /* The winding after an hour of this current, its resistance with its temperature. */
@@ -201,6 +220,7 @@ void size_walk(const struct size_setup *setup, double cadence_1_min, struct size
     memset(row, 0, sizeof *row);
     row->cadence_1_min = cadence_1_min;
     row->spare_s = leg.stride_s;
+    leg.half_ticks = (int)(0.5 * leg.stride_s / TICK_S + 0.5);
     sea_params_as_built(&setup->config, &params);
     sea_init(&leg.sea, &params, setup->seed);
     sea_reference_init(&leg.reference, REAL(0.0));

@@ -3,7 +3,8 @@
  *
  * The ankle moves as ankle_curve.h says. The spring is loaded from the own heel strike on, behind a closed
  * latch; it is armed when it is loaded, released when the other heel strikes, unloaded when the push is
- * over. A spring that is not loaded when the other heel strikes is not released: no push.
+ * over. A spring that is not loaded when the other heel strikes is not released: no push. Where both legs
+ * share a battery, the other leg draws what this one drew half a stride ago.
  */
 #ifndef SIM_HOST_STUDY_SIZE_SIZE_H
 #define SIM_HOST_STUDY_SIZE_SIZE_H

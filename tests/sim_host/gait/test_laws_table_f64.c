@@ -16,7 +16,7 @@ static void make_table(void)
     const struct laws_weights weights = laws_weights_default();
     const struct walker_params params = walker_paper_params();
     ck_assert_int_eq(walker_init(&walker, &params), WALKER_OK);
-    ck_assert_int_eq(laws_table_make(&paper, 1.0, &weights, &table), LAWS_TABLE_OK);
+    ck_assert_int_eq(laws_table_make(&paper, 1.0, 0.0, &weights, &table), LAWS_TABLE_OK);
 }
 
 static void next_of(const double x[3], double r0, double next[3])
@@ -129,7 +129,7 @@ START_TEST(another_size_is_the_same_walker)
     static struct laws_table other;
     small.leg_length_m = 0.5;
     small.ankle_stiffness_N_m = 200.0;
-    ck_assert_int_eq(laws_table_make(&small, 0.5, &weights, &other), LAWS_TABLE_OK);
+    ck_assert_int_eq(laws_table_make(&small, 0.5, 0.0, &weights, &other), LAWS_TABLE_OK);
     for (int i = 0; i < table.count; i += 13) {
         assert_close(other.point[i].speed_rad_s, sqrt(2.0) * table.point[i].speed_rad_s, 0.0, 1e-9);
         assert_close(other.point[i].r0_m, 0.5 * table.point[i].r0_m, 0.0, 1e-9);
@@ -145,7 +145,7 @@ START_TEST(a_walker_without_gaits_is_refused)
     const struct laws_weights weights = laws_weights_default();
     static struct laws_table none;
     bad.hip_mass_kg = -1.0;
-    ck_assert_int_eq(laws_table_make(&bad, 1.0, &weights, &none), LAWS_TABLE_NO_CURVE);
+    ck_assert_int_eq(laws_table_make(&bad, 1.0, 0.0, &weights, &none), LAWS_TABLE_NO_CURVE);
     ck_assert_ptr_nonnull(laws_table_error_name(LAWS_TABLE_NO_CURVE));
 }
 END_TEST

@@ -185,9 +185,9 @@ START_TEST(files_that_cannot_be_read)
     ck_assert_int_eq(recording_load(&recording, path, &format, message), RECORDING_BAD_VALUE);
     forget_file();
     ck_assert_ptr_nonnull(strstr(message, "zero byte"));
-    format.ankle_lever_m = 0.0;
+    format.ankle[SIDE_RIGHT].lever_m = 0.0;
     ck_assert_int_eq(recording_load(&recording, "/tmp", &format, message), RECORDING_BAD_FORMAT);
-    ck_assert_ptr_nonnull(strstr(message, "ankle_lever_m"));
+    ck_assert_ptr_nonnull(strstr(message, "right ankle's lever_m"));
 }
 END_TEST
 

@@ -188,6 +188,33 @@ START_TEST(a_loaded_supply_sags_by_its_power)
 }
 END_TEST
 
+START_TEST(two_legs_on_one_battery_sag_by_what_both_draw)
+{
+    /* Both stand at 20 A: 200 W each, u^2 - 48 u + 0.2 * 400 = 0. With a battery each, 200 W. */
+    const double together[] = {400.0, 200.0};
+    config.supply_ohm = 0.2;
+    config.resistance_per_K = 0.0;
+    for (int i = 0; i < 2; i++) {
+        struct sea_built leg[2];
+        config.supply_shared = i == 0 ? 1.0 : 0.0;
+        for (int k = 0; k < 2; k++) {
+            sea_built_init(&leg[k], &config);
+            leg[k].motor.mass_kg = 1e9;
+        }
+        for (int tick = 0; tick < 30; tick++) {
+            sea_built_share(&leg[0], &leg[1], 1e-3);
+            for (int step = 0; step < 200; step++) {
+                sea_motor_step(&leg[step % 2].motor, &config, 20.0, true, 0.0, 1e-5);
+            }
+        }
+        for (int k = 0; k < 2; k++) {
+            assert_close(leg[k].motor.bus_V, 24.0 + sqrt(24.0 * 24.0 - 0.2 * together[i]), 0.0,
+                         1e-6);
+        }
+    }
+}
+END_TEST
+
 /* ---- drive ------------------------------------------------------------------ */
 
 static double wave_rad_s, wave_m;
@@ -498,6 +525,7 @@ int main(void)
     tcase_add_test(parts, efficiencies_are_those_of_both_ways);
     tcase_add_test(parts, heat_goes_through_two_bodies);
     tcase_add_test(parts, a_loaded_supply_sags_by_its_power);
+    tcase_add_test(parts, two_legs_on_one_battery_sag_by_what_both_draw);
     tcase_add_test(drive, the_drive_answers_a_sine_as_its_gains_say);
     tcase_add_test(drive, feed_forward_removes_the_lag);
     tcase_add_test(drive, an_even_acceleration_takes_an_even_force);

@@ -173,6 +173,8 @@ START_TEST(the_shipped_device_describes_the_parts_that_it_is_made_of)
         assert_close(number[DEVICE_LEG_speed_max_m_s], config->speed_limit_m_s, 0.0, 1e-9);
         assert_close(number[DEVICE_LEG_ankle_lever_m], config->lever_m, 0.0, 1e-6);
         assert_close(number[DEVICE_LEG_current_max_A], config->current_peak_A, 0.0, 1e-9);
+        assert_close(number[DEVICE_LEG_latch_delay_s],
+                     config->latch_release_s + 0.5 * config->latch_jitter_s, 0.0, 1e-6);
     }
 }
 END_TEST
