@@ -42,7 +42,7 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->change_count = 5;
     objects->param_count = CONTROL_PARAM_COUNT;
     objects->counter_count = 28;
-    objects->drive_count = 5;
+    objects->drive_count = 12;
     objects->tool_count = 3;
     objects->identity_count = 3;
     objects->setup_count = 6;

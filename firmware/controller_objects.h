@@ -79,7 +79,10 @@ struct controller_objects {
     uint8_t drive_count;
     int16_t drive_temperature_0_1_degC[SIDE_COUNT];
     uint16_t drive_supply_10_mV[SIDE_COUNT];
-    uint8_t drive_warnings; /* bit 0 left, bit 1 right */
+    uint8_t drive_warnings;                               /* bit 0 left, bit 1 right */
+    uint8_t push_share_percent, spared_cause[SIDE_COUNT]; /* enum derate_cause */
+    uint8_t withdrawn, withdrew_cause, withdrew_leg;      /* the last two: of the last time */
+    uint8_t loaded_without_link; /* bit 0 left, bit 1 right: nothing unloads it on link loss */
     /* 0x2022: the object of a drive or sensor that somebody else wrote last; node 0 = none yet */
     uint8_t tool_count, tool_node, tool_sub;
     uint16_t

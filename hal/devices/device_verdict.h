@@ -27,7 +27,9 @@
     X(OBJECT, 18, "names no object: its index is 0x1000 to 0xFFFF")                             \
     X(NUMBER, 19, "is more than this protocol has room for")                                    \
     X(BITS, 20, "is no width of whole bytes: 16, 24 or 32")                                     \
-    X(LATCH_OUTPUT, 21, "needs an output of the drive, and it lacks 0x60FE:01")
+    X(LATCH_OUTPUT, 21, "needs an output of the drive, and it lacks 0x60FE:01")                 \
+    X(LIMIT_ORDER, 22, "leaves nothing between it and its counterpart, which has to be")        \
+    X(NOT_TOLD, 23, "is a limit of what this drive does not tell")
 
 #define DEVICE_VERDICT_ENTRY(code, number, text) DEVICE_BAD_##code = number,
 enum device_verdict { DEVICE_VERDICTS(DEVICE_VERDICT_ENTRY) DEVICE_OK = DEVICE_BAD_NOTHING };
