@@ -71,6 +71,9 @@ const struct co_entry controller_object_table[] = {
     CO_ANY(OWNER, change_place, 0x2004, 3, CO_UNSIGNED8, RO, "Sub-index of 0x2010"),
     CO_ANY(OWNER, change_before, 0x2004, 4, CO_REAL32, RO, "Old value"),
     CO_ANY(OWNER, change_after, 0x2004, 5, CO_REAL32, RO, "New value"),
+    CO_ANY(OWNER, log_count, 0x2005, 0, CO_UNSIGNED8, FIXED, "Change log"),
+    CO_ANY(OWNER, changes.number, 0x2005, 1, CO_UNSIGNED32, RO, "Changes noted since the start"),
+    CO_ANY(OWNER, change_records, 0x2005, 2, CO_DOMAIN, RO, "Records (firmware/change_log.h)"),
     CO_ANY(OWNER, param_count, 0x2010, PARAM_SUB_COUNT, CO_UNSIGNED8, FIXED, "Parameters"),
     CONTROL_PARAM_OPEN_TABLE(PARAM_ENTRY) CONTROL_PARAM_LOCKED_TABLE(LOCKED_ENTRY)
         CO_ANY(OWNER, counter_count, 0x2020, 0, CO_UNSIGNED8, FIXED, "Counters"),
