@@ -33,6 +33,25 @@ static int check_law(const struct control_params *params)
     return !needs_branch(params) || has_branch ? CONTROL_PARAMS_OK : CONTROL_PARAMS_BRANCH;
 }
 
+/* What is locked for a person holds for whoever sets the parameters, the person's own file, too. */
+static int check_locked(const struct control_params *params)
+{
+    if (params->kp_low_m_s_rad > params->kp_high_m_s_rad) {
+        return CONTROL_PARAMS_GAIN_RANGE;
+    }
+    if (params->kp_high_m_s_rad > REAL(0.0) &&
+        !real_is_within(params->kp_m_s_rad, params->kp_low_m_s_rad, params->kp_high_m_s_rad)) {
+        return CONTROL_PARAMS_GAIN;
+    }
+    if (params->r0_ceiling_m > REAL(0.0) && params->r0_max_m > params->r0_ceiling_m) {
+        return CONTROL_PARAMS_R0_CEILING;
+    }
+    return params->r0_change_ceiling_m > REAL(0.0) &&
+                   params->r0_change_max_m > params->r0_change_ceiling_m
+               ? CONTROL_PARAMS_R0_CHANGE_CEILING
+               : CONTROL_PARAMS_OK;
+}
+
 int control_params_validate(const struct control_params *params)
 {
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
@@ -59,10 +78,8 @@ int control_params_validate(const struct control_params *params)
     if (params->body == (real)BODY_PERSON && params->engage_steps < REAL(1.0)) {
         return CONTROL_PARAMS_ENGAGE;
     }
-    if (params->kp_low_m_s_rad > params->kp_high_m_s_rad) {
-        return CONTROL_PARAMS_GAIN_RANGE;
-    }
-    return check_law(params);
+    const int locked = check_locked(params);
+    return locked == CONTROL_PARAMS_OK ? check_law(params) : locked;
 }
 
 void control_params_speeds(const struct control_params *params, real *low_rad_s, real *high_rad_s)

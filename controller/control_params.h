@@ -129,10 +129,14 @@ enum {
         CONTROL_PARAM_COUNT + 6, /* a person, and no steady step before assistance */
     CONTROL_PARAMS_BRANCH =
         CONTROL_PARAM_COUNT + 5, /* the law needs a gait branch; none, or unusable */
-    CONTROL_PARAMS_GAIN_RANGE = CONTROL_PARAM_COUNT + 7 /* kp_low above kp_high */
+    CONTROL_PARAMS_GAIN_RANGE = CONTROL_PARAM_COUNT + 7,        /* kp_low above kp_high */
+    CONTROL_PARAMS_GAIN = CONTROL_PARAM_COUNT + 8,              /* kp outside kp_low..kp_high */
+    CONTROL_PARAMS_R0_CEILING = CONTROL_PARAM_COUNT + 9,        /* r0_max above r0_ceiling */
+    CONTROL_PARAMS_R0_CHANGE_CEILING = CONTROL_PARAM_COUNT + 10 /* r0_change_max above its own */
 };
 
-/* Checks every field against its range and the fields against each other.
+/* Checks every field against its range and the fields against each other, what is locked for a person (a
+ * ceiling of 0 is none) among them.
  * Returns CONTROL_PARAMS_OK, the index into control_param_descriptors of the
  * first field out of range or not finite, or one of the codes above. Bounded:
  * one pass over the fields and the table. */

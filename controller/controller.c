@@ -15,6 +15,8 @@ int controller_init(struct controller *controller, const struct control_params *
     checks_init(&controller->checks);
     step_monitor_init(&controller->step_monitor);
     motion_init(&controller->motion);
+    derate_init(&controller->derate);
+    step_plan_bear(&controller->plan, controller->derate.share);
     step_law_init(&controller->plan.law, params);
     gait_observer_init(&controller->observer, params);
     return CONTROL_PARAMS_OK;
@@ -137,13 +139,18 @@ static void supervise(struct controller *controller, const struct controller_inp
     if (!values->walk_requested) {
         controller->request_spent = false;
     }
+    /* Nothing begins by itself when the drives have rested. */
+    if (controller->derate.withdrawn) {
+        controller->request_spent = true;
+    }
     const struct conditions_view view = {
         .params = controller->params,
         .input = values,
         .checks = &controller->checks,
         .step_monitor = &controller->step_monitor,
         .sea = controller->springs.sea,
-        .motion_requested = motion_watch(&controller->motion, values),
+        .motion_requested =
+            motion_watch(&controller->motion, values) && !controller->derate.withdrawn,
         .request_spent = controller->request_spent,
         .pushes_fail = pushes_fail(controller),
     };
@@ -245,6 +252,14 @@ static void guard(struct controller *controller, struct sea_request request[SIDE
     /*@ assert no_torque: powered ||
           (!request[SIDE_LEFT].enable && !request[SIDE_LEFT].latch_armed &&
            !request[SIDE_RIGHT].enable && !request[SIDE_RIGHT].latch_armed); */
+}
+
+bool controller_bear(struct controller *controller, const struct derate_limits *limit,
+                     const struct derate_reading *reading, uint32_t tick)
+{
+    const bool is_new = derate_update(&controller->derate, limit, reading, tick);
+    step_plan_bear(&controller->plan, controller->derate.share);
+    return is_new;
 }
 
 void controller_update(struct controller *controller, const struct controller_input *input,

@@ -29,11 +29,13 @@
 #include "controller/screening/samples.h"
 #include "controller/screening/zeroing.h"
 #include "controller/signals.h"
+#include "controller/supervisor/derate.h"
 #include "controller/supervisor/step_monitor.h"
 #include "controller/supervisor/supervisor.h"
 
 #define controller_init REAL_SYMBOL(controller_init)
 #define controller_update REAL_SYMBOL(controller_update)
+#define controller_bear REAL_SYMBOL(controller_bear)
 
 struct controller {
     const struct control_params *params; /* the caller's; constant while walking */
@@ -48,8 +50,10 @@ struct controller {
     struct step_monitor step_monitor;
     struct zeroing zeroing;
     struct motion motion;
-    bool request_spent; /* after a fault, or a walk in test mode: it takes a new request */
-    bool observing;     /* the observer has been started */
+    struct derate derate;
+    bool
+        request_spent; /* after a fault, a withdrawal or a walk in test mode: it takes a new request */
+    bool observing;    /* the observer has been started */
 };
 
 struct controller_output {
@@ -73,5 +77,11 @@ int controller_init(struct controller *controller, const struct control_params *
  * test; the worst tick is that of an apex fit. Loop only, not ISR. */
 void controller_update(struct controller *controller, const struct controller_input *input,
                        struct controller_output *output);
+
+/* What the drives tell of temperature, supply and warnings, now and then (derate.h); limit and reading:
+ * SIDE_COUNT. It acts from the next controller_update on. Returns what derate_update() returns. Loop
+ * only; O(1), in a tick that has little else to do. */
+bool controller_bear(struct controller *controller, const struct derate_limits *limit,
+                     const struct derate_reading *reading, uint32_t tick);
 
 #endif

@@ -23,22 +23,6 @@ static uint32_t saturating_sum(uint32_t a, uint32_t b)
     return a > UINT32_MAX - b ? UINT32_MAX : a + b;
 }
 
-/* What the drives tell of temperature, supply and warnings, for 0x2021. */
-static void show_drives(struct control_task *task)
-{
-    struct controller_objects *objects = &task->node.objects;
-    objects->drive_warnings = 0;
-    for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        struct sea_drive_reading drive;
-        sea_drives_read(&task->config.drives, (enum side)leg, &drive);
-        objects->drive_temperature_0_1_degC[leg] =
-            (int16_t)bytes_saturate_i32(drive.temperature_degC * 10.0f, INT16_MIN, INT16_MAX);
-        objects->drive_supply_10_mV[leg] = (uint16_t)bytes_saturate_i32(
-            drive.has_supply ? drive.supply_V * 100.0f : 0.0f, 0, UINT16_MAX);
-        objects->drive_warnings |= (uint8_t)(drive.warning ? 1u << leg : 0u);
-    }
-}
-
 static void show_counters(void *context)
 {
     struct control_task *task = (struct control_task *)context;
@@ -59,7 +43,7 @@ static void show_counters(void *context)
     counters->tx_refused = status.tx_refused;
     counters->rx_overflow = status.rx_overflow;
     counters->bus_off_count = status.bus_off_count;
-    show_drives(task);
+    drive_care_show(&task->node.objects, &task->controller.derate, &task->config.drives);
     commissioning_show(&task->node.objects, &task->controller.motion, &task->sensors,
                        &task->config.drives);
 }
@@ -94,6 +78,12 @@ int control_task_init(struct control_task *task, const struct control_task_confi
     task->node.rules.show_context = task;
     task->config.params = &task->node.objects.params;
     return controller_init(&task->controller, task->config.params);
+}
+
+void control_task_describe(struct control_task *task, const struct device_description *device)
+{
+    task->node.objects.device = *device;
+    drive_care_init(task->config.limits, &task->node.objects, device);
 }
 
 /* Off the bus, what waited to be sent is lost: also a SYNC. */
@@ -241,12 +231,12 @@ static void bring_nodes_up(struct control_task *task)
 }
 
 /* A drive that is no longer as it was set up is treated like one that somebody wrote to. */
-static void audit_drives(struct control_task *task)
+static void audit_drives(struct control_task *task, bool busy)
 {
     struct setup_failure found;
     struct controller_node *node = &task->node;
     if (drive_audit_update(&task->audit, &task->bring_up, &task->network, &task->config.bus,
-                           task->tick, control_task_was_busy(task), task->now_ns, &found,
+                           task->tick, busy, task->now_ns, &found,
                            &node->objects.counters.audits_unanswered)) {
         telemetry_report_refused_node(&node->objects, &node->device, &found);
         tool_watch_distrust(&task->tools, network_index(&task->network, found.node), found.index);
@@ -279,9 +269,12 @@ static unsigned run_tick(struct control_task *task)
     task->node.objects.zero_requested = 0;
     input_digest_end_tick(&task->node.objects.input_digest);
     bring_nodes_up(task);
+    const bool busy = control_task_was_busy(task);
     if (task->config.configure_nodes) {
-        audit_drives(task);
+        audit_drives(task, busy);
     }
+    drive_care_update(&task->controller, task->config.limits, &task->config.drives, task->tick,
+                      busy, &task->node.device);
     network_update(&task->network, &task->config.bus, task->bring_up.configured);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);

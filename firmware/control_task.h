@@ -20,6 +20,7 @@
 #include "firmware/bring_up.h"
 #include "firmware/controller_node.h"
 #include "firmware/drive_audit.h"
+#include "firmware/drive_care.h"
 #include "firmware/drive_watch.h"
 #include "firmware/tool_watch.h"
 #include "hal/bus/can_bus.h"
@@ -44,10 +45,11 @@ struct control_task_config {
     struct sea_drives drives;
     struct emergency_stop stop;
     struct leg_sensor_config leg_sensor[SIDE_COUNT];
-    struct node_setup_config setup; /* what the nodes are told, and must be like */
-    bool configure_nodes;           /* false: nodes of another protocol than CANopen */
-    float desired_speed_rad_s;      /* at the start; forward apex speed */
-    bool walk_requested;            /* at the start */
+    struct node_setup_config setup;          /* what the nodes are told, and must be like */
+    struct derate_limits limits[SIDE_COUNT]; /* of the drives; control_task_describe fills them */
+    bool configure_nodes;                    /* false: nodes of another protocol than CANopen */
+    float desired_speed_rad_s;               /* at the start; forward apex speed */
+    bool walk_requested;                     /* at the start */
 };
 
 struct control_task {
@@ -72,6 +74,10 @@ struct control_task {
  * stays the caller's. Returns CONTROL_PARAMS_OK or what control_params_validate
  * says; then the task must not be used. */
 int control_task_init(struct control_task *task, const struct control_task_config *config);
+
+/* Tells an initialised task what hangs on the bus: shown in 0x2050 to 0x2053, with the limits of its
+ * drives (drive_care.h). *device must have passed device_check; copied. Start-up only; O(1). */
+void control_task_describe(struct control_task *task, const struct device_description *device);
 
 /* Queues the SYNC of the next cycle. Loop only. Returns what the bus says; CAN_FULL, and
  * nothing is queued, while the last one has not been on the bus (for at most

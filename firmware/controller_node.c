@@ -40,9 +40,10 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->step_count = 5;
     objects->record_count = 4;
     objects->change_count = 5;
+    objects->log_count = 2;
     objects->param_count = CONTROL_PARAM_COUNT;
     objects->counter_count = 28;
-    objects->drive_count = 5;
+    objects->drive_count = 12;
     objects->tool_count = 3;
     objects->identity_count = 3;
     objects->setup_count = 6;
@@ -126,22 +127,24 @@ bool controller_node_receive(struct controller_node *node, const struct can_msg 
     return co_device_receive(&node->device, message, now_ns);
 }
 
-static void change(struct controller_objects *objects, size_t offset, float value)
+/* By the device itself, as a tool asked for; a parameter's offset tells its place in the table. */
+static void change(struct controller_node *node, size_t offset, float value)
 {
+    struct controller_objects *objects = &node->objects;
+    const float before = *(const float *)((const char *)&objects->params + offset);
     params_guard_change(&objects->params, &objects->params_crc, offset, value);
+    settings_lock_note(&node->rules.lock, objects, 0x2010, (uint8_t)(offset / sizeof(real) + 1u),
+                       before, value);
 }
 
 /* The found offsets become parameters, to be stored like the others. */
 static void adopt_zero(struct controller_node *node, const struct zero_offsets *found)
 {
-    change(&node->objects, offsetof(struct control_params, angle_zero_left_rad),
-           found->angle_rad[SIDE_LEFT]);
-    change(&node->objects, offsetof(struct control_params, angle_zero_right_rad),
+    change(node, offsetof(struct control_params, angle_zero_left_rad), found->angle_rad[SIDE_LEFT]);
+    change(node, offsetof(struct control_params, angle_zero_right_rad),
            found->angle_rad[SIDE_RIGHT]);
-    change(&node->objects, offsetof(struct control_params, ankle_zero_left_m),
-           found->ankle_m[SIDE_LEFT]);
-    change(&node->objects, offsetof(struct control_params, ankle_zero_right_m),
-           found->ankle_m[SIDE_RIGHT]);
+    change(node, offsetof(struct control_params, ankle_zero_left_m), found->ankle_m[SIDE_LEFT]);
+    change(node, offsetof(struct control_params, ankle_zero_right_m), found->ankle_m[SIDE_RIGHT]);
 }
 
 /* In these ticks the controller has the most to do: a gait event, or a state that begins. */

@@ -8,6 +8,7 @@
 
 #include "controller/actuation/push_watch.h"
 #include "controller/control_params.h"
+#include "firmware/change_log.h"
 #include "hal/canopen/co_od.h"
 #include "hal/canopen/co_pdo_objects.h"
 #include "hal/devices/device_description.h"
@@ -71,6 +72,10 @@ struct controller_objects {
     uint8_t change_count, change_client, change_place; /* sub-index of 0x2010 */
     uint32_t change_number;                            /* changes since the start */
     float change_before, change_after;
+    /* 0x2005: the changes before it, too, and those of the description */
+    uint8_t log_count;
+    struct change_log changes;
+    struct co_domain change_records; /* all of the ring */
     /* 0x2010: the parameters, in the order of CONTROL_PARAM_TABLE */
     struct control_params params;
     /* 0x2020: counters */
@@ -79,7 +84,10 @@ struct controller_objects {
     uint8_t drive_count;
     int16_t drive_temperature_0_1_degC[SIDE_COUNT];
     uint16_t drive_supply_10_mV[SIDE_COUNT];
-    uint8_t drive_warnings; /* bit 0 left, bit 1 right */
+    uint8_t drive_warnings;                               /* bit 0 left, bit 1 right */
+    uint8_t push_share_percent, spared_cause[SIDE_COUNT]; /* enum derate_cause */
+    uint8_t withdrawn, withdrew_cause, withdrew_leg;      /* the last two: of the last time */
+    uint8_t loaded_without_link; /* bit 0 left, bit 1 right: nothing unloads it on link loss */
     /* 0x2022: the object of a drive or sensor that somebody else wrote last; node 0 = none yet */
     uint8_t tool_count, tool_node, tool_sub;
     uint16_t

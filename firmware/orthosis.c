@@ -133,7 +133,7 @@ static void init_task(struct orthosis *orthosis, const struct settings *settings
     task.bus = bus_recorder_interface(&orthosis->recorder);
     task.drives = device_drives_interface(&orthosis->drives);
     (void)control_task_init(&orthosis->task, &task); /* cannot fail: the settings were checked */
-    orthosis->task.node.objects.device = settings->device;
+    control_task_describe(&orthosis->task, &settings->device);
     controller_node_attach(&orthosis->task.node, &settings_store_ops, orthosis, config->black_box,
                            config->crash, &orthosis->update);
 }

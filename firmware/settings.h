@@ -9,7 +9,7 @@
 #include "hal/devices/device_description.h"
 #include "hal/storage/param_store.h"
 
-enum { SETTINGS_VERSION = 5 }; /* another layout of struct settings_record is another number */
+enum { SETTINGS_VERSION = 6 }; /* another layout of struct settings_record is another number */
 
 struct settings {
     struct control_params control; /* its branch lies elsewhere and is only pointed to */

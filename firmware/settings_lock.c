@@ -3,6 +3,7 @@
 #include "firmware/params_guard.h"
 #include "hal/canopen/co_defs.h"
 
+enum { INDEX_PARAMETERS = 0x2010 };
 #define KEY_MASK UINT32_C(0x00FFFFFF)
 enum {
     LOCK_TICKS = TICKS_OF_MS(1000 * SETTINGS_LOCK_S),
@@ -29,13 +30,23 @@ uint32_t settings_lock_try(struct settings_lock *lock, struct controller_objects
     return fits || key == 0 ? CO_ABORT_NONE : CO_ABORT_VALUE;
 }
 
-void settings_lock_note(struct controller_objects *objects, uint8_t place, float before,
-                        float after)
+void settings_lock_note(const struct settings_lock *lock, struct controller_objects *objects,
+                        uint16_t index, uint8_t sub, float before, float after)
 {
+    const struct change_record record = {.time_s = lock->ticks / (uint32_t)SECOND_TICKS,
+                                         .index = index,
+                                         .sub = sub,
+                                         .client = objects->unlocked_by,
+                                         .before = before,
+                                         .after = after};
+    change_log_note(&objects->changes, &record);
+    if (index != INDEX_PARAMETERS) {
+        return;
+    }
     objects->change_number =
         objects->change_number < UINT32_MAX ? objects->change_number + 1u : UINT32_MAX;
     objects->change_client = objects->unlocked_by;
-    objects->change_place = place;
+    objects->change_place = sub;
     objects->change_before = before;
     objects->change_after = after;
 }
@@ -88,6 +99,7 @@ void settings_lock_move(struct settings_lock *lock, struct controller_objects *o
 void settings_lock_tick(struct settings_lock *lock, struct controller_objects *objects,
                         bool at_once)
 {
+    lock->ticks++;
     if (lock->ticks_left > 0) {
         lock->ticks_left--;
         show(lock, objects);

@@ -35,6 +35,7 @@ struct settings_ramp {
 };
 
 struct settings_lock {
+    uint32_t ticks;      /* since the start; wraps after 49 days */
     uint32_t ticks_left; /* 0 = locked */
     struct settings_ramp ramp[SETTINGS_LOCK_RAMPS];
 };
@@ -49,9 +50,10 @@ static inline bool settings_lock_is_open(const struct settings_lock *lock)
     return lock->ticks_left > 0;
 }
 
-/* Takes note of a change in 0x2004: parameter `place` (sub-index of 0x2010). O(1). */
-void settings_lock_note(struct controller_objects *objects, uint8_t place, float before,
-                        float after);
+/* Takes note of a change of object index:sub in the ring of 0x2005, and of a parameter (0x2010) in
+ * 0x2004. O(1). */
+void settings_lock_note(const struct settings_lock *lock, struct controller_objects *objects,
+                        uint16_t index, uint8_t sub, float before, float after);
 
 /* Lets parameter `place` move from `from`, in force, to target. Returns false when as many others are on their way. O(1). */
 bool settings_lock_begin_ramp(struct settings_lock *lock, uint8_t place, float from, float target);

@@ -18,7 +18,8 @@
 enum controller_emcy {
     CONTROLLER_EMCY_FAULT = 0xFF10,         /* the supervisor latched a fault */
     CONTROLLER_EMCY_SETUP_REFUSED = 0x6320, /* a node's parameters are not as expected */
-    CONTROLLER_EMCY_CRASHES = 0x6100        /* internal software: settings not read after crashes */
+    CONTROLLER_EMCY_SPARED = 0xFF11, /* a drive bears less than was prescribed: drive_care.h */
+    CONTROLLER_EMCY_CRASHES = 0x6100 /* internal software: settings not read after crashes */
 };
 
 enum { TELEMETRY_TPDOS = 2 };

@@ -14,6 +14,7 @@ enum {
     INDEX_PROGRAM_IDENTIFICATION = 0x1F56,
     INDEX_PROGRAM_STATUS = 0x1F57,
     INDEX_COMMANDS = 0x2000,
+    INDEX_CHANGE_LOG = 0x2005,
     INDEX_PARAMS = 0x2010,
     INDEX_COUNTERS = 0x2020,
     INDEX_DRIVES = 0x2021,
@@ -96,7 +97,7 @@ static uint32_t check_parameter(struct write_rules *rules, unsigned parameter, f
     return verdict_of_all == CONTROL_PARAMS_OK ? CO_ABORT_NONE : CO_ABORT_VALUE;
 }
 
-static uint32_t check_device_key(const struct write_rules *rules, const struct co_entry *entry,
+static uint32_t write_device_key(const struct write_rules *rules, const struct co_entry *entry,
                                  const uint8_t *bytes)
 {
     const int leg = (int)entry->index - DEVICE_INDEX_LEFT; /* -1: common */
@@ -106,9 +107,15 @@ static uint32_t check_device_key(const struct write_rules *rules, const struct c
     if (rules->powered) {
         return CO_ABORT_DEVICE_STATE;
     }
-    const uint32_t verdict = check_range(value, row->minimum, row->maximum);
-    return verdict == CO_ABORT_NONE && device_key_check(row, value) != DEVICE_OK ? CO_ABORT_VALUE
-                                                                                 : verdict;
+    uint32_t verdict = check_range(value, row->minimum, row->maximum);
+    if (verdict == CO_ABORT_NONE && device_key_check(row, value) != DEVICE_OK) {
+        verdict = CO_ABORT_VALUE;
+    }
+    if (verdict == CO_ABORT_NONE) {
+        const float before = device_value(&rules->objects->device, leg, entry->sub - 1u);
+        settings_lock_note(&rules->lock, rules->objects, entry->index, entry->sub, before, value);
+    }
+    return verdict;
 }
 
 enum device_verdict write_rules_check_device(const struct write_rules *rules)
@@ -142,7 +149,7 @@ static uint32_t write_parameter(struct write_rules *rules, uint8_t place, float 
     if (!settings_lock_begin_ramp(&rules->lock, place, before, value)) {
         return CO_ABORT_DEVICE_STATE;
     }
-    settings_lock_note(objects, place, before, value);
+    settings_lock_note(&rules->lock, objects, INDEX_PARAMS, place, before, value);
     return CO_ABORT_NONE;
 }
 
@@ -205,7 +212,7 @@ uint32_t write_rules_writing(void *context, const struct co_entry *entry, const 
         return settings_lock_try(&rules->lock, rules->objects, bytes_get_u32(bytes));
     }
     if (entry->index >= DEVICE_INDEX_COMMON && entry->index <= DEVICE_INDEX_RIGHT) {
-        return length == sizeof(float) ? check_device_key(rules, entry, bytes) : CO_ABORT_LENGTH;
+        return length == sizeof(float) ? write_device_key(rules, entry, bytes) : CO_ABORT_LENGTH;
     }
     if (entry->type != CO_REAL32 || length != sizeof(float)) {
         return CO_ABORT_NONE; /* the dictionary's own limits decide */
@@ -280,6 +287,10 @@ uint32_t write_rules_reading(void *context, const struct co_entry *entry)
     struct controller_objects *objects = rules->objects;
     if (entry->index == INDEX_REFUSED_DEVICE) {
         (void)write_rules_check_device(rules);
+    }
+    if (entry->index == INDEX_CHANGE_LOG) {
+        objects->change_records = (struct co_domain){(const uint8_t *)objects->changes.record,
+                                                     sizeof objects->changes.record};
     }
     const bool is_shown =
         entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES ||

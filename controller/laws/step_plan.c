@@ -25,6 +25,17 @@ void step_plan_lower_assist(struct step_plan *plan, const struct control_params 
     }
 }
 
+void step_plan_bear(struct step_plan *plan, real share)
+{
+    plan->device_share = share;
+}
+
+/* Of the law's answer: what is given. */
+static real level_of(const struct step_plan *plan)
+{
+    return plan->assist_level * plan->device_share;
+}
+
 static void begin_step(struct step_plan *plan, const struct control_params *params,
                        const struct gait_state *gait, real desired_speed_rad_s)
 {
@@ -43,7 +54,7 @@ static void begin_step(struct step_plan *plan, const struct control_params *para
 static void finish_step(struct step_plan *plan, struct step_record *step)
 {
     const real before_m = step->r0_m, limit_m = plan->change_max_m;
-    real r0_m = plan->assist_level * plan->law.r0_m;
+    real r0_m = level_of(plan) * plan->law.r0_m;
     if (step->number > 0 && plan->pending_step.number > step->number) { /* of the same walk */
         r0_m = real_clamp(r0_m, before_m - limit_m, before_m + limit_m);
     }
@@ -58,7 +69,7 @@ struct step_decision step_plan_update(struct step_plan *plan, const struct contr
                                       const struct gait_state *gait, real desired_speed_rad_s,
                                       struct step_record *step)
 {
-    struct step_decision decision = {.assists = plan->assist_level > REAL(0.0)};
+    struct step_decision decision = {.assists = level_of(plan) > REAL(0.0)};
     if (gait->event[GAIT_APEX].happened) {
         begin_step(plan, params, gait, desired_speed_rad_s);
     } else if (!plan->law.is_final) {
@@ -73,7 +84,7 @@ struct step_decision step_plan_update(struct step_plan *plan, const struct contr
         decision.new_step = true;
     }
     const bool given = plan->law.steps > 0 && plan->law.is_final;
-    decision.load_m = given ? step->r0_m : plan->assist_level * plan->law.r0_m;
+    decision.load_m = given ? step->r0_m : level_of(plan) * plan->law.r0_m;
     decision.side = plan->pending_step.side;
     return decision;
 }

@@ -8,6 +8,10 @@ enum { CANOPEN_NUMBER_MAX = 127, CANSIMPLE_NUMBER_MAX = 63, MIT_NUMBER_MAX = 31 
 #define SCALE_TOLERANCE 1.0e-4f
 #define TORQUE_TOLERANCE 0.02f /* a data sheet's two digits */
 #define LATENCY_TOLERANCE_S 0.0001f
+/* Where the push begins to be smaller, in shares of the supply's limits; device_keys.h names them. */
+#define SUPPLY_LOW_WARN 1.05f
+#define SUPPLY_HIGH_WARN 0.95f
+#define WARN_LEAST_K 1.0f
 #define TWO_PI 6.28318530717958647692f
 
 enum device_verdict device_key_check(const struct device_key *row, float value)
@@ -118,6 +122,47 @@ static enum device_verdict check_latch(const struct device_description *device, 
     return DEVICE_OK;
 }
 
+/* Only what a drive tells has limits; CANSimple asks for both by remote frames, which nobody sends. */
+static bool tells_temperature(const struct device_leg *own)
+{
+    return own->protocol == DEVICE_MIT ||
+           (own->protocol == DEVICE_CIA402 && !device_leg_lacks(own, DEVICE_LACKS_TEMPERATURE));
+}
+
+static bool tells_supply(const struct device_leg *own)
+{
+    return own->protocol == DEVICE_CIA402 && !device_leg_lacks(own, DEVICE_LACKS_BUS_VOLTAGE);
+}
+
+/* Between two limits there must be room to spare the drive in. */
+static enum device_verdict check_limits(const struct device_description *device, int leg,
+                                        struct device_refusal *refusal)
+{
+    const struct device_leg *own = &device->leg[leg];
+    const float warn = own->temperature_warn_degC, stop = own->temperature_stop_degC;
+    const float low = own->supply_min_V * SUPPLY_LOW_WARN,
+                high = own->supply_max_V * SUPPLY_HIGH_WARN;
+    if ((stop > 0.0f || warn > 0.0f) && !(warn > 0.0f && stop - warn >= WARN_LEAST_K)) {
+        return refuse(refusal, DEVICE_BAD_LIMIT_ORDER, device, leg,
+                      DEVICE_LEG_temperature_stop_degC, warn + WARN_LEAST_K);
+    }
+    if (own->supply_max_V > 0.0f && high <= low) {
+        return refuse(refusal, DEVICE_BAD_LIMIT_ORDER, device, leg, DEVICE_LEG_supply_max_V,
+                      low / SUPPLY_HIGH_WARN);
+    }
+    if (stop > 0.0f && !tells_temperature(own)) {
+        return refuse(refusal, DEVICE_BAD_NOT_TOLD, device, leg, DEVICE_LEG_temperature_stop_degC,
+                      0.0f);
+    }
+    if ((low > 0.0f || high > 0.0f) && !tells_supply(own)) {
+        return refuse(refusal, DEVICE_BAD_NOT_TOLD, device, leg,
+                      low > 0.0f ? (unsigned)DEVICE_LEG_supply_min_V
+                                 : (unsigned)DEVICE_LEG_supply_max_V,
+                      0.0f);
+    }
+    return DEVICE_OK;
+}
+
 /* An identifier has 11 bits: that leaves 6 for a CANSimple axis; the makers' motors take 5. */
 static enum device_verdict check_number(const struct device_description *device, int leg,
                                         struct device_refusal *refusal)
@@ -141,7 +186,8 @@ static enum device_verdict check_drive(const struct device_description *device, 
     verdict = check_number(device, leg, refusal);
     verdict = verdict == DEVICE_OK ? check_scale(device, leg, refusal) : verdict;
     verdict = verdict == DEVICE_OK ? check_stroke(device, leg, refusal) : verdict;
-    return verdict == DEVICE_OK ? check_latch(device, leg, refusal) : verdict;
+    verdict = verdict == DEVICE_OK ? check_latch(device, leg, refusal) : verdict;
+    return verdict == DEVICE_OK ? check_limits(device, leg, refusal) : verdict;
 }
 
 static enum device_verdict check_sensors(const struct device_description *device, int leg,

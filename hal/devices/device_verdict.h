@@ -28,6 +28,8 @@
     X(NUMBER, 19, "is more than this protocol has room for")                                                          \
     X(BITS, 20, "is no width of whole bytes: 16, 24 or 32")                                                           \
     X(LATCH_OUTPUT, 21, "needs an output of the drive, and it lacks 0x60FE:01")                                       \
+    X(LIMIT_ORDER, 22, "leaves nothing between it and its counterpart, which has to be")                              \
+    X(NOT_TOLD, 23, "is a limit of what this drive does not tell")                                                    \
     X(UNLOAD_PERSON, 24,                                                                                              \
       "leaves the spring loaded when the link is lost: for the bench only, not for a person; `afo commission' shows " \
       "whether the drive unloads it")

@@ -60,7 +60,7 @@ void cia402_drives_init(struct cia402_drives *drives, const struct cia402_axis_c
         drives->axis[leg].config = config[leg];
         drives->axis[leg].age_ticks = UINT16_MAX;
         sea_latch_sender_init(&drives->axis[leg].sender);
-        drives->axis[leg].torque_age_ticks = UINT16_MAX - 1; /* missing, not without any */
+        drives->axis[leg].slow_age_ticks = UINT16_MAX - 1; /* missing, not without any */
     }
 }
 
@@ -94,9 +94,9 @@ static bool receive_slow(struct cia402_drives *drives, const struct can_msg *mes
         return true;
     }
     const uint8_t *next = message->data;
+    axis->slow_age_ticks = 0;
     if (!config->no_torque) {
         axis->torque_per_mille = bytes_get_i16(next);
-        axis->torque_age_ticks = 0;
         next += sizeof(int16_t);
     }
     if (!config->no_temperature) {
@@ -166,7 +166,7 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
     const bool has_force = config->rated_force_N > 0.0f && !config->no_torque;
     reading->age_ticks = axis->age_ticks;
     reading->foreign = axis->duplicate_id_count >= DUPLICATE_ID_LIMIT;
-    reading->force_age_ticks = has_force ? axis->torque_age_ticks : UINT16_MAX;
+    reading->force_age_ticks = has_force ? axis->slow_age_ticks : UINT16_MAX;
     reading->force_N = (float)axis->torque_per_mille * (float)axis->config.direction *
                        axis->config.rated_force_N / 1000.0f;
     reading->latch = axis->age_ticks == UINT16_MAX || config->no_latch_bit ? LATCH_UNKNOWN
@@ -174,7 +174,9 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
                                                                            : LATCH_OPEN;
     reading->warning =
         axis->age_ticks != UINT16_MAX && (axis->statusword & STATUSWORD_WARNING) != 0;
-    reading->has_supply = axis->supply_mV != 0;
+    const bool told = axis->slow_age_ticks <= SEA_DRIVE_SLOW_TICKS;
+    reading->has_temperature = told && !config->no_temperature;
+    reading->has_supply = told && !config->no_voltage;
     reading->temperature_degC = (float)axis->temperature_0_1_degC * 0.1f;
     reading->supply_V = (float)axis->supply_mV * 0.001f;
     reading->precompression_m = metres_from_counts(&axis->config, axis->position_counts);
@@ -196,8 +198,8 @@ static void age(void *context)
         if (axis->age_ticks < UINT16_MAX) {
             axis->age_ticks++;
         }
-        if (axis->torque_age_ticks < UINT16_MAX - 1) { /* once received it is never "never" */
-            axis->torque_age_ticks++;
+        if (axis->slow_age_ticks < UINT16_MAX - 1) { /* once received it is never "never" */
+            axis->slow_age_ticks++;
         }
     }
 }

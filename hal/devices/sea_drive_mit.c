@@ -59,6 +59,8 @@ static void read_answer(struct mit_drives *drives, struct mit_axis *axis,
     const bool first = axis->age_ticks == UINT16_MAX || axis->judge_again;
     axis->position_rad = mit_decode(field, axis->config.ranges.position_rad, false, POSITION_BITS);
     axis->error = message->length >= 8 ? message->data[7] : 0;
+    axis->has_temperature = message->length >= 8;
+    axis->temperature_degC = axis->has_temperature ? message->data[6] : 0;
     axis->age_ticks = 0;
     if (first) {
         axis->judge_again = false;
@@ -99,6 +101,8 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
     reading->age_ticks = axis->age_ticks;
     reading->state = state_of(axis);
     reading->precompression_m = metres_of(axis);
+    reading->has_temperature = axis->has_temperature && axis->age_ticks <= SEA_DRIVE_SLOW_TICKS;
+    reading->temperature_degC = (float)axis->temperature_degC;
 }
 
 static void age(void *context)

@@ -43,6 +43,9 @@ struct mit_axis {
     struct mit_axis_config config;
     float position_rad;
     uint8_t error;
+    uint8_t
+        temperature_degC; /* read without an offset: a firmware that adds 40 seems hotter, not colder */
+    bool has_temperature; /* its last answer was long enough to tell */
     uint16_t age_ticks;
     uint16_t enter_wait; /* ticks until the enter command may be repeated */
     bool entered;        /* in motor mode, as far as we know */

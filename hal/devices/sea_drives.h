@@ -13,6 +13,10 @@
 #include "hal/bus/can_bus.h"
 #include "model/sea_state.h"
 #include "model/side.h"
+#include "model/tick.h"
+
+/* What a drive tells slowly counts for so long: ten of the slow PDO's periods. */
+enum { SEA_DRIVE_SLOW_TICKS = TICKS_OF_MS(1000) };
 
 struct sea_drive_reading {
     float precompression_m; /* motor position in metres of spring */
@@ -22,7 +26,8 @@ struct sea_drive_reading {
     uint16_t age_ticks;       /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
     uint16_t force_age_ticks; /* UINT16_MAX = never, or the protocol has none */
     bool warning;             /* the drive warns of something; it may go on */
-    bool has_supply;          /* the two below were received */
+    bool has_temperature;     /* the drive tells it, and did so within SEA_DRIVE_SLOW_TICKS */
+    bool has_supply;          /* likewise */
     float temperature_degC;
     float supply_V; /* of the DC link */
     bool absent;    /* this leg has no drive */

@@ -26,7 +26,7 @@ enum {
     BLACK_BOX_MAGIC = 0x31424241,       /* "ABB1" in memory order */
     BLACK_BOX_BLOCK_MAGIC = 0x4B4C4242, /* "BBLK" in memory order */
     BLACK_BOX_BLOCK_COUNT = 4,
-    BLACK_BOX_SNAPSHOT_MAX = 6144,
+    BLACK_BOX_SNAPSHOT_MAX = 6656,
     BLACK_BOX_TICK_RESERVE = 512, /* room a block must have left to take one more tick */
     BLACK_BOX_ROW_MAX = 48
 };

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sim_host/cli/drive_report.h"
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/devices/setup_text.h"
@@ -126,6 +127,7 @@ void host_report_text(const struct control_task *task, const struct host_figures
            status.error_frames, status.bus_off_count, figures->went_down);
     printf("  state      %s, fault: %s\n", host_report_state_name(task->output.state),
            supervisor_fault_name(task->output.fault));
+    drive_report_text(stdout, task);
     if (pacer != NULL) {
         pacer_report(pacer, stdout);
     }
@@ -157,6 +159,7 @@ void host_report_json(const struct control_task *task, const struct host_figures
     json_unsigned(&json, "error_frames", status.error_frames);
     json_unsigned(&json, "went_down", figures->went_down);
     json_unsigned(&json, "missed_deadlines", pacer->missed);
+    drive_report_json(&json, task);
     json_fixed(&json, "worst_late_us", 1e-3 * (double)pacer->worst_late_ns, 3);
     json_close_object(&json);
     json_end(&json);

@@ -222,6 +222,10 @@ int recording_options_apply(const struct recording_options *options, struct loop
         params->law = (real)LAW_PERSON;
         /* A person's ceiling follows from what is prescribed. */
         params->r0_max_m = PERSON_R0_MOST_RATIO * params->start_r0_m;
+        if (params->r0_ceiling_m > REAL(0.0) && params->r0_max_m > params->r0_ceiling_m) {
+            params->r0_max_m = params->r0_ceiling_m;
+        }
+        params->r0_ceiling_m = params->r0_max_m;
         params->open_loop_r0_m = params->start_r0_m;
     }
     apply_switches(options, config);

@@ -4,6 +4,7 @@
 
 #include "firmware/version.h"
 #include "model/tick.h"
+#include "sim_host/cli/drive_report.h"
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/host_report.h"
 #include "sim_host/cli/push_report.h"
@@ -64,6 +65,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
         recording_report_json(&json, &record->gait);
     }
     push_report_json(&json, &record->push, loop);
+    drive_report_json(&json, &loop->rig.task);
     walked_json(&json, record);
     json_number(&json, "bus_load", sim_bus_load(&loop->bus), 9);
     json_number(&json, "simulated_s", (double)loop->tick * (TICK_PERIOD_US / 1e6), 9);
@@ -272,6 +274,7 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
     }
     fallback_line(stream, record);
     push_report_text(stream, &record->push, loop);
+    drive_report_text(stream, &loop->rig.task);
     fprintf(stream, "  bus        %.1f %% load at %g kbit/s, %llu frames, %llu error frames\n",
             100.0 * sim_bus_load(&loop->bus), BUS_BITRATE / 1e3,
             (unsigned long long)loop->bus.stats.frames,

@@ -13,6 +13,7 @@ const struct ctl_verb_row ctl_verbs[] = {
     {"watch", ctl_watch, 1, -1, "NAME..", "read again and again, and print what changes", false},
     {"dump", ctl_dump, 0, -1, "[NAME..]", "the settings as a file that diff reads", false},
     {"diff", ctl_diff, 1, 1, "FILE", "what differs between a dump's file and the node", false},
+    {"changes", ctl_changes, 0, 0, "", "who changed what, when, from what to what", true},
     {"save", ctl_save, 0, 0, "", "keep the settings over power cycles", false},
     {"walk", ctl_walk, 0, 0, "", "ask for assistance, and wait until it engages", true},
     {"stop", ctl_stop, 0, 0, "", "end it, and wait until both springs are unloaded", true},

@@ -41,6 +41,7 @@ enum exit_status ctl_set(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_watch(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_dump(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_diff(struct ctl *ctl, int count, char **words);
+enum exit_status ctl_changes(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_save(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_walk(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_stop(struct ctl *ctl, int count, char **words);

@@ -183,6 +183,11 @@ enum exit_status ctl_walk(struct ctl *ctl, int count, char **words)
     if (came < 0) {
         return EXIT_BAD;
     }
+    uint32_t withdrawn = 0;
+    if (came == 0 && read_named(ctl, "drives.withdrawn", &withdrawn) == 0 && withdrawn != 0) {
+        return give_up(ctl, &condition, "the drives are spared",
+                       "wait until they have recovered: `afo ctl get drives'");
+    }
     if (came == 0) {
         return give_up(ctl, &condition, "it did not engage",
                        condition.state == SUPERVISOR_INIT

@@ -6,11 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "controller/supervisor/derate.h"
 #include "controller/supervisor/supervisor.h"
 #include "hal/bus/bytes.h"
 #include "hal/canopen/co_defs.h"
 #include "sim_host/cli/host_report.h"
 
+enum { DRIVES_INDEX = 0x2021, SPARED_LEFT_SUB = 7, SPARED_RIGHT_SUB = 8, WITHDREW_SUB = 10 };
 enum { STATE_INDEX = 0x2001, STATE_SUB = 1, FAULT_SUB = 2, STOP_BIT = 0x80, HEX_BYTES_SHOWN = 16 };
 
 /* ---- numbers ------------------------------------------------------------------- */
@@ -178,6 +180,15 @@ static bool take_name(void *context, long first, long last, const char *label)
     return true;
 }
 
+/* Why a drive is spared, and why the assistance was withdrawn: of the controller's 0x2021. */
+static bool is_cause(const struct named_object *object)
+{
+    const struct co_entry *entry = object->entry;
+    return entry->index == DRIVES_INDEX && object->leaf > 0 &&
+           (entry->sub == SPARED_LEFT_SUB || entry->sub == SPARED_RIGHT_SUB ||
+            entry->sub == WITHDREW_SUB);
+}
+
 void object_value_name(const struct named_object *object, const struct object_value *value,
                        char text[OBJECT_TEXT_MAX])
 {
@@ -195,6 +206,9 @@ void object_value_name(const struct named_object *object, const struct object_va
     } else if (entry->index == STATE_INDEX && entry->sub == FAULT_SUB && object->leaf > 0) {
         (void)snprintf(text, OBJECT_TEXT_MAX, "%s",
                        supervisor_fault_name((enum supervisor_fault)(unsigned)number));
+    } else if (is_cause(object)) {
+        (void)snprintf(text, OBJECT_TEXT_MAX, "%s",
+                       derate_cause_name((enum derate_cause)(unsigned)number));
     } else {
         struct search search = {(long)number, NULL, text};
         (void)each_label(object->meaning, take_value, &search);

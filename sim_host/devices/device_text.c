@@ -206,6 +206,10 @@ static void allowed_text(const struct device_refusal *refusal, const struct devi
     case DEVICE_BAD_BITRATE:
         snprintf(text, size, ", which is %.7g %s", (double)refusal->allowed, row->unit);
         break;
+    case DEVICE_BAD_LIMIT_ORDER:
+        snprintf(text, size, " %.4g %s or more, with a counterpart above 0",
+                 (double)refusal->allowed, row->unit);
+        break;
     case DEVICE_BAD_NUMBER:
         snprintf(text, size, ", %g", (double)refusal->allowed);
         break;

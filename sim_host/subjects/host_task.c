@@ -33,6 +33,6 @@ int host_task_init(struct host_task *rig, const struct subject *subject,
     device_node_setup(device, params->leg_length_m, params->sea_speed_max_m_s, &config.setup);
     device_leg_sensors(device, config.leg_sensor);
     const int verdict = control_task_init(&rig->task, &config);
-    rig->task.node.objects.device = *device;
+    control_task_describe(&rig->task, device);
     return verdict;
 }

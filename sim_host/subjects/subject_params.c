@@ -293,6 +293,21 @@ static void explain(const struct control_params *params, int verdict, char *mess
     } else if (verdict == CONTROL_PARAMS_GAIN_RANGE) {
         snprintf(message, SUBJECT_MESSAGE_MAX, "kp_low_m_s_rad %g is above kp_high_m_s_rad %g",
                  (double)params->kp_low_m_s_rad, (double)params->kp_high_m_s_rad);
+    } else if (verdict == CONTROL_PARAMS_GAIN) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "kp_m_s_rad %g lies outside what is locked for this person, kp_low_m_s_rad %g to "
+                 "kp_high_m_s_rad %g",
+                 (double)params->kp_m_s_rad, (double)params->kp_low_m_s_rad,
+                 (double)params->kp_high_m_s_rad);
+    } else if (verdict == CONTROL_PARAMS_R0_CEILING) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "r0_max_m %g m is above what is locked for this person, r0_ceiling_m %g m",
+                 (double)params->r0_max_m, (double)params->r0_ceiling_m);
+    } else if (verdict == CONTROL_PARAMS_R0_CHANGE_CEILING) {
+        snprintf(message, SUBJECT_MESSAGE_MAX,
+                 "r0_change_max_m %g m is above what is locked for this person, "
+                 "r0_change_ceiling_m %g m",
+                 (double)params->r0_change_max_m, (double)params->r0_change_ceiling_m);
     } else if (verdict == CONTROL_PARAMS_BRANCH) {
         snprintf(message, SUBJECT_MESSAGE_MAX,
                  "this law needs the walker's branch of gaits, which could not be computed");
@@ -327,6 +342,14 @@ static void limit_changes(const struct subject *subject, struct control_params *
             person_overrides(person, offsetof(struct control_params, kp_high_m_s_rad))
                 ? params->kp_high_m_s_rad
                 : params->kp_m_s_rad;
+    }
+    /* A bench walker's own gain beyond what its gaits bear: over the bus there is no other then. */
+    if (params->body != (real)BODY_PERSON &&
+        !person_overrides(person, offsetof(struct control_params, kp_low_m_s_rad)) &&
+        !person_overrides(person, offsetof(struct control_params, kp_high_m_s_rad)) &&
+        !(params->kp_m_s_rad >= params->kp_low_m_s_rad &&
+          params->kp_m_s_rad <= params->kp_high_m_s_rad)) {
+        params->kp_low_m_s_rad = params->kp_high_m_s_rad = REAL(0.0);
     }
     if (!person_overrides(person, offsetof(struct control_params, r0_ceiling_m))) {
         params->r0_ceiling_m = params->r0_max_m;

@@ -59,6 +59,7 @@ START_TEST(fields_are_held_to_each_other)
     params.start_r0_m = params.r0_max_m;
     ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
     params = good;
+    params.r0_ceiling_m = 0.0f; /* none is locked */
     params.r0_max_m = 0.401f * params.leg_length_m;
     ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_R0_STROKE);
     params.r0_max_m = 0.399f * params.leg_length_m;
@@ -66,14 +67,43 @@ START_TEST(fields_are_held_to_each_other)
 }
 END_TEST
 
+/* What is locked for a person holds for whoever set the parameters; 0 locks nothing. */
+START_TEST(what_is_locked_for_a_person_holds)
+{
+    const struct control_params good = params;
+    params.kp_low_m_s_rad = 0.5f * params.kp_m_s_rad;
+    params.kp_high_m_s_rad = params.kp_m_s_rad;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+    params.kp_m_s_rad = nextafterf(params.kp_high_m_s_rad, 1.0f);
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_GAIN);
+    params.kp_m_s_rad = nextafterf(params.kp_low_m_s_rad, 0.0f);
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_GAIN);
+    params.kp_low_m_s_rad = params.kp_high_m_s_rad = 0.0f;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+    params = good;
+    params.r0_ceiling_m = params.r0_max_m;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+    params.r0_ceiling_m = nextafterf(params.r0_max_m, 0.0f);
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_R0_CEILING);
+    params.r0_ceiling_m = 0.0f;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+    params.r0_change_ceiling_m = params.r0_change_max_m;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+    params.r0_change_ceiling_m = nextafterf(params.r0_change_max_m, 0.0f);
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_R0_CHANGE_CEILING);
+    params.r0_change_ceiling_m = 0.0f;
+    ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
+}
+END_TEST
+
 START_TEST(a_gain_range_has_its_ends_in_order)
 {
-    params.kp_low_m_s_rad = 0.04f;
+    params.kp_m_s_rad = params.kp_low_m_s_rad = 0.04f;
     params.kp_high_m_s_rad = 0.04f;
     ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
     params.kp_high_m_s_rad = 0.039f;
     ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_GAIN_RANGE);
-    params.kp_low_m_s_rad = 0.0f;
+    params.kp_m_s_rad = params.kp_low_m_s_rad = 0.0f;
     ck_assert_int_eq(control_params_validate(&params), CONTROL_PARAMS_OK);
 }
 END_TEST
@@ -283,6 +313,7 @@ int main(void)
     tcase_add_checked_fixture(tests, setup, NULL);
     tcase_add_loop_test(tests, each_field_is_held_to_its_range, 0, CONTROL_PARAM_COUNT);
     tcase_add_test(tests, fields_are_held_to_each_other);
+    tcase_add_test(tests, what_is_locked_for_a_person_holds);
     tcase_add_test(tests, a_gain_range_has_its_ends_in_order);
     tcase_add_test(tests, an_open_loop_push_off_is_held_to_the_limits_of_all_others);
     tcase_add_test(tests, a_law_is_one_that_there_is_and_has_what_it_needs);

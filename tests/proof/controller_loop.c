@@ -119,6 +119,24 @@ static void choose_input(struct controller_input *input)
     input->motion.frequency_Hz = any_float;
 }
 
+/* Within the ranges of hal/devices/device_keys.h; the readings are anything. */
+static void choose_drives(struct derate_limits limit[SIDE_COUNT],
+                          struct derate_reading reading[SIDE_COUNT])
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        limit[side].temperature_warn_degC = Frama_C_float_interval(0.0f, 300.0f);
+        limit[side].temperature_stop_degC = Frama_C_float_interval(0.0f, 300.0f);
+        limit[side].supply_min_V = Frama_C_float_interval(0.0f, 1000.0f);
+        limit[side].supply_max_V = Frama_C_float_interval(0.0f, 1000.0f);
+        reading[side].heard = any_bool();
+        reading[side].has_temperature = any_bool();
+        reading[side].has_supply = any_bool();
+        reading[side].warning = any_bool();
+        reading[side].temperature_degC = any_float;
+        reading[side].supply_V = any_float;
+    }
+}
+
 /* What leaves the controller, whatever came in. */
 static void check(const struct controller_output *output)
 {
@@ -134,6 +152,8 @@ void proof_controller_loop(void)
 {
     struct controller_input input;
     struct controller_output output;
+    struct derate_limits limit[SIDE_COUNT];
+    struct derate_reading reading[SIDE_COUNT];
     choose_branch();
     choose_params();
     if (controller_init(&controller, &params) != CONTROL_PARAMS_OK) {
@@ -146,6 +166,8 @@ void proof_controller_loop(void)
         choose_input(&input);
         controller_update(&controller, &input, &output);
         check(&output);
+        choose_drives(limit, reading);
+        (void)controller_bear(&controller, limit, reading, input.tick);
         input.tick++;
     }
 }

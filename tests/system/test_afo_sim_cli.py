@@ -255,6 +255,27 @@ def test_numbers_that_do_not_fit_together_are_refused(tmp_path, option, room, ol
         assert word in done.stderr, done.stderr
 
 
+@pytest.mark.parametrize("lines,words", [
+    (["r0_max_m = 0.2", "r0_ceiling_m = 0.1"],
+     "r0_max_m 0.2 m is above what is locked for this person, r0_ceiling_m 0.1 m"),
+    (["r0_change_max_m = 0.05", "r0_change_ceiling_m = 0.01"],
+     "r0_change_max_m 0.05 m is above what is locked for this person, r0_change_ceiling_m 0.01 m"),
+    (["kp_m_s_rad = 0.1", "kp_high_m_s_rad = 0.05"],
+     "kp_m_s_rad 0.1 lies outside what is locked for this person"),
+])
+def test_what_is_locked_is_refused_in_the_same_words(tmp_path, lines, words):
+    """Simulation, host, emulator and the board's settings: one validator."""
+    person = with_lines(tmp_path / "locked.ini", file_of("persons", "paper"), lines, "prescription")
+    said = set()
+    for command in (["sim", "--steps", "3"], ["host", "--can", "none"], ["pil", "--steps", "3"],
+                    ["settings", str(tmp_path / "out.bin")]):
+        done = subprocess.run([AFO, *command, "--person", person], capture_output=True, text=True, check=False)
+        assert done.returncode == 2 and words in done.stderr, (command, done.stderr)
+        said.add(done.stderr.strip().split(": ", 1)[1])
+    assert len(said) == 1, said
+    assert not (tmp_path / "out.bin").exists()
+
+
 def test_a_speed_beyond_the_actuator_is_refused(tmp_path):
     """0.8 rad/s takes 0.17 m of spring, which this stroke does not have; the gait of 95 % of it walks at 0.571."""
     path = tmp_path / "short.ini"

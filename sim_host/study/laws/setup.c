@@ -12,6 +12,7 @@ int law_setup_init(struct law_setup *setup, const struct subject *subject, enum 
         (real)(LAWS_TERRAIN_SPEED * __builtin_sqrt(subject->person.gravity_m_s2 / 9.80665 /
                                                    subject->person.leg_length_m));
     setup->params.r0_change_max_m = setup->params.r0_max_m;
+    setup->params.r0_change_ceiling_m = setup->params.r0_max_m;
     setup->truth = subject_gait_walker(subject);
     setup->accuracy = LAWS_COARSE;
     return 0;

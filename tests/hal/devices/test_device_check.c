@@ -277,6 +277,58 @@ START_TEST(without_a_spring_that_is_safe_on_link_loss_a_person_is_refused)
 }
 END_TEST
 
+/* A limit has a counterpart, and room between them; the margins are those that device_keys.h names. */
+START_TEST(limits_leave_room_between_them)
+{
+    left()->temperature_stop_degC = 100.0f;
+    REFUSED(DEVICE_BAD_LIMIT_ORDER, SIDE_LEFT, temperature_stop_degC);
+    left()->temperature_warn_degC = 100.0f;
+    REFUSED(DEVICE_BAD_LIMIT_ORDER, SIDE_LEFT, temperature_stop_degC);
+    left()->temperature_warn_degC = 99.0f;
+    FITS();
+    left()->temperature_stop_degC = 0.0f;
+    REFUSED(DEVICE_BAD_LIMIT_ORDER, SIDE_LEFT, temperature_stop_degC);
+    setup();
+    right()->supply_min_V = 20.0f;
+    FITS();
+    right()->supply_max_V = 22.0f; /* 20 * 1.05 = 21, 22 * 0.95 = 20.9 */
+    REFUSED(DEVICE_BAD_LIMIT_ORDER, SIDE_RIGHT, supply_max_V);
+    right()->supply_max_V = 22.2f;
+    FITS();
+    right()->supply_min_V = 0.0f;
+    FITS();
+}
+END_TEST
+
+/* What a drive does not tell has no limit: nobody would watch it. */
+START_TEST(only_what_is_told_has_limits)
+{
+    right()->temperature_warn_degC = 80.0f;
+    right()->temperature_stop_degC = 100.0f;
+    right()->lacks = 1 << DEVICE_LACKS_TEMPERATURE;
+    REFUSED(DEVICE_BAD_NOT_TOLD, SIDE_RIGHT, temperature_stop_degC);
+    right()->lacks = 0;
+    right()->supply_max_V = 48.0f;
+    FITS();
+    right()->lacks = 1 << DEVICE_LACKS_BUS_VOLTAGE;
+    REFUSED(DEVICE_BAD_NOT_TOLD, SIDE_RIGHT, supply_max_V);
+    right()->supply_min_V = 20.0f;
+    REFUSED(DEVICE_BAD_NOT_TOLD, SIDE_RIGHT, supply_min_V);
+    setup();
+    make_mit(left(), 9, 17);
+    left()->temperature_warn_degC = 60.0f;
+    left()->temperature_stop_degC = 75.0f;
+    FITS();
+    left()->supply_min_V = 20.0f;
+    REFUSED(DEVICE_BAD_NOT_TOLD, SIDE_LEFT, supply_min_V);
+    setup();
+    make_cansimple(left(), 5);
+    left()->temperature_warn_degC = 60.0f;
+    left()->temperature_stop_degC = 75.0f;
+    REFUSED(DEVICE_BAD_NOT_TOLD, SIDE_LEFT, temperature_stop_degC);
+}
+END_TEST
+
 START_TEST(other_whole_reasons)
 {
     left()->ankle_side = DEVICE_AT_MOTOR;
@@ -313,6 +365,8 @@ int main(void)
     tcase_add_test(tcase, a_latch_tells_where_it_can);
     tcase_add_test(tcase, without_a_latch_that_reports_a_person_is_refused);
     tcase_add_test(tcase, without_a_spring_that_is_safe_on_link_loss_a_person_is_refused);
+    tcase_add_test(tcase, limits_leave_room_between_them);
+    tcase_add_test(tcase, only_what_is_told_has_limits);
     tcase_add_test(tcase, other_whole_reasons);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

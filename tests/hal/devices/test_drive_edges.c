@@ -193,6 +193,22 @@ START_TEST(mit_takes_no_frame_that_is_none)
     ck_assert_uint_eq(motors.rx_malformed, UINT32_MAX);
     ck_assert(give(0x11, answer, 6, 0)); /* without temperature and error: older firmware */
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_DISABLED);
+    ck_assert(!read_leg(SIDE_LEFT).has_temperature);
+}
+END_TEST
+
+/* Byte 6 of its answer, in degrees; an answer too long ago tells nothing any more. */
+START_TEST(mit_tells_its_temperature)
+{
+    static const uint8_t warm[8] = {1, 0x05, 0x1F, 0x7F, 0xF7, 0xFF, 73, 0};
+    ck_assert(!read_leg(SIDE_LEFT).has_temperature);
+    ck_assert(give(0x11, warm, 8, 0));
+    ck_assert(read_leg(SIDE_LEFT).has_temperature && !read_leg(SIDE_LEFT).has_supply);
+    assert_close(read_leg(SIDE_LEFT).temperature_degC, 73.0, 0.0, 0.0);
+    for (int i = 0; i < SEA_DRIVE_SLOW_TICKS + 1; i++) {
+        sea_drives_age(&drives);
+    }
+    ck_assert(!read_leg(SIDE_LEFT).has_temperature);
 }
 END_TEST
 
@@ -337,6 +353,7 @@ int main(void)
     tcase_add_test(one, cansimple_ages_stay_at_never);
     tcase_add_checked_fixture(other, setup_mit, NULL);
     tcase_add_test(other, mit_takes_no_frame_that_is_none);
+    tcase_add_test(other, mit_tells_its_temperature);
     tcase_add_test(other, mit_refuses_positions_beyond_the_stroke);
     tcase_add_test(other, mit_below_the_stroke_is_refused);
     tcase_add_test(other, mit_enters_and_leaves);

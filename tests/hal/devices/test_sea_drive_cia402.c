@@ -381,15 +381,23 @@ START_TEST(temperature_supply_and_warning_are_read)
     struct sea_drive_reading reading;
     start(&b);
     sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
-    ck_assert(!reading.has_supply && !reading.warning);
+    ck_assert(!reading.has_supply && !reading.has_temperature && !reading.warning);
     ck_assert(sea_drives_receive(&b.drives, &slow));
     answer(&b, 0x182, 0x16B7, 0);
     sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
-    ck_assert(reading.has_supply && reading.warning);
+    ck_assert(reading.has_supply && reading.has_temperature && reading.warning);
     assert_close(reading.temperature_degC, 45.6, 1e-4, 0.0);
     assert_close(reading.supply_V, 23.95, 1e-4, 0.0);
     sea_drives_read(&b.drives, SIDE_LEFT, &reading);
-    ck_assert(!reading.has_supply && !reading.warning);
+    ck_assert(!reading.has_supply && !reading.has_temperature && !reading.warning);
+    for (int i = 0; i < SEA_DRIVE_SLOW_TICKS; i++) { /* told lately enough */
+        sea_drives_age(&b.drives);
+    }
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
+    ck_assert(reading.has_supply && reading.has_temperature);
+    sea_drives_age(&b.drives);
+    sea_drives_read(&b.drives, SIDE_RIGHT, &reading);
+    ck_assert(!reading.has_supply && !reading.has_temperature);
 }
 END_TEST
 

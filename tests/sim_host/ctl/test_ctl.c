@@ -442,6 +442,76 @@ START_TEST(a_dump_equals_the_node_and_diff_names_what_was_changed)
 }
 END_TEST
 
+/* This program's client number is 100 (README.md). Of the virtual device the left gear is 1, and 2 is allowed. */
+START_TEST(changes_are_told_with_who_when_and_from_what_to_what)
+{
+    ck_assert_int_eq(run("changes", NULL), EXIT_GOOD);
+    says(out_text, "0 changes since the start");
+    ck_assert_int_eq(run("set", "kp_m_s_rad=0.04", NULL), EXIT_GOOD);
+    ck_assert_int_eq(run("stop", NULL), EXIT_GOOD);
+    for (int i = 0; i < 3000; i++) {
+        loop_tick(&loop);
+    }
+    ck_assert_int_eq(run("set", "kp_m_s_rad=0.045", "0x2051:12=2", NULL), EXIT_GOOD);
+    ck_assert_int_eq(run("set", "kp_m_s_rad=2", NULL), EXIT_BAD); /* refused: no change */
+    ck_assert_int_eq(run("changes", NULL), EXIT_GOOD);
+    says(out_text, "3 changes since the start, the last 3 of them:\n");
+    says(out_text, "client 100 parameters.kp_m_s_rad: ");
+    says(out_text, " to 0.04\n");
+    says(out_text, "parameters.kp_m_s_rad: 0.04 to 0.045\n");
+    says(out_text, "left_leg_s_device.left_gear: 1 to 2\n");
+    ctl.json = true;
+    ck_assert_int_eq(run("changes", NULL), EXIT_GOOD);
+    says(out_text, "\"since_start\": 3");
+    says(out_text, "\"client\": 100");
+    says(out_text, "\"address\": \"0x2051:12\"");
+    ctl.json = false;
+}
+END_TEST
+
+/* The ring keeps the last 32, oldest first. */
+START_TEST(the_last_changes_are_kept)
+{
+    char word[40];
+    for (int i = 0; i < 40; i++) {
+        (void)snprintf(word, sizeof word, "0x2052:12=%d", i % 2 + 2);
+        ck_assert_int_eq(run("set", word, NULL), EXIT_GOOD);
+    }
+    ck_assert_int_eq(run("changes", NULL), EXIT_GOOD);
+    says(out_text, "40 changes since the start, the last 32 of them:\n   9  ");
+    const char *line = strchr(out_text, '\n') + 1;
+    for (int number = 9; number <= 40; number++) {
+        ck_assert_int_eq((int)strtol(line, NULL, 10), number);
+        line = strchr(line, '\n') + 1;
+    }
+    ck_assert_str_eq(line, "");
+}
+END_TEST
+
+/* Why the drives are spared is told by a name. */
+START_TEST(the_drives_state_is_told_in_words)
+{
+    struct control_task *task = &loop.rig.task;
+    task->config.limits[SIDE_LEFT] = (struct derate_limits){1.0f, 2.0f, 0.0f, 0.0f};
+    task->config.limits[SIDE_RIGHT] = (struct derate_limits){0.0f, 0.0f, 900.0f, 0.0f};
+    task->node.objects.loaded_without_link = 2;
+    ck_assert_int_eq(run("stop", NULL), EXIT_GOOD);
+    for (int i = 0; i < 12000; i++) {
+        loop_tick(&loop);
+    }
+    ck_assert_int_eq(run("get", "drives", NULL), EXIT_GOOD);
+    says(out_text, "drives.left_spared_for = 1 (temperature)\n");
+    says(out_text, "drives.last_withdrawn_for = 1 (temperature)\n");
+    says(out_text, "drives.right_spared_for = 2 (supply too low)\n");
+    says(out_text, "drives.withdrawn = 1");
+    says(out_text, "drives.share_of_the_push = 0 %");
+    says(out_text, "drives.loaded_without_link = 2\n");
+    ctl.patience_ms = 300;
+    ck_assert_int_eq(run("walk", NULL), EXIT_BAD);
+    says(complaint_text, "the drives are spared");
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("ctl");
@@ -465,6 +535,9 @@ int main(void)
     tcase_add_test(tcase, zero_tells_how_it_ended);
     tcase_add_test(tcase, a_tool_that_is_interrupted_says_what_stays);
     tcase_add_test(tcase, watch_prints_what_changes);
+    tcase_add_test(tcase, changes_are_told_with_who_when_and_from_what_to_what);
+    tcase_add_test(tcase, the_last_changes_are_kept);
+    tcase_add_test(tcase, the_drives_state_is_told_in_words);
     tcase_add_test(tcase, a_dump_equals_the_node_and_diff_names_what_was_changed);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

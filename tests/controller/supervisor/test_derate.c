@@ -1,0 +1,293 @@
+/* What the drives bear. The expected figures are computed from the header's prose, not from the code. */
+#include "controller/supervisor/derate.h"
+
+#include <math.h>
+
+#include "controller/signals.h"
+#include "tests/support/assert_close.h"
+
+static struct derate derate;
+static struct derate_limits limit[SIDE_COUNT];
+static struct derate_reading reading[SIDE_COUNT];
+static uint32_t now;
+
+static void setup(void)
+{
+    derate_init(&derate);
+    now = 1000;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        limit[side] = (struct derate_limits){80.0f, 100.0f, 20.0f, 60.0f};
+        reading[side] = (struct derate_reading){true, true, true, false, 25.0f, 48.0f};
+    }
+}
+
+/* A look every tenth of a second for so long. */
+static void look(double seconds)
+{
+    for (int i = 0; i < (int)lround(10.0 * seconds); i++) {
+        now += TICKS_OF_MS(100);
+        (void)derate_update(&derate, limit, reading, now);
+    }
+}
+
+START_TEST(nothing_is_spared_where_nothing_is_near_a_limit)
+{
+    look(100.0);
+    assert_close(derate.share, 1.0, 0.0, 0.0);
+    assert_close(derate.least_share, 1.0, 0.0, 0.0);
+    ck_assert(!derate.withdrawn);
+    reading[SIDE_LEFT].temperature_degC = 80.0f;
+    reading[SIDE_LEFT].supply_V = 21.0f;
+    reading[SIDE_RIGHT].supply_V = 57.0f;
+    look(100.0);
+    assert_close(derate.share, 1.0, 1e-4, 0.0);
+}
+END_TEST
+
+/* Linear between warn and stop, by the one that bears less; where no limit is told there is none. */
+static const struct {
+    float degC[SIDE_COUNT], volt[SIDE_COUNT];
+    double share;
+    enum derate_cause left, right;
+} steady[] = {
+    {{90.0f, 25.0f}, {48.0f, 48.0f}, 0.5, DERATE_TEMPERATURE, DERATE_NONE},
+    {{25.0f, 95.0f}, {48.0f, 48.0f}, 0.25, DERATE_NONE, DERATE_TEMPERATURE},
+    {{84.0f, 95.0f}, {48.0f, 48.0f}, 0.25, DERATE_TEMPERATURE, DERATE_TEMPERATURE},
+    {{25.0f, 25.0f}, {20.6f, 48.0f}, 0.6, DERATE_SUPPLY_LOW, DERATE_NONE},
+    {{25.0f, 25.0f}, {48.0f, 58.5f}, 0.5, DERATE_NONE, DERATE_SUPPLY_HIGH},
+    {{82.0f, 25.0f}, {20.2f, 48.0f}, 0.2, DERATE_SUPPLY_LOW, DERATE_NONE},
+};
+
+START_TEST(the_share_is_linear_and_both_legs)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        reading[side].temperature_degC = steady[_i].degC[side];
+        reading[side].supply_V = steady[_i].volt[side];
+    }
+    look(20.0);
+    assert_close(derate.share, steady[_i].share, 1e-4, 0.0);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, steady[_i].left);
+    ck_assert_int_eq(derate.leg[SIDE_RIGHT].cause, steady[_i].right);
+    ck_assert(!derate.withdrawn);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        limit[side] = (struct derate_limits){0};
+    }
+    look(60.0);
+    assert_close(derate.share, 1.0, 1e-6, 0.0);
+}
+END_TEST
+
+/* 0.2 a second down, 0.05 a second up: no reading changes a push at once. */
+START_TEST(the_share_moves_by_ramps)
+{
+    look(1.0);
+    reading[SIDE_LEFT].temperature_degC = 98.0f;
+    look(0.5);
+    assert_close(derate.share, 0.9, 1e-4, 0.0);
+    look(2.0);
+    assert_close(derate.share, 0.5, 1e-4, 0.0);
+    look(10.0);
+    assert_close(derate.share, 0.1, 1e-4, 0.0);
+    reading[SIDE_LEFT].temperature_degC = 25.0f;
+    look(4.0);
+    assert_close(derate.share, 0.3, 1e-4, 0.0);
+    look(20.0);
+    assert_close(derate.share, 1.0, 1e-4, 0.0);
+    assert_close(derate.least_share, 0.1, 1e-4, 0.0);
+}
+END_TEST
+
+/* It rises for a tenth or more, and then all the way; for less it stays. */
+START_TEST(it_rises_only_for_something)
+{
+    reading[SIDE_RIGHT].temperature_degC = 90.0f;
+    look(20.0);
+    reading[SIDE_RIGHT].temperature_degC = 88.2f; /* 0.59 */
+    look(60.0);
+    assert_close(derate.share, 0.5, 1e-4, 0.0);
+    reading[SIDE_RIGHT].temperature_degC = 87.8f; /* 0.61 */
+    look(60.0);
+    assert_close(derate.share, 0.61, 1e-4, 0.0);
+    reading[SIDE_RIGHT].temperature_degC = 88.0f;
+    look(60.0);
+    assert_close(derate.share, 0.6, 1e-4, 0.0);
+}
+END_TEST
+
+/* Two seconds beyond, and not before; a moment below it counts back. */
+START_TEST(beyond_a_limit_it_withdraws_and_returns_with_hysteresis)
+{
+    reading[SIDE_RIGHT].temperature_degC = 101.0f;
+    look(1.9);
+    ck_assert(!derate.withdrawn);
+    reading[SIDE_RIGHT].temperature_degC = 99.0f;
+    look(0.5);
+    reading[SIDE_RIGHT].temperature_degC = 101.0f;
+    look(0.5);
+    ck_assert(!derate.withdrawn);
+    look(0.3);
+    ck_assert(derate.withdrawn);
+    ck_assert_int_eq(derate.withdrew_cause, DERATE_TEMPERATURE);
+    ck_assert_int_eq(derate.withdrew_leg, SIDE_RIGHT);
+    look(20.0);
+    assert_close(derate.share, 0.0, 0.0, 0.0);
+    reading[SIDE_RIGHT].temperature_degC = 81.0f; /* below the stop, not below the warning */
+    look(60.0);
+    ck_assert(derate.withdrawn);
+    assert_close(derate.share, 0.0, 0.0, 0.0);
+    reading[SIDE_RIGHT].temperature_degC = 79.0f;
+    look(0.1);
+    ck_assert(!derate.withdrawn);
+    ck_assert_int_eq(derate.withdrew_cause, DERATE_TEMPERATURE); /* why it was, stays told */
+    look(30.0);
+    assert_close(derate.share, 1.0, 1e-4, 0.0);
+}
+END_TEST
+
+/* A short sag of the supply, twice a second, changes next to nothing. */
+START_TEST(a_sag_in_every_step_is_no_low_supply)
+{
+    for (int i = 0; i < 100; i++) {
+        reading[SIDE_LEFT].supply_V = 19.0f;
+        look(0.1);
+        reading[SIDE_LEFT].supply_V = 24.0f;
+        look(0.4);
+    }
+    ck_assert(derate.least_share >= 0.97f);
+    ck_assert(!derate.withdrawn);
+    reading[SIDE_LEFT].supply_V = 19.0f;
+    look(2.1);
+    ck_assert(derate.withdrawn);
+    ck_assert_int_eq(derate.withdrew_cause, DERATE_SUPPLY_LOW);
+}
+END_TEST
+
+START_TEST(a_warning_that_lasts_halves_the_push_and_ends_no_walk)
+{
+    reading[SIDE_LEFT].warning = true;
+    look(4.9);
+    assert_close(derate.share, 1.0, 0.0, 0.0);
+    look(100.0);
+    assert_close(derate.share, 0.5, 1e-4, 0.0);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_WARNING);
+    ck_assert(!derate.withdrawn);
+    reading[SIDE_LEFT].temperature_degC = 95.0f; /* the lesser of both counts */
+    look(20.0);
+    assert_close(derate.share, 0.25, 1e-4, 0.0);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_TEMPERATURE);
+    reading[SIDE_LEFT].temperature_degC = 25.0f;
+    reading[SIDE_LEFT].warning = false;
+    look(30.0);
+    assert_close(derate.share, 1.0, 1e-4, 0.0);
+}
+END_TEST
+
+/* After a stop by temperature a warning alone keeps nobody from walking with half of the push. */
+START_TEST(a_warning_does_not_keep_it_withdrawn)
+{
+    reading[SIDE_LEFT].warning = true;
+    reading[SIDE_LEFT].temperature_degC = 120.0f;
+    look(10.0);
+    ck_assert(derate.withdrawn);
+    reading[SIDE_LEFT].temperature_degC = 25.0f;
+    look(20.0);
+    ck_assert(!derate.withdrawn);
+    assert_close(derate.share, 0.5, 1e-4, 0.0);
+}
+END_TEST
+
+static const float no_numbers[] = {NAN, INFINITY, -INFINITY};
+
+START_TEST(what_is_no_number_is_beyond_the_limit)
+{
+    reading[SIDE_LEFT].supply_V = no_numbers[_i];
+    look(10.0);
+    ck_assert(derate.withdrawn);
+    assert_close(derate.share, 0.0, 0.0, 0.0);
+    setup();
+    reading[SIDE_RIGHT].temperature_degC = no_numbers[_i];
+    look(10.0);
+    ck_assert(derate.withdrawn);
+    assert_close(derate.share, 0.0, 0.0, 0.0);
+}
+END_TEST
+
+/* A drive that is there and does not tell; one that is away tells nothing, and another check stops it. */
+START_TEST(a_limit_that_nobody_can_watch_withdraws)
+{
+    reading[SIDE_LEFT].has_temperature = false;
+    look(0.4); /* its first telegram may be on the way */
+    assert_close(derate.share, 1.0, 0.0, 0.0);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_NONE);
+    look(3.0);
+    ck_assert(derate.withdrawn);
+    ck_assert_int_eq(derate.withdrew_cause, DERATE_SILENT);
+    setup();
+    reading[SIDE_RIGHT].has_supply = false;
+    look(3.0);
+    ck_assert_int_eq(derate.withdrew_cause, DERATE_SILENT);
+    ck_assert_int_eq(derate.withdrew_leg, SIDE_RIGHT);
+    setup();
+    reading[SIDE_RIGHT] = (struct derate_reading){0};
+    look(60.0);
+    ck_assert(!derate.withdrawn);
+    assert_close(derate.share, 1.0, 0.0, 0.0);
+    setup();
+    limit[SIDE_LEFT] = (struct derate_limits){0};
+    reading[SIDE_LEFT] = (struct derate_reading){.heard = true};
+    look(60.0);
+    assert_close(derate.share, 1.0, 0.0, 0.0);
+}
+END_TEST
+
+/* A look that comes late moves it by one second at most, across the tick's wrap, too. */
+START_TEST(time_between_looks_is_bounded)
+{
+    now = UINT32_MAX - (uint32_t)TICKS_OF_MS(100);
+    look(0.1);
+    reading[SIDE_LEFT].temperature_degC = 100.0f;
+    look(0.2);
+    assert_close(derate.share, 0.96, 1e-4, 0.0);
+    now += TICKS_OF_MS(60000);
+    ck_assert(derate_update(&derate, limit, reading, now) == false);
+    assert_close(derate.share, 0.76, 1e-3, 0.0);
+    ck_assert(!derate.withdrawn);
+}
+END_TEST
+
+START_TEST(what_is_new_is_told_once)
+{
+    ck_assert(!derate_update(&derate, limit, reading, ++now));
+    reading[SIDE_LEFT].temperature_degC = 90.0f;
+    ck_assert(derate_update(&derate, limit, reading, ++now));
+    ck_assert(!derate_update(&derate, limit, reading, ++now));
+    reading[SIDE_LEFT].temperature_degC = 20.0f;
+    ck_assert(derate_update(&derate, limit, reading, ++now));
+    for (int cause = 0; cause < DERATE_CAUSES; cause++) {
+        ck_assert_str_ne(derate_cause_name((enum derate_cause)cause), "unknown");
+    }
+    ck_assert_str_eq(derate_cause_name((enum derate_cause)99), "unknown");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("derate");
+    TCase *tests = tcase_create("all");
+    tcase_add_checked_fixture(tests, setup, NULL);
+    tcase_add_test(tests, nothing_is_spared_where_nothing_is_near_a_limit);
+    tcase_add_loop_test(tests, the_share_is_linear_and_both_legs, 0,
+                        (int)(sizeof steady / sizeof steady[0]));
+    tcase_add_test(tests, the_share_moves_by_ramps);
+    tcase_add_test(tests, it_rises_only_for_something);
+    tcase_add_test(tests, beyond_a_limit_it_withdraws_and_returns_with_hysteresis);
+    tcase_add_test(tests, a_sag_in_every_step_is_no_low_supply);
+    tcase_add_test(tests, a_warning_that_lasts_halves_the_push_and_ends_no_walk);
+    tcase_add_test(tests, a_warning_does_not_keep_it_withdrawn);
+    tcase_add_loop_test(tests, what_is_no_number_is_beyond_the_limit, 0, 3);
+    tcase_add_test(tests, a_limit_that_nobody_can_watch_withdraws);
+    tcase_add_test(tests, time_between_looks_is_bounded);
+    tcase_add_test(tests, what_is_new_is_told_once);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
