@@ -19,12 +19,16 @@ enum {
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "What is seen (default: the walker in this process):", 2},
     {"can", 'c', "INTERFACE", 0, "a bus, such as can0: host, board or others on it", 0},
-    {"replay", KEY_REPLAY, "FILE", 0, "a candump log, or the folder of a trial, with a time slider", 0},
+    {"replay", KEY_REPLAY, "FILE", 0, "a candump log, or the folder of a trial, with a time slider",
+     0},
     {0, 0, 0, 0, "The page:", 3},
-    {"control", KEY_CONTROL, 0, 0, "the page may change settings, walk, stop and reset (default: it only reads)", 0},
+    {"control", KEY_CONTROL, 0, 0,
+     "the page may change settings, walk, stop and reset (default: it only reads)", 0},
     {"port", KEY_PORT, "N", 0, "TCP port (default 8021; 0: any free one)", 0},
-    {"listen", KEY_LISTEN, "ADDRESS", 0, "listen there instead of 127.0.0.1: anybody in that network can try the token", 0},
-    {"names", KEY_NAMES, "NAME,..", 0, "further host names or addresses by which browsers may call the page", 0},
+    {"listen", KEY_LISTEN, "ADDRESS", 0,
+     "listen there instead of 127.0.0.1: anybody in that network can try the token", 0},
+    {"names", KEY_NAMES, "NAME,..", 0,
+     "further host names or addresses by which browsers may call the page", 0},
     {"trials", KEY_TRIALS, "FOLDER", 0, "where trials are kept (default trials)", 0},
     {0, 0, 0, 0, "The walk in this process:", 4},
     {"steps", KEY_STEPS, "N", 0, "end after N steps (default: at Ctrl-C)", 0},
@@ -45,12 +49,16 @@ static void check_together(struct argp_state *state, const struct view_options *
         argp_error(state, "--control: nothing can be changed in a log");
     }
     if (recorded && options->sim.walk.speed_rad_s > 0.0) {
-        argp_error(state, "--speed and --recording exclude each other: a person chooses their speed");
+        argp_error(state,
+                   "--speed and --recording exclude each other: a person chooses their speed");
     }
     if (recorded && ground_options_given(&options->sim.ground)) {
-        argp_error(state, "--slope-deg, --terrain-mm and --push act on the simulated walker, not on the recorded one");
+        argp_error(
+            state,
+            "--slope-deg, --terrain-mm and --push act on the simulated walker, not on the recorded one");
     }
-    if ((options->interface != NULL || options->replay_path != NULL) && options->sim.log_path != NULL) {
+    if ((options->interface != NULL || options->replay_path != NULL) &&
+        options->sim.log_path != NULL) {
         argp_error(state, "--log is for the walk in this process");
     }
 }

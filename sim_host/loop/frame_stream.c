@@ -117,8 +117,7 @@ static void put_snapshot(struct frame_stream *stream)
     for (size_t at = 0; at < size; at += CAN_FRAME_DATA_MAX) {
         struct frame_record record = {.time_us = sim_bus_now_ns(&stream->loop->bus) / 1000u};
         record.id = ID_EXTENDED | (BLACK_BOX_ID_DATA + (uint32_t)(at / CAN_FRAME_DATA_MAX));
-        record.length =
-            (uint8_t)(size - at < CAN_FRAME_DATA_MAX ? size - at : CAN_FRAME_DATA_MAX);
+        record.length = (uint8_t)(size - at < CAN_FRAME_DATA_MAX ? size - at : CAN_FRAME_DATA_MAX);
         memcpy(record.data, bytes + at, record.length);
         (void)put(stream, &record);
     }
@@ -149,8 +148,8 @@ static void receive(struct frame_stream *stream)
         const ssize_t got = recv(stream->fd, part + stream->part_bytes,
                                  sizeof stream->part - stream->part_bytes, MSG_DONTWAIT);
         if (got <= 0) {
-            stream->is_gone = got == 0 || (errno != EAGAIN && errno != EWOULDBLOCK &&
-                                           errno != EINTR);
+            stream->is_gone =
+                got == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
             return;
         }
         stream->part_bytes += (unsigned)got;
@@ -192,7 +191,8 @@ bool frame_stream_attach(struct frame_stream *stream, struct loop *loop)
         return false;
     }
     sim_bus_set_tap(&loop->bus, tap, stream);
-    put_note(stream, FRAME_STREAM_BEGIN, version_build_id(), loop->rig.task.node.objects.params_crc);
+    put_note(stream, FRAME_STREAM_BEGIN, version_build_id(),
+             loop->rig.task.node.objects.params_crc);
     return true;
 }
 

@@ -16,10 +16,11 @@
 
 /* Records that are no frame have an identifier that no frame has. Their values are spoken by sim_host/view/source.py. */
 enum frame_stream_note {
-    FRAME_STREAM_LOST = 0x70000001, /* out: data 0..3 = frames lost here */
+    FRAME_STREAM_LOST = 0x70000001,  /* out: data 0..3 = frames lost here */
     FRAME_STREAM_BEGIN = 0x70000002, /* out: a walk begins, its time at 0 */
-    FRAME_STREAM_SNAPSHOT = 0x70000003, /* in: say what the control task's state is (black_box_log.h) */
-    FRAME_STREAM_RESTART = 0x70000004   /* in: switch everything off and on */
+    FRAME_STREAM_SNAPSHOT =
+        0x70000003, /* in: say what the control task's state is (black_box_log.h) */
+    FRAME_STREAM_RESTART = 0x70000004 /* in: switch everything off and on */
 };
 
 /* As on the socket: little-endian, 24 bytes. */

@@ -1,7 +1,6 @@
 /* afo view: a walk in a browser. The walk is in this process, the page's server in one of its own, and between them
  * there is a socket only; so nothing that a browser does can disturb the walk. */
 #include <errno.h>
-#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +17,7 @@
 #include "sim_host/cli/view_options.h"
 #include "sim_host/loop/frame_stream.h"
 #include "sim_host/programs/commands.h"
+#include "sim_host/programs/python_tool.h"
 #include "sim_host/programs/view_subject.h"
 
 enum { ARGUMENTS_MAX = 32, SERVE_TICKS = TICKS_OF_MS(8), SOCKET_BYTES = 4 << 20 };
@@ -26,7 +26,7 @@ struct view {
     struct view_options options;
     struct sim_session session;
     struct frame_stream stream;
-    char program[PATH_MAX], server[PATH_MAX], python[PATH_MAX];
+    struct python_tool tool;
     char port[16], fd[16];
     char *subject; /* JSON, owned */
     pid_t server_pid;
@@ -36,75 +36,28 @@ struct view {
 
 /* ---- the server ---------------------------------------------------------------- */
 
-static bool is_there(char *path, const char *folder, const char *name)
+static void become_server(const struct view *view)
 {
-    return (size_t)snprintf(path, PATH_MAX, "%s/%s", folder, name) < PATH_MAX &&
-           access(path, R_OK) == 0;
-}
-
-/* Beside this program in the tree that it was built in, or where it was installed. */
-static int find_server(struct view *view)
-{
-    static const char *const up[] = {"..", "../..", "../../.."};
-    char folder[PATH_MAX], base[PATH_MAX];
-    const ssize_t length = readlink("/proc/self/exe", view->program, sizeof view->program - 1);
-    if (length <= 0) {
-        return program_complain("/proc/self/exe: %s", strerror(errno));
-    }
-    view->program[length] = '\0';
-    memcpy(folder, view->program, (size_t)length + 1);
-    char *slash = strrchr(folder, '/');
-    *(slash != NULL ? slash : folder) = '\0';
-    snprintf(view->python, sizeof view->python, "/usr/bin/python3");
-    for (size_t i = 0; i < sizeof up / sizeof up[0]; i++) {
-        if ((size_t)snprintf(base, sizeof base, "%s/%s", folder, up[i]) < sizeof base &&
-            is_there(view->server, base, "sim_host/view/serve.py")) {
-            char python[PATH_MAX];
-            if (is_there(python, base, "build/venv/bin/python")) {
-                memcpy(view->python, python, sizeof python);
-            }
-            return 0;
-        }
-    }
-    if (is_there(view->server, folder, "../share/afo/view/serve.py")) {
-        return 0;
-    }
-    return program_complain("the page's server is neither in %s/../sim_host/view nor in "
-                            "%s/../share/afo/view: `make install' puts it there",
-                            folder, folder);
-}
-
-static char **server_arguments(struct view *view)
-{
-    static char *arguments[ARGUMENTS_MAX];
     const struct view_options *options = &view->options;
-    const struct {
-        const char *option, *value;
-    } given[] = {{"--afo", view->program},           {"--subject", view->subject},
-                 {"--fd", view->fd},                 {"--can", options->interface},
-                 {"--replay", options->replay_path}, {"--port", view->port},
-                 {"--listen", options->listen},      {"--names", options->host_names},
-                 {"--trials", options->trials_path}};
-    int count = 0;
-    arguments[count++] = view->python;
-    arguments[count++] = view->server;
+    const char *given[][2] = {{"--afo", view->tool.program},
+                              {"--subject", view->subject},
+                              {"--fd", view->fd},
+                              {"--can", options->interface},
+                              {"--replay", options->replay_path},
+                              {"--port", view->port},
+                              {"--listen", options->listen},
+                              {"--names", options->host_names},
+                              {"--trials", options->trials_path}};
+    const char *arguments[ARGUMENTS_MAX] = {NULL};
+    int count = 2;
     for (size_t i = 0; i < sizeof given / sizeof given[0]; i++) {
-        if (given[i].value != NULL && given[i].value[0] != '\0') {
-            arguments[count++] = (char *)(uintptr_t)given[i].option;
-            arguments[count++] = (char *)(uintptr_t)given[i].value;
+        if (given[i][1] != NULL && given[i][1][0] != '\0') {
+            arguments[count++] = given[i][0];
+            arguments[count++] = given[i][1];
         }
     }
-    if (options->control) {
-        arguments[count++] = (char *)(uintptr_t) "--control";
-    }
-    arguments[count] = NULL;
-    return arguments;
-}
-
-static void become_server(struct view *view)
-{
-    execv(view->python, server_arguments(view));
-    program_complain("%s: %s; scripts/setup view installs it", view->python, strerror(errno));
+    arguments[count] = options->control ? "--control" : NULL;
+    python_tool_become(&view->tool, arguments);
 }
 
 /* Starts the server in a process of its own. Returns this side of the socket, or -1 behind a complaint. */
@@ -177,9 +130,8 @@ static bool tick(struct view *view, struct pacer *pacer, bool *pushed)
 {
     struct sim_session *session = &view->session;
     (void)pacer_wait(pacer);
-    control_task_show_missed(
-        &session->loop->rig.task,
-        pacer->missed < UINT32_MAX ? (uint32_t)pacer->missed : UINT32_MAX);
+    control_task_show_missed(&session->loop->rig.task,
+                             pacer->missed < UINT32_MAX ? (uint32_t)pacer->missed : UINT32_MAX);
     ground_options_tick(&session->options.ground, session->loop, pushed);
     loop_tick(session->loop);
     (void)walk_record_take(&session->record, session->loop);
@@ -279,7 +231,7 @@ int afo_view(int argc, char **argv)
     view_options_parse(&view.options, argc, argv);
     snprintf(view.port, sizeof view.port, "%u", view.options.port);
     int status = EXIT_USAGE;
-    if (find_server(&view) == 0) {
+    if (python_tool_find(&view.tool, "serve.py") == 0) {
         if (view.options.interface != NULL || view.options.replay_path != NULL) {
             status = view_other(&view);
         } else {

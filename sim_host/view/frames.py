@@ -16,13 +16,16 @@ class BadLine(ValueError):
     """A line that is none of a candump log; says which."""
 
 
-def parse_log(stream, path="the log", progress=None):
-    """All frames of an open binary candump log as an array of RECORD, and the interface's name."""
+def parse_log(stream, path="the log", progress=None, tolerate_cut=False):
+    """All frames of an open binary candump log as an array of RECORD, and the interface's name. tolerate_cut: the last
+    line may be cut short, as a killed recorder leaves it."""
     times, ids, lengths, data = [], [], [], []
     interface = None
     for number, line in enumerate(stream, 1):
         match = LINE.match(line)
         if match is None:
+            if tolerate_cut and not line.endswith(b"\n"):
+                break
             if line.strip():
                 raise BadLine(f"{path}, line {number}: no line of a candump log: {line[:60]!r}")
             continue

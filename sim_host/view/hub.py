@@ -9,6 +9,9 @@ import frames
 import signals
 import words
 from gait import Gait
+from places import dbc_path
+from settling import Settling
+from trial import MARK_BEGIN, MARK_TEXT, MarkReader
 
 HISTORY_TICKS = 30000
 HEADER = struct.Struct("<IIHHId")  # kind, first tick, rows, columns, walk's number, wall clock in ms
@@ -70,9 +73,10 @@ class SdoWatch:
 
 
 class Hub:
-    def __init__(self, subject, objects, dbc=None):
+    def __init__(self, subject, objects, dbc=None, events_kept=EVENTS_KEPT):
         self.subject, self.objects = subject, objects
-        self.dbc = dbc or signals.default_dbc()
+        self.dbc = dbc or dbc_path()
+        self.events_kept = events_kept
         self.clients = set()
         self.recorder = None
         self.listeners = []  # called with every array of records
@@ -83,17 +87,18 @@ class Hub:
         self.decoder = signals.Decoder(self.subject, self.dbc)
         self.gait = Gait(self.subject)
         self.history = History()
-        self.events = collections.deque(maxlen=EVENTS_KEPT)
+        self.events = collections.deque(maxlen=self.events_kept)
         self.changes = collections.deque(maxlen=CHANGES_KEPT)
         self.state, self.fault_number = None, None
         self.first_us = self.newest_us = None
-        self.sdo = SdoWatch(self.objects)
+        self.sdo, self.marks = SdoWatch(self.objects), MarkReader()
+        self.settling = Settling(self.subject)
         names = ("TELEMETRY", "CONTROLLER_STATE")
         emergencies = [name for name in self.decoder.by_name if name.startswith("EMCY_")]
         self.identifier = {name: self.decoder.by_name[name] for name in names}
         self.emergency_ids = {self.decoder.by_name[name] for name in emergencies}
         self.interest = np.array([*self.identifier.values(), *self.emergency_ids, SDO_REQUEST, SDO_ANSWER,
-                                  HEARTBEAT_CONTROLLER], np.uint32)
+                                  HEARTBEAT_CONTROLLER, *range(MARK_BEGIN, MARK_TEXT + 26)], np.uint32)
 
     # ---- from the source ---------------------------------------------------------
 
@@ -143,6 +148,8 @@ class Hub:
             self.broadcast(rows_message(first, rows, self.walk))
         for event in sorted(events, key=lambda one: one["tick"]):
             self.event(event)
+            for finding in self.settling.take(event):
+                self.event(finding)
 
     # ---- what frames say -----------------------------------------------------------
 
@@ -170,6 +177,9 @@ class Hub:
                 event["tick"] = tick
                 self.changes.append(event)
             return event
+        if MARK_BEGIN <= identifier <= MARK_TEXT + 25:
+            whole = self.marks.take(identifier, data, length)
+            return {"kind": "mark", "tick": tick, "number": whole[0], "text": whole[1]} if whole else None
         if identifier == HEARTBEAT_CONTROLLER and data[:1] == b"\0" and tick > 0:
             return {"kind": "boot", "tick": tick, "text": "the controller started"}
         return None

@@ -3,8 +3,6 @@
 A tick begins with the SYNC, as for the controller; the values of its row are those that were on the bus up to the next
 one. A value holds until the next frame that has it.
 """
-import pathlib
-
 import cantools
 import numpy as np
 
@@ -240,10 +238,3 @@ def frame_bits_table():
     """Bits of a standard frame with so many data bytes, intermission included, and a tenth of stuff bits."""
     return np.array([47 + 8 * n + (34 + 8 * n) // 10 for n in range(9)], float)
 
-
-def default_dbc():
-    here = pathlib.Path(__file__).resolve().parent
-    for path in (here.parents[1] / "hal/canopen/eds/afo.dbc", here / "eds/afo.dbc"):
-        if path.is_file():
-            return path
-    raise FileNotFoundError("afo.dbc is neither in hal/canopen/eds nor beside the server")

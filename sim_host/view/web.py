@@ -12,7 +12,10 @@ import hub as hubs
 import signals
 from client import Client
 from guard import CLIENTS_MAX, HEADERS, Door, Guard
+from keeping import Keeping, Telegrams
 from objects import Objects
+from places import eds_path
+from refusal import Refusal
 from source import CanSource, WalkSource
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -34,7 +37,7 @@ class Site:
     def __init__(self, options, subject, complain):
         self.options, self.complain = options, complain
         objects = Objects(options.afo, eds_path())
-        self.hub = hubs.Hub(subject, objects)
+        self.hub = hubs.Hub(subject, objects, events_kept=None if options.replay else hubs.EVENTS_KEPT)
         self.guard = Guard(options.listen, options.names)
         self.files = page_files()
         self.source = None
@@ -43,6 +46,7 @@ class Site:
         self.deeds = {"range": self.do_range}  # further ones: control.py, trials.py
         self.hello_parts = []
         self.routes = []
+        self.control = self.loop = None
 
     def open_source(self):
         options = self.options
@@ -56,6 +60,13 @@ class Site:
             if self.hub.subject["recording"]:
                 self.source.name = f"the recording {self.hub.subject['recording']}"
         self.name = self.source.name if self.source else self.name
+
+    def open_deeds(self):
+        """What browsers may ask for beside looking."""
+        self.keeping = Keeping(self)
+        if self.options.control and self.source:
+            from control import Control  # canopen is needed for this only
+            self.control = Control(self)
 
     # ---- HTTP -------------------------------------------------------------------------
 
@@ -152,7 +163,7 @@ class Site:
         application.router.add_get("/{path:.*}", self.get_file)
         runner = web.AppRunner(application, access_log=None, keepalive_timeout=15.0)
         await runner.setup()
-        loop = asyncio.get_running_loop()
+        loop = self.loop = asyncio.get_running_loop()
         door = Door(runner.server, self.guard)
         server = await loop.create_server(door, self.options.listen, self.options.port, backlog=64)
         port = server.sockets[0].getsockname()[1]
@@ -162,8 +173,11 @@ class Site:
         if self.options.control:
             print("afo view: the page may control. Its stop button is no emergency stop.", flush=True)
         watch = asyncio.ensure_future(door.watch())
+        telegrams, _ = await loop.create_datagram_endpoint(lambda: Telegrams(self, self.keeping),
+                                                           local_addr=(self.options.listen, port))
         await self.until_over(loop)
         watch.cancel()
+        telegrams.close()
         server.close()
         for client in list(self.hub.clients):
             await client.socket.close(code=1001)
@@ -175,6 +189,8 @@ class Site:
             loop.add_signal_handler(number, done.set)
         if self.source:
             self.source.start(self.hub)
+        if self.control:
+            self.control.start()
         if isinstance(self.source, WalkSource):
             ended = self.hub.ended
 
@@ -185,10 +201,6 @@ class Site:
         await done.wait()
         if self.hub.recorder:
             self.hub.recorder.close()
-
-
-class Refusal(Exception):
-    """What a browser asked for and does not get; says why and what to do."""
 
 
 def clean(value):
@@ -202,19 +214,13 @@ def clean(value):
     return value
 
 
-def eds_path():
-    for path in (HERE.parents[1] / "hal/canopen/eds/controller.eds", HERE / "eds/controller.eds"):
-        if path.is_file():
-            return path
-    raise FileNotFoundError("controller.eds is neither in hal/canopen/eds nor beside the server")
-
-
 def load_log(hub, path, complain):
     """The whole log into the hub, once: what a slider goes through."""
     path = pathlib.Path(path)
     log = path / "bus.log" if path.is_dir() else path
     with open(log, "rb") as stream:
-        records, _ = frames.parse_log(stream, log, lambda lines: complain(f"{log}: {lines} lines read"))
+        records, _ = frames.parse_log(stream, log, lambda lines: complain(f"{log}: {lines} lines read"),
+                                      tolerate_cut=path.is_dir())
     syncs = int(np.count_nonzero(records["id"] == frames.SYNC))
     hub.history = hubs.History(max(syncs, 1))
     for start in range(0, len(records), 200000):
@@ -226,6 +232,7 @@ def run(options, subject, complain):
     try:
         site = Site(options, subject, complain)
         site.open_source()
+        site.open_deeds()
     except (OSError, frames.BadLine) as error:
         complain(f"{error}")
         return 2

@@ -63,7 +63,7 @@ EMERGENCIES = (
     (0x8110, 0xFFFF, "CAN overrun: frames were lost"), (0x8120, 0xFFFF, "CAN error passive"),
     (0x8130, 0xFFFF, "heartbeat of another node missing"), (0x8140, 0xFFFF, "recovered from bus-off"),
     (0x8210, 0xFFFF, "a PDO was too short"), (0x8220, 0xFFFF, "a PDO was too long"),
-    (0x8250, 0xFFFF, "an expected PDO did not come"), (0x8600, 0xFF00, "positioning"),
+    (0x8250, 0xFFFF, "an expected PDO did not come"),
     (0x8611, 0xFFFF, "following error: the motor does not keep up"),
     (0x3210, 0xFFFF, "supply voltage too high"), (0x3220, 0xFFFF, "supply voltage too low"),
     (0x4210, 0xFFFF, "too hot"), (0x4310, 0xFFFF, "drive too hot"), (0x2310, 0xFFFF, "over-current"),
@@ -71,7 +71,8 @@ EMERGENCIES = (
     (0x0000, 0xFF00, "error reset: no error left"), (0x1000, 0xFF00, "generic error"), (0x2000, 0xF000, "current"),
     (0x3000, 0xF000, "voltage"), (0x4000, 0xF000, "temperature"), (0x5000, 0xFF00, "device hardware"),
     (0x6000, 0xF000, "device software"), (0x7000, 0xFF00, "additional modules"), (0x8000, 0xFF00, "monitoring"),
-    (0x8100, 0xFF00, "communication"), (0x8200, 0xFF00, "protocol error"), (0x9000, 0xFF00, "external error"),
+    (0x8100, 0xFF00, "communication"), (0x8200, 0xFF00, "protocol error"), (0x8600, 0xFF00, "positioning"),
+    (0x9000, 0xFF00, "external error"),
     (0xF000, 0xFF00, "additional functions"), (0xFF00, 0xFF00, "device specific"))
 NODES = {0x81: "left drive", 0x82: "right drive", 0x83: "left leg sensor", 0x84: "right leg sensor", 0x90: "controller"}
 

@@ -106,13 +106,17 @@ export class Tune {
   }
 
   event(event, tickS, isOld) {
+    if (event.kind === "settled") $("speed-verdict").textContent = event.text;
     if (event.kind !== "write" || !event.name) return;
     const item = document.createElement("li"), time = document.createElement("small");
     time.textContent = `${(event.tick * tickS).toFixed(2)} s `;
     item.append(time, `${event.name} = ${typeof event.value === "number" ? number(event.value) : event.value}, client ${event.client}${event.done ? "" : ": refused"}`);
     $("changes").prepend(item);
     while ($("changes").children.length > 200) $("changes").lastChild.remove();
-    if (isOld) return;
+    if (isOld || !event.done) return;
+    if (event.name === "commands.desired_apex_speed") $("speed-verdict").textContent = "The speed has not settled yet.";
+    const one = this.settings?.get(event.name); // another tool's change is seen, too
+    if (one && typeof event.value === "number" && one.value === undefined) one.value = event.value;
   }
 
   message(told) {

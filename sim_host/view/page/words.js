@@ -105,7 +105,7 @@ const TEXT = {
   emergency: (e) => e.text,
   boot: (e) => e.text,
   mark: (e) => `mark ${e.number}${e.text ? `: ${e.text}` : ""}`,
-  pulse: (e) => e.text,
+  settled: (e) => e.text,
   write: (e) => `${e.name} = ${typeof e.value === "number" ? Number(e.value.toPrecision(6)) : e.value}, client ${e.client}${e.done ? "" : ": refused"}`,
   finding: (e) => e.text,
 };
