@@ -71,7 +71,6 @@ class Gait:
         stiffness = self.subject[SIDES[side]]["spring_N_per_m"] or self.subject["parameters"]["spring_stiffness_n_m"]
         energy_J = 0.5 * stiffness * motor_m * motor_m
         self.pushing[side], self.rearmost_ankle[side] = True, 0.0
-        self.push = {"side": side, "r0_m": motor_m, "energy_J": energy_J}
         events.append({"kind": "push", "tick": tick, "side": side, "r0_m": motor_m, "energy_J": energy_J})
 
     def _follow_push(self, tick, side, ankle_m, events):
@@ -109,7 +108,6 @@ class Gait:
         self.stance, self.double = side, True
         time_s = (tick - self.last_strike_tick) * self.tick_s if self.last_strike_tick is not None else None
         self.last_strike_tick = tick
-        self.step_m, self.step_s = length_m, time_s
         events.append({"kind": "strike", "tick": tick, "side": side, "sign": sign, "step_m": length_m, "step_s": time_s})
 
     def _toe_off(self, tick, side, events):
@@ -118,6 +116,13 @@ class Gait:
             events.append({"kind": "toe_off", "tick": tick, "side": side})
 
     # ---- steps ----------------------------------------------------------------------
+
+    def follow(self, event):
+        """Every event in the order of ticks: what a step is told together with."""
+        if event["kind"] == "push":
+            self.push = event
+        elif event["kind"] == "strike":
+            self.step_m, self.step_s = event["step_m"], event["step_s"]
 
     def step(self, tick, record):
         """The controller's record of a step (its TELEMETRY frame), with what was seen since the last one; None for the

@@ -147,6 +147,13 @@ class Hub:
         if self.clients:
             self.broadcast(rows_message(first, rows, self.walk))
         for event in sorted(events, key=lambda one: one["tick"]):
+            self._happened(event)
+
+    def _happened(self, event):
+        self.gait.follow(event)
+        if event["kind"] == "record":
+            event = self.gait.step(event["tick"], event["record"])
+        if event is not None:
             self.event(event)
             for finding in self.settling.take(event):
                 self.event(finding)
@@ -166,7 +173,7 @@ class Hub:
         if identifier == self.identifier["TELEMETRY"]:
             word = np.frombuffer(data, "<u8")
             record = {name: float(field.value(word)[0]) for name, field in self.decoder.field[identifier].items()}
-            return self.gait.step(tick, record)
+            return {"kind": "record", "tick": tick, "record": record}
         if identifier == self.identifier["CONTROLLER_STATE"]:
             return self._state(tick, data)
         if identifier in self.emergency_ids:

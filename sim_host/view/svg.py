@@ -4,7 +4,7 @@ import html
 import numpy as np
 
 COLOURS = ("#0b62b5", "#c4510b", "#4c7a1f", "#8a3fa0", "#8a5a00", "#555555")
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 620, 210, 62, 10, 26, 34
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 620, 210, 74, 10, 26, 34
 
 
 def ticks(low, high, count=5):
@@ -38,10 +38,10 @@ class Chart:
         xs = np.concatenate([x[np.isfinite(y)] for x, y, _ in known])
         low = min(np.nanmin(y - (band if band is not None else 0)) for _, y, band in known)
         high = max(np.nanmax(y + (band if band is not None else 0)) for _, y, band in known)
-        margin = 0.05 * (high - low) or abs(high) * 0.1 or 1.0
+        margin = max(0.05 * (high - low), 0.01 * max(abs(low), abs(high))) or 1.0  # noise does not fill the picture
         self.x0, self.x1, self.y0, self.y1 = xs.min(), max(xs.max(), xs.min() + 1e-9), low - margin, high + margin
         parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{html.escape(self.title)}">',
-                 f'<text x="{LEFT}" y="16" class="title">{html.escape(self.title)}</text>', *self._axes()]
+                 f'<text x="{LEFT}" y="16" class="title">{html.escape(self.title)}{", " + html.escape(self.unit) if self.unit else ""}</text>', *self._axes()]
         for number, line in enumerate(self.lines):
             parts += self._line(number, *line)
         for x, text in self.marks:
@@ -62,7 +62,6 @@ class Chart:
         for x in ticks(self.x0, self.x1, 8):
             yield f'<text x="{self.px(x):.1f}" y="{HEIGHT - BOTTOM + 14}" class="tick" text-anchor="middle">{x:.6g}</text>'
         yield f'<text x="{WIDTH - RIGHT}" y="{HEIGHT - 4}" class="tick" text-anchor="end">{html.escape(self.x_name)}</text>'
-        yield f'<text x="4" y="{TOP + 8}" class="tick">{html.escape(self.unit)}</text>'
 
     def _line(self, number, x, y, name, band, dash, dots):
         colour = COLOURS[number % len(COLOURS)]
@@ -77,7 +76,7 @@ class Chart:
         if dots:
             yield "".join(f'<circle cx="{self.px(a):.1f}" cy="{self.py(b):.1f}" r="2" fill="{colour}"/>'
                           for a, b in zip(x[good], y[good]))
-        yield (f'<text x="{LEFT + 4 + 150 * (number % 4)}" y="{HEIGHT - 4 - 0 * number}" class="name" fill="{colour}">'
+        yield (f'<text x="{LEFT + 4 + 150 * (number % 4)}" y="{HEIGHT - 4}" class="name" fill="{colour}">'
                f'{html.escape(name)}</text>')
 
     def _points(self, pairs):

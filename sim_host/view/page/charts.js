@@ -63,7 +63,7 @@ export class Charts {
       axes: [{ ...axis, size: 26, values: (_, splits) => splits.map((v) => `${Number(v.toFixed(3))} s`) },
         ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: i ? 1 : 3, size: 62, label: unit,
           labelSize: 16, labelFont: "11px system-ui", grid: { show: i === 0, stroke: css("--grid") } }))],
-      series: [{ value: (_, v) => (v === null ? "–" : `${v.toFixed(3)} s`) }, ...signals.map((signal) => ({
+      series: [{ label: "time", value: (_, v) => (v === null ? "–" : `${v.toFixed(3)} s`) }, ...signals.map((signal) => ({
         label: signal.name, scale: signal.unit || "1", width: 1.25, points: { show: false }, value: show(signal.unit),
         ...colour(signal.name, seen) }))],
       hooks: { setSelect: [(plot) => {

@@ -59,13 +59,17 @@ function begin(walk) {
   figure.clear();
   steps.clear();
   list.clear();
+  page.states = [];
   page.zoom = null;
 }
 
 function take(event, isOld) {
   if (event.kind === "step") steps.add(event);
   if (event.kind === "push" || event.kind === "strike") figure.event(event, page.store);
-  if (event.kind === "state" && !isOld) showState(event);
+  if (event.kind === "state") {
+    page.states.push(event);
+    if (!isOld && page.hello.mode === "live") showState(event);
+  }
   list.add(event, tickS());
   tune.event(event, tickS(), isOld);
   keep.event(event);
@@ -180,11 +184,19 @@ function frame(now) {
   const [from, to] = page.zoom || window_(head, span);
   charts.draw(page.store, from, to, tickS());
   figure.draw(page.store, head, page.hello.subject.parameters.leg_length_m);
+  if (page.hello.mode === "replay") stateAt(head);
   showValues(page.store, head);
   showFacts(page.store, head, page.hello.subject, steps.steps);
   if (steps.dirty && now - (page.stepsAt || 0) > 250) { page.stepsAt = now; steps.draw(); }
   slider(head);
   count();
+}
+
+// In a replay the state is that of the time which is seen.
+function stateAt(tick) {
+  let state = null;
+  for (const one of page.states) if (one.tick <= tick) state = one;
+  if (state && state !== page.shown) showState(page.shown = state);
 }
 
 // Live the newest tick is at the right edge; in a replay what follows is seen, too.
@@ -244,7 +256,7 @@ document.addEventListener("keydown", (event) => {
   const typing = event.target.matches("input:not([type=range]):not([type=checkbox]), select, textarea");
   const own = event.target.matches("input[type=range]") && event.key.match(/^(Arrow|Home|End|Page)/);
   const presses = event.target.matches("button, summary, a, input[type=checkbox]") && event.key === " ";
-  if (!page.hello || typing || own || presses || event.ctrlKey || event.altKey || event.metaKey) return;
+  if (!page.hello || document.querySelector("dialog[open]") || typing || own || presses || event.ctrlKey || event.altKey || event.metaKey) return;
   const deed = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (deed) { event.preventDefault(); deed(event); }
 });
