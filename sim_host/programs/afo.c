@@ -8,6 +8,8 @@ static const struct program_command table[] = {
     {"faults", afo_faults, "inject faults into steady walks and judge what came of them"},
     {"soak", afo_soak, "walk for days of simulated time and watch what must not change"},
     {"replay", afo_replay, "a log through the control task, its frames compared bit by bit"},
+    {"view", afo_view, "a walk in a browser: see, tune, mark, keep and compare"},
+    {"report", afo_report, "a trial of afo view as one HTML file, two compared, or exported"},
     {"walker", afo_walker, "the simulated walker and its four nodes on a CAN interface"},
     {"host", afo_host, "the control task on a CAN interface"},
     {"ctl", afo_ctl, "read and write the objects of a node by name; walk, stop, reset, zero, save"},

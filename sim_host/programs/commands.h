@@ -21,6 +21,8 @@ int afo_pil(int argc, char **argv);
 int afo_g474(int argc, char **argv);
 int afo_slcan(int argc, char **argv);
 int afo_size(int argc, char **argv);
+int afo_view(int argc, char **argv);
+int afo_report(int argc, char **argv);
 
 /* Two studies that are files here: a table for the controller, and maps of points. */
 int afo_study_table(int argc, char **argv);

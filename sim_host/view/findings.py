@@ -1,0 +1,51 @@
+"""What the seconds before a fault show, in words: for who asks why a walk ended."""
+import numpy as np
+
+BEFORE_S, MISSING_S = 12.0, 1.8
+SPEED_OFF, R0_JUMP = 0.1, 0.3
+
+
+def before_fault(walk, tick):
+    """Findings in order of time; walk: rows, events, steps, tick_s, column()."""
+    first = tick - BEFORE_S / walk.tick_s
+    near = [event for event in walk.events if first <= event["tick"] <= tick]
+    notes = []
+    notes += [(e["tick"], f"{e['name']} was set to {e['value']:.6g} by client {e['client']}") for e in near
+              if e["kind"] == "write" and e["done"] and isinstance(e["value"], (int, float)) and "unlock" not in e["name"]]
+    notes += [(e["tick"], f"an emergency: {e['text']}") for e in near if e["kind"] == "emergency" and not e["over"]]
+    notes += _pushes(walk, near, tick) + _steps(walk, near) + _bus(walk, int(max(first, 0)), tick)
+    return [f"{at * walk.tick_s:.2f} s: {text}" for at, text in sorted(notes)]
+
+
+def _pushes(walk, near, tick):
+    strikes = [e for e in near if e["kind"] == "strike"]
+    pushes = [e["tick"] for e in near if e["kind"] == "push"]
+    notes = []
+    for strike in strikes:
+        if not any(abs(push - strike["tick"]) < 0.3 / walk.tick_s for push in pushes):
+            leg = ("left", "right")[1 - strike["side"]]
+            notes.append((strike["tick"], f"the {leg} leg gave no push at this heel strike"))
+    if pushes and tick - pushes[-1] > MISSING_S / walk.tick_s:
+        notes.append((pushes[-1], f"this was the last push, {(tick - pushes[-1]) * walk.tick_s:.1f} s before the fault"))
+    return notes
+
+
+def _steps(walk, near):
+    notes = []
+    steps = [e for e in near if e["kind"] == "step"]
+    for before, step in zip(steps, steps[1:]):
+        asked = step["command_rad_s"]
+        off = step["speed_rad_s"] - asked
+        if asked and abs(off) > SPEED_OFF * asked:
+            word = "slower" if off < 0 else "faster"
+            notes.append((step["tick"], f"step {step['number']}: {abs(off) / asked * 100:.0f} % {word} at the apex "
+                                        f"({step['speed_rad_s']:.3f} rad/s) than asked for ({asked:.3f} rad/s)"))
+        if before["r0_m"] and abs(step["r0_m"] - before["r0_m"]) > R0_JUMP * before["r0_m"]:
+            notes.append((step["tick"], f"step {step['number']}: the law changed r0 from {1000 * before['r0_m']:.1f} mm to "
+                                        f"{1000 * step['r0_m']:.1f} mm"))
+    return notes
+
+
+def _bus(walk, first, tick):
+    lost = np.flatnonzero(walk.column("period")[first:tick] > 1500 * walk.tick_s)
+    return [(first + int(lost[0]), f"{len(lost)} SYNCs came late or not at all")] if len(lost) else []

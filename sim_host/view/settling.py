@@ -1,0 +1,36 @@
+"""How long the speed takes to settle after it was asked to change: by step, from the controller's own records."""
+
+WITHIN, STEPS = 0.02, 3  # of the speed asked for; so many steps in a row
+
+
+class Settling:
+    """Takes events, gives findings: the steps and seconds from a written speed to the first of three steps within 2 %."""
+
+    def __init__(self, subject):
+        self.tick_s = subject["tick_s"]
+        self.asked = None
+
+    def take(self, event):
+        if event["kind"] == "write" and event.get("done") and event["name"] == "commands.desired_apex_speed":
+            self.asked = {"tick": event["tick"], "speed": event["value"], "steps": 0, "good": [], "from": None}
+            return []
+        if event["kind"] == "state" and event["state"] != "walking":
+            self.asked = None
+        if event["kind"] != "step" or self.asked is None:
+            return []
+        return self._step(event, self.asked)
+
+    def _step(self, step, asked):
+        asked["steps"] += 1
+        asked["from"] = asked["from"] or step["speed_rad_s"]
+        off = abs(step["speed_rad_s"] - asked["speed"]) / asked["speed"] if asked["speed"] else 1.0
+        asked["good"] = asked["good"] + [(asked["steps"], step["tick"])] if off <= WITHIN else []
+        if len(asked["good"]) < STEPS:
+            return []
+        steps, tick = asked["good"][0]
+        self.asked = None
+        seconds = (tick - asked["tick"]) * self.tick_s
+        text = (f"the speed settled at {asked['speed']:.3f} rad/s (within 2 %) {steps} steps, {seconds:.1f} s after it was "
+                f"asked for; from {asked['from']:.3f} rad/s")
+        return [{"kind": "settled", "tick": step["tick"], "steps": steps, "seconds": seconds, "speed": asked["speed"],
+                 "from": asked["from"], "text": text}]

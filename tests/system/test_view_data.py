@@ -1,0 +1,147 @@
+"""What afo view makes of frames, against the plant's own table; what it records, against afo replay and other readers."""
+import csv
+import io
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from afo import AFO, ROOT, run
+from viewer import Talk, viewing
+
+VIEW = ROOT / "sim_host" / "view"
+sys.path.insert(0, str(VIEW))
+import frames  # noqa: E402
+import signals  # noqa: E402
+import trial  # noqa: E402
+import walkdata  # noqa: E402
+import words  # noqa: E402
+
+STEPS = 8
+
+
+@pytest.fixture(scope="module")
+def who():
+    """Person and device as the program gives them to its server."""
+    with viewing("--replay", "/dev/null") as view:
+        talk = Talk(view)
+        return talk.hear()["subject"]
+
+
+@pytest.fixture(scope="module")
+def walked(tmp_path_factory):
+    """A walk's log, and the plant's table of the same ticks."""
+    folder = tmp_path_factory.mktemp("walk")
+    done = run("--speed", "0.8", "--steps", STEPS, "--sensors", "ideal", "--log", folder / "w.log", "--csv", folder / "w.csv",
+               "--ticks", "--quiet")
+    assert done.returncode == 0, done.stderr
+    with open(folder / "w.csv", newline="", encoding="utf-8") as stream:
+        table = list(csv.DictReader(stream))
+    return folder / "w.log", table
+
+
+@pytest.fixture(scope="module")
+def walk(walked, who):
+    return walkdata.Walk(walked[0], str(AFO), who)
+
+
+def column(table, name):
+    return np.array([float(row[name]) for row in table])
+
+
+@pytest.mark.parametrize("signal,truth,within", [
+    ("leg_angle_left", "theta_left_rad", 2e-6), ("leg_angle_right", "theta_right_rad", 2e-6),
+    ("ankle_left", "ankle_left_m", 2e-5), ("ankle_right", "ankle_right_m", 2e-5),
+    ("motor_left", "motor_left_m", 2e-5), ("motor_right", "motor_right_m", 2e-5)])
+def test_signals_are_the_plants(walked, walk, signal, truth, within):
+    """Row t holds what the nodes sampled at SYNC t: the plant's line t, which it wrote at the end of tick t."""
+    expected = column(walked[1], truth)
+    found = walk.column(signal)[1:len(expected)]
+    from_here = 1000  # the nodes speak by then
+    assert np.abs(found - expected[:len(found)])[from_here:].max() <= within
+
+
+def test_events_are_the_plants(walked, walk):
+    """Pushes within 2 ms of the plant's releases; toe-offs when the ankle is seen to come back; the stance is the plant's."""
+    table = walked[1]
+    ticks = {kind: [int(row["tick"]) for row in table if row["event"] == kind] for kind in ("release", "lift_off", "apex")}
+    pushes = [event["tick"] for event in walk.of_kind("push")]
+    assert len(pushes) == len(ticks["release"]) >= STEPS - 2
+    assert max(abs(a - b) for a, b in zip(pushes, ticks["release"])) <= 2
+    toe_offs = [event["tick"] for event in walk.of_kind("toe_off")]
+    assert len(toe_offs) == len(ticks["lift_off"])
+    assert max(abs(a - b) for a, b in zip(toe_offs, ticks["lift_off"])) <= 20
+    found = walk.column("stance") == 1
+    single = [(row["stance"] == "right", bool(found[t + 1])) for t, row in enumerate(table[:len(found) - 1])
+              if t > 1002 and row["phase"] == "single"]
+    assert sum(a != b for a, b in single) < 0.005 * len(single)
+
+
+def test_the_hip_goes_as_far_as_the_plants(walked, walk):
+    way = column(walked[1], "hip_x_m")
+    first, last = 1100, len(way) - 50
+    found = walk.column("hip_x")
+    assert abs((found[last] - found[first]) + (way[last] - way[first])) < 0.02 * abs(way[last] - way[first])
+
+
+def test_steps_are_those_of_the_plant(walk):
+    """What the controller measured at each apex, beside the true speed that afo sim reports."""
+    truth = json.loads(run("--speed", "0.8", "--steps", STEPS, "--sensors", "ideal", "--json", "--quiet").stdout)["apex_speed_rad_s"]
+    found = [step["speed_rad_s"] for step in walk.steps]
+    assert len(found) >= STEPS - 1
+    assert np.abs(np.array(found) - np.array(truth[:len(found)])).max() < 0.002
+    assert [step["number"] for step in walk.steps] == list(range(1, len(found) + 1))
+
+
+def test_every_fault_of_the_supervisor_has_words():
+    source = (ROOT / "controller/supervisor/supervisor.c").read_text(encoding="utf-8")
+    part = source[source.index("*supervisor_fault_name("):]
+    names = re.findall(r'"([^"]+)"', part[:part.index("};")])
+    assert set(names) == set(words.FAULTS)
+    assert all(what and (todo or name == "none") for name, (what, todo) in words.FAULTS.items())
+
+
+@pytest.mark.parametrize("code,text", [(0x8130, "heartbeat"), (0x4310, "hot"), (0x3220, "voltage too low"), (0x8611, "following"),
+                                       (0xFF10, "latched a fault"), (0x0000, "no error left"), (0x5042, "hardware")])
+def test_emergencies_in_words(code, text):
+    told = words.emergency(0x082, code.to_bytes(2, "little") + bytes(6))
+    assert text in told["text"] and told["text"].startswith("right drive")
+
+
+def test_a_log_is_written_as_it_was_read(walked):
+    with open(walked[0], "rb") as stream:
+        text = stream.read()
+    records, interface = frames.parse_log(io.BytesIO(text))
+    assert frames.log_lines(records, interface).encode() == text
+
+
+@pytest.mark.parametrize("line", [b"garbage\n", b"(1.000000) can0 1234#00\n", b"(1.000000) can0 123#0\n", b"(1.0) can0 123#001122334455667788\n"])
+def test_what_is_no_log_is_refused_by_its_line(line):
+    with pytest.raises(frames.BadLine, match="line 2"):
+        frames.parse_log(io.BytesIO(b"(0000000001.000000) can0 080#\n" + line))
+
+
+def test_marks_travel_in_the_log():
+    text = "Fuß rutscht, zweimal; a longer text than eight bytes"
+    records = trial.mark_records(7, text, 5)
+    again, _ = frames.parse_log(io.BytesIO(frames.log_lines(records).encode()))
+    reader = trial.MarkReader()
+    found = [reader.take(int(one["id"]), one["data"].tobytes(), int(one["length"])) for one in again]
+    assert found[-1] == (7, text) and not any(found[:-1])
+
+
+def test_a_value_holds_until_the_next():
+    rows = np.array([[1.0, np.nan], [np.nan, 2.0], [np.nan, np.nan], [3.0, np.nan]])
+    signals.hold(rows)
+    assert np.array_equal(rows, [[1, np.nan], [1, 2], [1, 2], [3, 2]], equal_nan=True)
+
+
+def test_a_missing_package_is_named_with_its_command(tmp_path):
+    (tmp_path / "aiohttp.py").write_text("raise ImportError('not here')\n")
+    done = subprocess.run([sys.executable, VIEW / "serve.py", "--afo", AFO, "--subject", "{}"], capture_output=True, text=True,
+                          env={"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin:/bin"}, timeout=60)
+    assert done.returncode == 2
+    assert "aiohttp is missing" in done.stderr and "scripts/setup view" in done.stderr and "apt-get install" in done.stderr
