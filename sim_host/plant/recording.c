@@ -258,6 +258,13 @@ static enum recording_error row_time(struct reader *reader, const double values[
     return RECORDING_OK;
 }
 
+double recording_ankle_m(const struct recording_format *format, double plantarflexion_rad)
+{
+    const double lifted_m = sea_lever_way_m(&format->lever_table, format->ankle_lever_m,
+                                            plantarflexion_rad - format->ankle_neutral_rad);
+    return lifted_m > 0.0 ? lifted_m : 0.0;
+}
+
 static enum recording_error fill_sample(const struct reader *reader,
                                         const double values[COLUMN_COUNT],
                                         struct recording_sample *sample)
@@ -275,12 +282,9 @@ static enum recording_error fill_sample(const struct reader *reader,
          * atan2(sin thigh + sin shank, cos thigh + cos shank). */
         sample->leg_angle_rad[side] = 0.5 * (thigh_rad + shank_rad);
         sample->plantarflexion_rad[side] = -values[ANKLE_L + side] * unit_rad;
-        const double bent_rad =
-            sample->plantarflexion_rad[side] - reader->format->ankle_neutral_rad;
         const bool has_ankle = reader->index[ANKLE_L + side] != ABSENT;
-        const double lifted_m =
-            sea_lever_way_m(&reader->format->lever_table, reader->format->ankle_lever_m, bent_rad);
-        sample->ankle_m[side] = has_ankle && lifted_m > 0.0 ? lifted_m : 0.0;
+        sample->ankle_m[side] =
+            has_ankle ? recording_ankle_m(reader->format, sample->plantarflexion_rad[side]) : 0.0;
         sample->contact[side] = values[CONTACT_L + side] != 0.0;
     }
     return RECORDING_OK;
