@@ -2,7 +2,8 @@
 
 #define FAULT_INFO(NAME, name, group, lasting, notice, shortest, longest, least, greatest, unit) \
     {name, FAULT_GROUP_##group, lasting, notice, shortest, longest, least, greatest, unit},
-const struct fault_kind_info fault_kinds[FAULT_KINDS] = {FAULT_TABLE(FAULT_INFO)};
+const struct fault_kind_info fault_kinds[FAULT_ALL_KINDS] = {FAULT_TABLE(FAULT_INFO)
+                                                                 PEOPLE_FAULT_TABLE(FAULT_INFO)};
 
 bool fault_kind_is_foreign(enum fault_kind kind)
 {

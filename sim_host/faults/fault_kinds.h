@@ -20,7 +20,11 @@ enum fault_group {
     FAULT_GROUP_DRIVE = 2,
     FAULT_GROUP_PLANT = 3,
     FAULT_GROUP_TIME = 4,
-    FAULT_GROUP_COMMAND = 5
+    FAULT_GROUP_COMMAND = 5,
+    FAULT_GROUP_ASSEMBLY = 6, /* how the device was put together, or has come loose */
+    FAULT_GROUP_CONTACT = 7,  /* latches and foot switches */
+    FAULT_GROUP_NODE = 8,
+    FAULT_GROUP_PERSON = 9
 };
 
 #define FAULT_TABLE(X)                                                                          \
@@ -94,8 +98,45 @@ enum fault_group {
     X(FOREIGN_SDO, "strange tool writes to a node", BUS, 1, 20, 1, 1500, 0, 1, "")              \
     X(FOREIGN_SDO_CONTROLLER, "strange tool writes to the controller", BUS, 0, 0, 1, 1500, 0, 1, "")
 
+/* What befalls people and what they wear; only the campaign of people has it. A magnitude that is one of
+ * few values is chosen by people_plan.c. The same columns. */
+#define PEOPLE_FAULT_TABLE(X)                                                                 \
+    X(NOTHING, "no fault", PERSON, 0, 0, 9000, 9000, 0, 0, "")                                \
+    X(LEGS_SWAPPED, "assembly: leg sensors swapped", ASSEMBLY, 0, 0, 3000, 3000, 0, 3, "")    \
+    X(DRIVES_CROSSED, "assembly: drives crossed", ASSEMBLY, 0, 0, 3000, 3000, 0, 0, "")       \
+    X(SENSORS_BACKWARDS, "assembly: sensors backwards", ASSEMBLY, 0, 0, 3000, 3000, 0, 4, "") \
+    X(ANKLE_STUCK_AT_START, "assembly: ankle stuck", ASSEMBLY, 0, 0, 3000, 3000, 0, 0, "")    \
+    X(ANKLE_SLIPPED, "assembly: ankle slipped", ASSEMBLY, 0, 0, 3000, 3000, -0.01, 0.01, "m") \
+    X(LEG_SCALE, "assembly: leg angle's scale", ASSEMBLY, 0, 0, 3000, 3000, 0.9, 1.1, "")     \
+    X(ANKLE_SCALE, "assembly: ankle's scale", ASSEMBLY, 0, 0, 3000, 3000, 0.9, 1.1, "")       \
+    X(MOTOR_SCALE, "assembly: motor's scale", ASSEMBLY, 0, 0, 3000, 3000, 0.9, 1.1, "")       \
+    X(NEUTRAL_OFF, "assembly: neutral angle off", ASSEMBLY, 0, 0, 3000, 3000, -5, 5, "deg")   \
+    X(LATCH_OPENS, "latch opens by itself", CONTACT, 0, 0, 1, 3000, 0, 0, "")                 \
+    X(LATCH_STAYS_OPEN, "latch does not close again", CONTACT, 0, 0, 1000, 3000, 0, 0, "")    \
+    X(LATCH_STAYS_CLOSED, "latch does not open", CONTACT, 0, 0, 1000, 3000, 0, 0, "")         \
+    X(FOOT_STUCK_UP, "foot switch stuck open", CONTACT, 0, 0, 50, 3000, 0, 0, "")             \
+    X(FOOT_STUCK_DOWN, "foot switch stuck closed", CONTACT, 0, 0, 50, 3000, 0, 0, "")         \
+    X(FOOT_MISSING, "foot switch missing", CONTACT, 0, 0, 50, 3000, 0, 0, "")                 \
+    X(FOOT_CHATTER, "foot switch chatters", CONTACT, 0, 0, 50, 3000, 0, 0, "")                \
+    X(FOOT_FALSE, "foot switch closes falsely", CONTACT, 0, 0, 500, 3000, 0, 0, "")           \
+    X(FOOT_LATE, "foot switch late", CONTACT, 0, 0, 1000, 3000, 0.04, 0.15, "s")              \
+    X(FORCE_SHARE, "drive: share of its force", DRIVE, 0, 0, 500, 3000, 0.1, 0.5, "")         \
+    X(SPEED_SHARE, "drive: share of its speed", DRIVE, 0, 0, 500, 3000, 0.1, 0.5, "")         \
+    X(BATTERY_LOW, "drive: low battery", DRIVE, 0, 0, 500, 3000, 0.4, 0.9, "")                \
+    X(DRIVE_HOT, "drive: hot", DRIVE, 0, 0, 500, 3000, 80, 160, "degC")                       \
+    X(CLOCK_SKEW, "node's clock is off", NODE, 0, 0, 1000, 3000, -0.3, 0.3, "")               \
+    X(SENSOR_LATE, "leg sensor 20 ms late", NODE, 0, 0, 500, 3000, 20, 20, "ms")              \
+    X(PERSON_STOPS, "person stops", PERSON, 0, 0, 3000, 3000, 0, 0, "")                       \
+    X(PERSON_FALLS, "person falls", PERSON, 0, 0, 3000, 3000, -1.5, 1.5, "rad")               \
+    X(PERSON_TURNS_BACK, "person walks backwards", PERSON, 0, 0, 3000, 3000, 0, 0, "")        \
+    X(PERSON_HURRIES, "person's pace changes", PERSON, 0, 0, 1000, 3000, 0.7, 1.4, "")
+
 #define FAULT_ENUM(NAME, ...) FAULT_##NAME,
-enum fault_kind { FAULT_TABLE(FAULT_ENUM) FAULT_KINDS };
+enum fault_kind {
+    FAULT_TABLE(FAULT_ENUM) FAULT_KINDS, /* of the compass' campaign */
+    FAULT_BEFORE_PEOPLE = FAULT_KINDS - 1,
+    PEOPLE_FAULT_TABLE(FAULT_ENUM) FAULT_ALL_KINDS
+};
 #undef FAULT_ENUM
 
 struct fault_kind_info {
@@ -105,7 +146,7 @@ struct fault_kind_info {
     double least, greatest;
     const char *unit;
 };
-extern const struct fault_kind_info fault_kinds[FAULT_KINDS];
+extern const struct fault_kind_info fault_kinds[FAULT_ALL_KINDS];
 
 /* Whether a foreign node sends in this kind of fault. */
 bool fault_kind_is_foreign(enum fault_kind kind);

@@ -19,7 +19,9 @@ enum {
     KEY_LOG,
     KEY_TICKS,
     KEY_MARKDOWN,
-    KEY_ONLY
+    KEY_ONLY,
+    KEY_PEOPLE,
+    KEY_DATA
 };
 
 static const struct argp_option option_list[] = {
@@ -29,6 +31,13 @@ static const struct argp_option option_list[] = {
     {"out", KEY_OUT, "DIR", 0, "keep results there; runs that are there are not made again", 0},
     {"only", KEY_ONLY, "TEXT", 0,
      "of those N only the runs whose first fault's name contains TEXT, such as \"foreign\"", 0},
+    {"people", KEY_PEOPLE, 0, 0,
+     "recorded and made people in the walker's place, and changed copies of them; to be called at the top of "
+     "the source tree, where the persons and devices are",
+     0},
+    {"data", KEY_DATA, "DIR", 0,
+     "with --people: a folder of recordings, such as DIR/NAME.csv and DIR/people/NAME.csv (default: AFO_DATA)",
+     0},
     {"markdown", KEY_MARKDOWN, 0, 0, "the table as Markdown", 0},
     {"run", KEY_RUN, "I", 0, "run number I alone, and tell", 1},
     {"log", KEY_LOG, "FILE", 0, "with --run: every frame, as candump -L writes it", 1},
@@ -43,16 +52,17 @@ bool fault_options_want(const struct fault_options *options, uint32_t kind)
 /* A text that no fault has would leave an empty table, which looks as if all were well. */
 static void check_only(const struct fault_options *options)
 {
-    for (uint32_t kind = 0; kind < FAULT_KINDS; kind++) {
+    const uint32_t kinds = options->people ? (uint32_t)FAULT_ALL_KINDS : (uint32_t)FAULT_KINDS;
+    for (uint32_t kind = 0; kind < kinds; kind++) {
         if (fault_options_want(options, kind) && kind < options->runs) {
             return;
         }
     }
-    const char *best = nearest_name(options->only, fault_kinds, FAULT_KINDS, sizeof fault_kinds[0]);
+    const char *best = nearest_name(options->only, fault_kinds, kinds, sizeof fault_kinds[0]);
     program_complain(
         "--only: no fault of these %u runs has \"%s\" in its name%s%s; there are:", options->runs,
         options->only, best != NULL ? "; nearest: " : "", best != NULL ? best : "");
-    for (uint32_t kind = 0; kind < FAULT_KINDS; kind++) {
+    for (uint32_t kind = 0; kind < kinds; kind++) {
         fprintf(stderr, "  %s%s\n", fault_kinds[kind].name,
                 kind < options->runs ? "" : " (with more --runs)");
     }
@@ -78,6 +88,12 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_ONLY:
         options->only = text;
         break;
+    case KEY_PEOPLE:
+        options->people = true;
+        break;
+    case KEY_DATA:
+        options->data = text;
+        break;
     case KEY_MARKDOWN:
         options->markdown = true;
         break;
@@ -97,6 +113,12 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case ARGP_KEY_END:
         if (!options->single && (options->log != NULL || options->ticks != NULL)) {
             argp_error(state, "--log and --csv need --run I");
+        }
+        if (options->data != NULL && !options->people) {
+            argp_error(state, "--data needs --people");
+        }
+        if (options->people && options->data == NULL) {
+            options->data = getenv("AFO_DATA");
         }
         if (!options->single && options->only != NULL) {
             check_only(options);
@@ -120,7 +142,13 @@ void fault_options_parse(struct fault_options *options, int argc, char **argv)
         0,
         0,
         0};
-    *options =
-        (struct fault_options){.runs = 500, .jobs = 1, .seed = 1, .argc = argc, .argv = argv};
+    *options = (struct fault_options){
+        .runs = 500,
+        .jobs = 1,
+        .seed = 1,
+        .person = "sim_host/persons/adult70.ini",
+        .device = {"sim_host/devices/virtual-adult.ini", "sim_host/devices/exo50.ini"},
+        .argc = argc,
+        .argv = argv};
     option_parse(&parser, argc, argv, options);
 }

@@ -12,6 +12,10 @@ struct fault_options {
     uint64_t seed;
     bool single, markdown;
     const char *out, *log, *ticks, *only;
+    bool people;           /* the campaign of people, by: */
+    const char *data;      /* a folder of recordings; NULL: none, made people only */
+    const char *person;    /* person file */
+    const char *device[2]; /* device files */
     int argc;
     char **argv;
 };

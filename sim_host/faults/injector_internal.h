@@ -15,4 +15,12 @@ void injector_start(struct shot_state *state, struct loop *loop);
 void injector_stop(struct shot_state *state, struct loop *loop);
 void injector_hold(struct shot_state *state, struct loop *loop);
 
+/* The same for what befalls a recorded person and what they wear; nothing for the walker. */
+void injector_person_start(struct shot_state *state, struct loop *loop);
+void injector_person_stop(struct shot_state *state, struct loop *loop);
+void injector_person_hold(struct shot_state *state, struct loop *loop);
+
+/* A neutral angle that is off, as an offset of the ankle's extension, m. */
+double injector_neutral_m(const struct loop *loop, double degrees);
+
 #endif

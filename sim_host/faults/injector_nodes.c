@@ -25,8 +25,7 @@ static void measure(struct shot_state *state, struct loop *loop, double angle_ra
 
 static double ankle_unit(const struct loop *loop, double metres)
 {
-    const struct device_leg *leg = &loop->config.subject.device.description.leg[SIDE_LEFT];
-    return leg->ankle == DEVICE_ANKLE_LEVER ? metres / (double)leg->ankle_lever_m : metres;
+    return walker_nodes_ankle(&loop->nodes, SIDE_LEFT, metres);
 }
 
 static void hold_sensor(struct shot_state *state, struct loop *loop)
@@ -34,7 +33,8 @@ static void hold_sensor(struct shot_state *state, struct loop *loop)
     const struct fault_shot *shot = &state->shot;
     const enum side side = injector_side(shot);
     const struct sensor_sample *sample = &loop->nodes.sample[side];
-    const double angle_rad = sample->leg_angle_rad, ankle = sample->ankle_extension_m;
+    const double angle_rad = sample->leg_angle_rad;
+    const double ankle = walker_nodes_ankle(&loop->nodes, side, sample->ankle_extension_m);
     const double strength = shot->magnitude;
     static const double zero = 0.0;
     switch (shot->kind) {
@@ -78,10 +78,39 @@ static void hold_sensor(struct shot_state *state, struct loop *loop)
 
 /* ---- drives -------------------------------------------------------------------- */
 
+/* Shares of force and speed; an actuator as built has them in its parts' limits. */
+static void limit_drive(struct sea *sea, double force, double speed)
+{
+    struct sea_config *built = &sea->built.config;
+    sea->params.force_limit_N *= force;
+    sea->params.speed_limit_m_s *= speed;
+    built->current_peak_A *= force;
+    built->current_continuous_A *= force;
+    built->speed_limit_m_s *= speed;
+}
+
+/* A motor on less voltage is slower in proportion, and gives its force as long as it stands. */
+static void lower_supply(struct sea *sea, double share)
+{
+    sea->params.dc_link_V *= share;
+    sea->built.config.supply_V *= share;
+    if (!sea->params.as_built) {
+        sea->params.speed_limit_m_s *= share;
+    }
+}
+
+static void heat_drive(struct sea *sea, double celsius)
+{
+    sea->temperature_degC = celsius;
+    sea->params.ambient_degC = sea->built.config.ambient_degC = celsius;
+    sea->built.motor.winding_degC = sea->built.motor.housing_degC = celsius;
+}
+
 static void start_drive(struct shot_state *state, struct loop *loop)
 {
     const struct fault_shot *shot = &state->shot;
-    struct sea_params *params = &loop->nodes.plant.sea[injector_side(shot)].params;
+    struct sea *sea = &loop->nodes.plant.sea[injector_side(shot)];
+    struct sea_params *params = &sea->params;
     switch (shot->kind) {
     case FAULT_DRIVE_FAULT:
         drive_node_inject_fault(&loop->nodes.drive[injector_side(shot)], 0x4310);
@@ -94,13 +123,21 @@ static void start_drive(struct shot_state *state, struct loop *loop)
         break;
     }
     case FAULT_DRIVE_FORCELESS:
-        params->force_limit_N = 1e-6 * params->force_limit_N;
+        limit_drive(sea, 1e-6, 1.0);
         break;
     case FAULT_DRIVE_WEAK:
-        params->force_limit_N *= shot->magnitude;
+    case FAULT_FORCE_SHARE:
+        limit_drive(sea, shot->magnitude, 1.0);
         break;
     case FAULT_DRIVE_SLOW:
-        params->speed_limit_m_s *= shot->magnitude;
+    case FAULT_SPEED_SHARE:
+        limit_drive(sea, 1.0, shot->magnitude);
+        break;
+    case FAULT_BATTERY_LOW:
+        lower_supply(sea, shot->magnitude);
+        break;
+    case FAULT_DRIVE_HOT:
+        heat_drive(sea, shot->magnitude);
         break;
     case FAULT_DRIVE_HANGS:
         sim_bus_connect(&loop->bus,
@@ -108,10 +145,11 @@ static void start_drive(struct shot_state *state, struct loop *loop)
                                                         ? WALKER_DRIVE_LEFT
                                                         : WALKER_DRIVE_RIGHT),
                         false);
-        params->speed_limit_m_s = 1e-6;
+        limit_drive(sea, 1.0, 1e-6 / params->speed_limit_m_s);
         break;
     case FAULT_MOTOR_JAMMED:
         params->coulomb_N = 1e6;
+        sea->built.config.transmission_coulomb_N = 1e6;
         break;
     case FAULT_ENCODER_OFFSET:
         params->zero_offset_m += shot->magnitude;
@@ -126,6 +164,7 @@ static void stop_drive(struct shot_state *state, struct loop *loop)
     const struct fault_shot *shot = &state->shot;
     struct sea *sea = &loop->nodes.plant.sea[injector_side(shot)];
     sea->params = state->sea;
+    sea->built.config = state->sea.built;
     if (shot->kind == FAULT_DRIVE_FAULT) {
         drive_node_inject_fault(&loop->nodes.drive[injector_side(shot)], 0);
     } else if (shot->kind == FAULT_DRIVE_HANGS) {
@@ -270,13 +309,14 @@ void injector_start(struct shot_state *state, struct loop *loop)
     state->walk = plant->walk.params;
     state->speed = loop->rig.task.node.objects.desired_speed_rad_s;
     state->held[0] = loop->nodes.sample[side].leg_angle_rad;
-    state->held[1] = loop->nodes.sample[side].ankle_extension_m;
+    state->held[1] =
+        walker_nodes_ankle(&loop->nodes, side, loop->nodes.sample[side].ankle_extension_m);
     if (shot->kind == FAULT_ANGLE_DRIFT) {
         state->held[0] = 0.0;
     } else if (shot->kind == FAULT_ENCODER_STUCK) {
         state->held[0] = loop->nodes.drive[side].feedback.position_m;
     } else if (shot->kind == FAULT_SENSORS_SWAPPED) {
-        loop->nodes.swapped = true;
+        loop->nodes.assembly.legs_swapped = true;
     } else if (shot->kind == FAULT_BABBLE_HIGH || shot->kind == FAULT_BABBLE_LOW) {
         babble(state, loop, true);
     } else if (pulls_plug(shot)) {
@@ -285,12 +325,14 @@ void injector_start(struct shot_state *state, struct loop *loop)
     start_drive(state, loop);
     start_plant(state, loop);
     start_command(state, loop);
+    injector_person_start(state, loop);
 }
 
 void injector_stop(struct shot_state *state, struct loop *loop)
 {
     const struct fault_shot *shot = &state->shot;
     struct plant *plant = &loop->nodes.plant;
+    injector_person_stop(state, loop);
     switch (fault_kinds[shot->kind].group) {
     case FAULT_GROUP_DRIVE:
         stop_drive(state, loop);
@@ -304,7 +346,7 @@ void injector_stop(struct shot_state *state, struct loop *loop)
         }
         break;
     case FAULT_GROUP_SENSOR:
-        loop->nodes.swapped = false;
+        loop->nodes.assembly.legs_swapped = false;
         break;
     case FAULT_GROUP_BUS:
         if (shot->kind == FAULT_BABBLE_HIGH || shot->kind == FAULT_BABBLE_LOW) {
@@ -321,6 +363,7 @@ void injector_stop(struct shot_state *state, struct loop *loop)
 
 void injector_hold(struct shot_state *state, struct loop *loop)
 {
+    injector_person_hold(state, loop);
     if (state->shot.kind == FAULT_STAIRS) {
         plant_set_next_height(&loop->nodes.plant, state->shot.magnitude);
     }

@@ -18,6 +18,7 @@ void oracle_begin(struct oracle *oracle, struct loop *loop)
 {
     const struct plant *plant = &loop->nodes.plant;
     *oracle = (struct oracle){.loop = loop,
+                              .person = plant->config.kind == PLANT_RECORDED_PERSON,
                               .effect_tick = ORACLE_NEVER,
                               .noticed_tick = ORACLE_NEVER,
                               .unloaded_tick = ORACLE_NEVER,
@@ -205,8 +206,10 @@ void oracle_tick(struct oracle *oracle, bool differs)
         oracle->down_tick = oracle->tick;
         oracle->walk_fault = plant_fault(&oracle->loop->nodes.plant);
     }
-    follow_events(oracle);
-    check_loaded(oracle);
+    if (!oracle->person) {
+        follow_events(oracle);
+        check_loaded(oracle);
+    }
     for (int side = 0; side < SIDE_COUNT; side++) {
         check_mechanics(oracle, side);
         check_commands(oracle, side);

@@ -43,6 +43,7 @@ enum { ORACLE_UNLOAD_MS = 300 };
 
 struct oracle {
     struct loop *loop; /* the caller's */
+    bool person;       /* a recorded person: RELEASE, LOADED and FALLEN are person_judge.h's */
     uint32_t tick;
     uint32_t effect_tick; /* first difference from the run without the fault */
     uint32_t noticed_tick;

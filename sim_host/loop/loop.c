@@ -263,7 +263,7 @@ void loop_end_period(struct loop *loop, uint64_t now_ns)
     if (!loop->fault_active && loop->config.fault != LOOP_FAULT_NONE &&
         loop->rig.task.controller.last_step.number >= loop->config.fault_step) {
         loop->fault_active = true;
-        loop->nodes.swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
+        loop->nodes.assembly.legs_swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
     }
     walker_nodes_measure(&loop->nodes);
     loop->tick++;

@@ -108,6 +108,10 @@ int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *pla
 {
     memset(nodes, 0, sizeof *nodes);
     nodes->device = *device;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        nodes->assembly.leg_gain[side] = nodes->assembly.ankle_gain[side] = 1.0;
+        nodes->assembly.motor_scale[side] = 1.0;
+    }
     if (plant_init(&nodes->plant, plant, message) != PLANT_OK) {
         return -1;
     }
@@ -190,8 +194,20 @@ void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
     }
 }
 
-bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64_t now_ns)
+/* Time by a node's own clock. */
+static uint64_t own_time_ns(const struct walker_nodes *nodes, enum walker_node node,
+                            uint64_t now_ns)
 {
+    const double skew = nodes->assembly.clock_skew[node];
+    const uint64_t since_ns = nodes->assembly.skewed_ns[node];
+    return skew == 0.0 || now_ns < since_ns
+               ? now_ns
+               : since_ns + (uint64_t)((1.0 + skew) * (double)(now_ns - since_ns));
+}
+
+bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64_t bus_ns)
+{
+    const uint64_t now_ns = own_time_ns(nodes, node, bus_ns);
     const enum side side = node < WALKER_DRIVE_RIGHT ? SIDE_LEFT : SIDE_RIGHT;
     struct can_msg message;
     bool sync = false;
@@ -211,6 +227,12 @@ bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64
     return sync;
 }
 
+/* The leg at which a side's drive is. */
+static enum side leg_of_drive(const struct walker_nodes *nodes, enum side side)
+{
+    return nodes->assembly.drives_crossed ? side_other(side) : side;
+}
+
 void walker_nodes_advance(struct walker_nodes *nodes)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
@@ -225,23 +247,57 @@ void walker_nodes_advance(struct walker_nodes *nodes)
         }
         const struct sea_command command = {
             .mode = axis.powered ? SEA_POSITION : SEA_TORQUE_OFF,
-            .target_position_m = axis.target_m,
+            .target_position_m = axis.target_m / nodes->assembly.motor_scale[side],
             .latch_armed = axis.latch_armed,
         };
-        plant_set_command(&nodes->plant, (enum side)side, &command);
+        plant_set_command(&nodes->plant, leg_of_drive(nodes, (enum side)side), &command);
     }
     plant_advance(&nodes->plant);
 }
 
-void walker_nodes_measure(struct walker_nodes *nodes)
+double walker_nodes_ankle(const struct walker_nodes *nodes, enum side side, double extension_m)
+{
+    const struct sensor_params *params = &nodes->plant.config.sensors[side];
+    return params->ankle_is_lever ? extension_m / params->ankle_lever_m : extension_m;
+}
+
+/* What a side's leg sensor reads, as it is mounted and as late as it is. */
+static void measure_leg(struct walker_nodes *nodes, enum side side)
 {
     static const double lever_count_rad = 6.283185307179586 / ANKLE_COUNTS_PER_TURN;
+    const struct assembly *assembly = &nodes->assembly;
+    const enum side from = assembly->legs_swapped ? side_other(side) : side;
+    const enum side foot = assembly->feet_swapped ? side_other(side) : side;
+    const struct sensor_sample *sample = &nodes->sample[from];
+    const bool lever = nodes->plant.config.sensors[side].ankle_is_lever;
+    const double ankle = assembly->ankle_stuck[side]
+                             ? walker_nodes_ankle(nodes, side, assembly->ankle_stuck_m[side])
+                         : lever ? (double)sample->ankle_counts * lever_count_rad
+                                 : sample->ankle_extension_m;
+    nodes->reading[side][nodes->readings % (ASSEMBLY_LATE_MOST + 1)] = (struct walker_reading){
+        .leg_angle_rad = assembly->leg_gain[side] * sample->leg_angle_rad,
+        .ankle = assembly->ankle_gain[side] * ankle +
+                 walker_nodes_ankle(nodes, side, assembly->ankle_slip_m[side]),
+        .sent = sample->sent,
+    };
+    const uint32_t late =
+        assembly->late_ticks[side] < nodes->readings ? assembly->late_ticks[side] : nodes->readings;
+    const struct walker_reading *reading =
+        &nodes->reading[side][(nodes->readings - late) % (ASSEMBLY_LATE_MOST + 1)];
+    leg_sensor_node_silence(&nodes->sensor[side], !reading->sent);
+    leg_sensor_node_measure(&nodes->sensor[side], reading->leg_angle_rad, reading->ankle);
+    leg_sensor_node_measure_foot(&nodes->sensor[side], nodes->plant.foot[foot]);
+}
+
+void walker_nodes_measure(struct walker_nodes *nodes)
+{
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct sea_output out;
-        plant_sea_output(&nodes->plant, (enum side)side, &out);
+        plant_sea_output(&nodes->plant, leg_of_drive(nodes, (enum side)side), &out);
+        const double scale = nodes->assembly.motor_scale[side];
         const struct drive_axis_feedback feedback = {
-            .position_m = out.reported_position_m,
-            .velocity_m_per_s = out.speed_m_s,
+            .position_m = scale * out.reported_position_m,
+            .velocity_m_per_s = scale * out.speed_m_s,
             .force_N = out.motor_force_N,
             .temperature_degC = out.temperature_degC,
             .dc_link_V = out.dc_link_V,
@@ -258,14 +314,9 @@ void walker_nodes_measure(struct walker_nodes *nodes)
         plant_sample(&nodes->plant, (enum side)side, &nodes->sample[side]);
     }
     for (int side = 0; side < SIDE_COUNT; side++) {
-        const struct sensor_sample *sample = &nodes->sample[nodes->swapped ? 1 - side : side];
-        const bool lever = nodes->plant.config.sensors[side].ankle_is_lever;
-        leg_sensor_node_silence(&nodes->sensor[side], !sample->sent);
-        leg_sensor_node_measure(&nodes->sensor[side], sample->leg_angle_rad,
-                                lever ? (double)sample->ankle_counts * lever_count_rad
-                                      : sample->ankle_extension_m);
-        leg_sensor_node_measure_foot(&nodes->sensor[side], nodes->plant.foot[side]);
+        measure_leg(nodes, (enum side)side);
     }
+    nodes->readings++;
 }
 
 /* ---- what the nodes listen to ---------------------------------------------- */

@@ -15,6 +15,7 @@
 
 #include "hal/bus/can_bus.h"
 #include "hal/devices/device_description.h"
+#include "sim_host/nodes/assembly.h"
 #include "sim_host/nodes/drive_node.h"
 #include "sim_host/nodes/latch_node.h"
 #include "sim_host/nodes/leg_sensor_node.h"
@@ -50,7 +51,12 @@ struct walker_nodes {
     struct can_bus drive_bus[SIDE_COUNT];
     struct walker_gate gate[SIDE_COUNT]; /* refuses NULL: there is none; set it behind the init */
     struct sensor_sample sample[SIDE_COUNT];
-    bool swapped; /* fault: left and right sensor exchanged */
+    struct assembly assembly;
+    struct walker_reading {
+        double leg_angle_rad, ankle;
+        bool sent;
+    } reading[SIDE_COUNT][ASSEMBLY_LATE_MOST + 1]; /* the newest ones, by tick */
+    uint32_t readings;
 };
 
 /* The nodes are those of *device (copied), which must be valid. Builds the plant (its heap is given back by walker_nodes_free), boots the nodes on
@@ -73,6 +79,9 @@ bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64
 
 /* The drives' commands to the plant, and the plant one tick on. */
 void walker_nodes_advance(struct walker_nodes *nodes);
+
+/* An ankle's extension in the unit that a side's leg sensor has: m, or with a lever rad (small angles). */
+double walker_nodes_ankle(const struct walker_nodes *nodes, enum side side, double extension_m);
 
 /* The plant's state to the nodes, once a tick (the sensors' noise moves on here). */
 void walker_nodes_measure(struct walker_nodes *nodes);

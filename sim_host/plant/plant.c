@@ -38,10 +38,13 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
     }
     memset(plant, 0, sizeof *plant);
     plant->config = *config;
+    person_motion_init(&plant->motion);
     if (config->kind == PLANT_RECORDED_PERSON) {
         char why[RECORDING_ERROR_MAX];
-        if (recording_load(&plant->recording, config->recording_path, &config->recording_format,
-                           why) != RECORDING_OK) {
+        if (config->recording != NULL) {
+            plant->recording = *config->recording;
+        } else if (recording_load(&plant->recording, config->recording_path,
+                                  &config->recording_format, why) != RECORDING_OK) {
             (void)snprintf(message, PLANT_ERROR_MAX, "%s", why);
             return PLANT_BAD_RECORDING;
         }
@@ -64,7 +67,9 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
 
 void plant_free(struct plant *plant)
 {
-    recording_free(&plant->recording);
+    if (plant->config.recording == NULL) {
+        recording_free(&plant->recording);
+    }
 }
 
 void plant_set_command(struct plant *plant, enum side side, const struct sea_command *command)

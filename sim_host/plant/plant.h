@@ -26,6 +26,7 @@
 #include "model/side.h"
 #include "sim_host/plant/contact_wire.h"
 #include "sim_host/plant/foot_switch.h"
+#include "sim_host/plant/person_motion.h"
 #include "sim_host/plant/recorded_person.h"
 #include "sim_host/plant/sea.h"
 #include "sim_host/plant/sensors.h"
@@ -58,6 +59,8 @@ struct plant_config {
     const double *heights_m; /* heights of footholds 1.. above the slope line, or NULL; */
     size_t heights_count;    /* caller's, must outlive the plant; after the last: 0 */
     char recording_path[PLANT_PATH_MAX]; /* PLANT_RECORDED_PERSON: the recording */
+    const struct recording *recording;   /* the caller's, in the file's place; NULL: read the file.
+                                        * It must outlive the plant */
     struct recording_format recording_format;
     struct foot_switch_params foot_switch[SIDE_COUNT]; /* of a recorded person; default: none */
     enum plant_latch_fault latch_fault;                /* of both latches of a recorded person, */
@@ -104,7 +107,9 @@ struct plant {
     double person_work_J[SIDE_COUNT];
     struct recording recording;
     struct recorded_person_state person;
+    struct person_motion motion;
     size_t recording_cursor;
+    enum plant_latch_fault latch_broken[SIDE_COUNT]; /* beside the config's; set at any time */
     struct foot_switch foot_switch[SIDE_COUNT];
     enum foot_contact foot[SIDE_COUNT];         /* what the switches say at this SYNC */
     struct contact_wire other_foot[SIDE_COUNT]; /* at each latch's node */

@@ -8,12 +8,14 @@
 static double recording_s(const struct plant *plant, uint64_t tick)
 {
     const uint64_t start = plant->config.recording_start_tick;
-    return tick <= start ? 0.0 : (double)(tick - start) * plant->config.tick_s;
+    return tick <= start ? 0.0
+                         : (double)(tick - start) * plant->config.tick_s + plant->motion.shift_s;
 }
 
 static double plant_time_of_s(const struct plant *plant, double recorded_s)
 {
-    return recorded_s + (double)plant->config.recording_start_tick * plant->config.tick_s;
+    return recorded_s - plant->motion.shift_s +
+           (double)plant->config.recording_start_tick * plant->config.tick_s;
 }
 
 /* Heel strikes and toe-offs of the samples that this tick reaches. */
@@ -62,8 +64,11 @@ static void run_switches(struct plant *plant)
     }
 }
 
-static enum plant_latch_fault latch_fault(const struct plant *plant, double now_s)
+static enum plant_latch_fault latch_fault(const struct plant *plant, enum side side, double now_s)
 {
+    if (plant->latch_broken[side] != PLANT_LATCH_WELL) {
+        return plant->latch_broken[side];
+    }
     return now_s >= plant->config.latch_fault_s ? plant->config.latch_fault : PLANT_LATCH_WELL;
 }
 
@@ -74,7 +79,7 @@ static const double OPENS_AT_STROKE_RATIO = 0.02;
 static void run_latch(struct plant *plant, enum side side, double ankle_m, double now_s)
 {
     struct sea *sea = &plant->sea[side];
-    const enum plant_latch_fault fault = latch_fault(plant, now_s);
+    const enum plant_latch_fault fault = latch_fault(plant, side, now_s);
     if (fault == PLANT_LATCH_OPENS && sea->latch == SEA_LATCH_CLOSED &&
         sea->position_m > OPENS_AT_STROKE_RATIO * sea->params.stroke_max_m) {
         sea->release_pending = true;
@@ -122,8 +127,12 @@ void plant_advance_recorded_person(struct plant *plant)
 {
     const size_t from = plant->recording_cursor;
     struct recorded_person_state next;
+    if (plant->tick + 1 > plant->config.recording_start_tick && plant->motion.rate != 1.0) {
+        plant->motion.shift_s += (plant->motion.rate - 1.0) * plant->config.tick_s;
+    }
     recorded_person_at(&plant->recording, recording_s(plant, plant->tick + 1),
                        &plant->recording_cursor, &next);
+    person_motion_apply(&plant->motion, plant->config.tick_s, &plant->person, &next);
     pass_apex(plant, &next);
     pass_contacts(plant, from, plant->recording_cursor);
     run_switches(plant);

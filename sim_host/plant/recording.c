@@ -259,6 +259,13 @@ static enum recording_error row_time(struct reader *reader, const double values[
     return RECORDING_OK;
 }
 
+double recording_ankle_m(const struct recording_ankle *ankle, double plantarflexion_rad)
+{
+    const double lifted_m = sea_lever_way_m(&ankle->lever_table, ankle->lever_m,
+                                            plantarflexion_rad - ankle->neutral_rad);
+    return lifted_m > 0.0 ? lifted_m : 0.0;
+}
+
 static enum recording_error fill_sample(const struct reader *reader,
                                         const double values[COLUMN_COUNT],
                                         struct recording_sample *sample)
@@ -277,10 +284,9 @@ static enum recording_error fill_sample(const struct reader *reader,
          * atan2(sin thigh + sin shank, cos thigh + cos shank). */
         sample->leg_angle_rad[side] = 0.5 * (thigh_rad + shank_rad);
         sample->plantarflexion_rad[side] = -values[ANKLE_L + side] * unit_rad;
-        const double bent_rad = sample->plantarflexion_rad[side] - ankle->neutral_rad;
         const bool has_ankle = reader->index[ANKLE_L + side] != ABSENT;
-        const double lifted_m = sea_lever_way_m(&ankle->lever_table, ankle->lever_m, bent_rad);
-        sample->ankle_m[side] = has_ankle && lifted_m > 0.0 ? lifted_m : 0.0;
+        sample->ankle_m[side] =
+            has_ankle ? recording_ankle_m(ankle, sample->plantarflexion_rad[side]) : 0.0;
         sample->contact[side] = values[CONTACT_L + side] != 0.0;
     }
     return RECORDING_OK;

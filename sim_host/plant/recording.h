@@ -72,6 +72,9 @@ enum recording_error {
 /* The names and units of the project's own recordings. */
 void recording_format_default(struct recording_format *format);
 
+/* Extension of an ankle at this plantarflexion, m. Cost O(1). */
+double recording_ankle_m(const struct recording_ankle *ankle, double plantarflexion_rad);
+
 /* Largest minus smallest leg angle, of the leg that moves more, rad: shows whether the angles' unit is
  * plausible. Cost O(samples). */
 double recording_span_rad(const struct recording *recording);

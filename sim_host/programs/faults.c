@@ -1,25 +1,17 @@
 /* afo faults: injects faults into steady walks and judges what the plant did. */
-#include <errno.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
-#include "sim_host/cli/progress.h"
 #include "sim_host/faults/campaign.h"
 #include "sim_host/faults/fault_options.h"
+#include "sim_host/faults/people_main.h"
 #include "sim_host/faults/summary.h"
+#include "sim_host/faults/work.h"
 #include "sim_host/programs/commands.h"
-
-enum { PATH_BYTES = 1024, WAIT_US = 20000 };
 
 /* Of one processor, about. */
 #define RUN_S 0.022
@@ -113,175 +105,87 @@ static int run_alone(const struct fault_options *options)
 
 /* ---- many ------------------------------------------------------------------------------ */
 
-static void path_of(char *path, const char *directory, uint64_t seed, unsigned job)
+struct many {
+    const struct fault_options *options;
+    struct campaign *campaign;
+    struct campaign_result *results;
+};
+
+static bool wants(void *context, uint32_t index)
 {
-    snprintf(path, PATH_BYTES, "%s/seed%llu-job%u.txt", directory, (unsigned long long)seed, job);
+    const struct many *many = (const struct many *)context;
+    return fault_options_want(many->options, index % FAULT_KINDS);
 }
 
-/* Takes what is in the directory, of any number of jobs, into results. */
-static void read_results(const struct fault_options *options, struct campaign_result *results,
-                         bool *done)
+static bool begin(void *context)
 {
-    char line[256];
-    for (unsigned job = 0; job < FAULT_JOBS_MAX; job++) {
-        char path[PATH_BYTES];
-        struct campaign_result result;
-        path_of(path, options->out, options->seed, job);
-        FILE *file = fopen(path, "r");
-        while (file != NULL && fgets(line, sizeof line, file) != NULL) {
-            if (campaign_read(line, options->seed, &result) && result.plan.index < options->runs) {
-                results[result.plan.index] = result;
-                done[result.plan.index] = true;
-            }
-        }
-        if (file != NULL) {
-            fclose(file);
-        }
-    }
+    struct many *many = (struct many *)context;
+    many->campaign = campaign_create();
+    return many->campaign != NULL;
 }
 
-/* Whether run i is asked for. */
-static bool is_wanted(const struct fault_options *options, uint32_t i)
+static void make(void *context, uint32_t index, FILE *file)
 {
-    return fault_options_want(options, i % FAULT_KINDS);
+    struct many *many = (struct many *)context;
+    struct campaign_plan plan;
+    struct campaign_result result;
+    campaign_plan(many->options->seed, index, &plan);
+    campaign_run(many->campaign, &plan, NULL, NULL, &result);
+    campaign_write(file, &result);
 }
 
-static int work(const struct fault_options *options, struct campaign *campaign, unsigned job,
-                const bool *done, atomic_uint *finished)
+static bool take(void *context, const char *line, uint32_t *index)
 {
-    char path[PATH_BYTES];
-    path_of(path, options->out, options->seed, job);
-    FILE *file = fopen(path, "a");
-    if (file == NULL) {
-        program_complain("%s: %s", path, strerror(errno));
-        return EXIT_USAGE;
+    struct many *many = (struct many *)context;
+    struct campaign_result result;
+    if (!campaign_read(line, many->options->seed, &result) ||
+        result.plan.index >= many->options->runs) {
+        return false;
     }
-    for (uint32_t i = job; i < options->runs; i += options->jobs) {
-        struct campaign_plan plan;
-        struct campaign_result result;
-        if (done[i] || !is_wanted(options, i)) {
-            continue;
-        }
-        campaign_plan(options->seed, i, &plan);
-        campaign_run(campaign, &plan, NULL, NULL, &result);
-        campaign_write(file, &result);
-        if (fflush(file) != 0) {
-            program_complain("%s: %s", path, strerror(errno));
-            return EXIT_USAGE;
-        }
-        atomic_fetch_add(finished, 1u);
-    }
-    return fclose(file) == 0 ? EXIT_GOOD : EXIT_USAGE;
-}
-
-/* Tells how many runs the children have counted, until all of them have ended. */
-static int await_children(atomic_uint *finished, uint32_t wanted)
-{
-    struct progress progress;
-    int worst = EXIT_GOOD, status;
-    pid_t child;
-    progress_begin(&progress, "runs", wanted, false);
-    while ((child = waitpid(-1, &status, WNOHANG)) >= 0) {
-        if (child == 0) {
-            progress_tell(&progress, atomic_load(finished));
-            (void)usleep(WAIT_US);
-        } else if (status != 0) {
-            worst = EXIT_USAGE;
-        }
-    }
-    progress_end(&progress);
-    return worst;
-}
-
-static uint32_t count_missing(const struct fault_options *options, const bool *done)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < options->runs; i++) {
-        count += !done[i] && is_wanted(options, i) ? 1 : 0;
-    }
-    return count;
-}
-
-/* Children share the saved walks of the parent; a fork keeps their addresses. */
-static int run_many(const struct fault_options *options, const bool *done)
-{
-    const uint32_t missing = count_missing(options, done);
-    if (missing == 0) {
-        return EXIT_GOOD;
-    }
-    struct campaign *campaign = campaign_create();
-    atomic_uint *finished = (atomic_uint *)mmap(NULL, sizeof *finished, PROT_READ | PROT_WRITE,
-                                                MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (campaign == NULL || finished == MAP_FAILED) {
-        campaign_destroy(campaign);
-        return EXIT_USAGE;
-    }
-    program_announce((double)missing * RUN_S / (double)options->jobs, "%u runs by %u processes",
-                     missing, options->jobs);
-    int worst = EXIT_GOOD;
-    fflush(NULL);
-    for (unsigned job = 0; job < options->jobs; job++) {
-        const pid_t child = fork();
-        if (child == 0) {
-            _exit(work(options, campaign, job, done, finished));
-        }
-        worst = child < 0 ? EXIT_USAGE : worst;
-    }
-    const int ended = await_children(finished, missing);
-    (void)munmap(finished, sizeof *finished);
-    campaign_destroy(campaign);
-    return worst != EXIT_GOOD ? worst : ended;
+    *index = result.plan.index;
+    many->results[*index] = result;
+    return true;
 }
 
 /* Moves the results of the runs asked for to the front; how many they are. */
-static uint32_t keep_wanted(const struct fault_options *options, struct campaign_result *results)
+static uint32_t keep_wanted(struct many *many)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < options->runs; i++) {
-        if (is_wanted(options, i)) {
-            results[count++] = results[i];
+    for (uint32_t i = 0; i < many->options->runs; i++) {
+        if (wants(many, i)) {
+            many->results[count++] = many->results[i];
         }
     }
     return count;
 }
 
-static int run_campaign(struct fault_options *options)
+static int run_campaign(const struct fault_options *options)
 {
-    char scratch[] = "/tmp/afo-faults-XXXXXX";
-    const bool keeps = options->out != NULL;
-    if (!keeps) {
-        options->out = mkdtemp(scratch);
-    } else if (mkdir(options->out, 0777) != 0 && errno != EEXIST) {
-        program_complain("%s: %s", options->out, strerror(errno));
+    struct many many = {.options = options};
+    struct work work = {.runs = options->runs,
+                        .jobs = options->jobs,
+                        .chunk = 1,
+                        .out = options->out,
+                        .run_s = RUN_S,
+                        .context = &many,
+                        .wants = wants,
+                        .begin = begin,
+                        .make = make,
+                        .take = take};
+    snprintf(work.prefix, sizeof work.prefix, "seed%llu", (unsigned long long)options->seed);
+    many.results = (struct campaign_result *)calloc(options->runs, sizeof *many.results);
+    if (many.results == NULL) {
+        program_complain("out of memory");
         return EXIT_USAGE;
     }
-    struct campaign_result *results =
-        (struct campaign_result *)calloc(options->runs, sizeof *results);
-    bool *done = (bool *)calloc(options->runs, sizeof *done);
-    if (results == NULL || done == NULL || options->out == NULL) {
-        free(results);
-        free(done);
-        program_complain("out of memory, or no temporary directory");
-        return EXIT_USAGE;
-    }
-    read_results(options, results, done);
-    int status = run_many(options, done);
-    read_results(options, results, done);
-    if (status == EXIT_GOOD && count_missing(options, done) == 0) {
-        const uint32_t count = keep_wanted(options, results);
-        const unsigned bad = summary_table(stdout, results, count, options->markdown);
+    int status = work_do(&work);
+    if (status == EXIT_GOOD) {
+        const uint32_t count = keep_wanted(&many);
+        const unsigned bad = summary_table(stdout, many.results, count, options->markdown);
         status = bad == 0 ? EXIT_GOOD : EXIT_BAD;
     }
-    for (unsigned job = 0; !keeps && job < options->jobs; job++) {
-        char path[PATH_BYTES];
-        path_of(path, options->out, options->seed, job);
-        (void)unlink(path);
-    }
-    if (!keeps) {
-        (void)rmdir(options->out);
-    }
-    free(results);
-    free(done);
+    campaign_destroy(many.campaign);
+    free(many.results);
     return status;
 }
 
@@ -289,6 +193,8 @@ int afo_faults(int argc, char **argv)
 {
     struct fault_options options;
     fault_options_parse(&options, argc, argv);
-    const int status = options.single ? run_alone(&options) : run_campaign(&options);
+    const int status = options.people   ? people_main(&options)
+                       : options.single ? run_alone(&options)
+                                        : run_campaign(&options);
     return program_output_done() == 0 ? status : EXIT_USAGE;
 }

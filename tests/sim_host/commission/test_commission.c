@@ -63,7 +63,7 @@ static void inject_sign(void)
 
 static void inject_swapped_sensors(void)
 {
-    loop.nodes.swapped = true;
+    loop.nodes.assembly.legs_swapped = true;
 }
 
 static void inject_torque_constant(void)
@@ -198,7 +198,7 @@ static void put_legs(void)
         const bool swings = hands.hand == COMMISSION_HAND_SWING && (int)hands.leg == side;
         const double part =
             swings && hands.ticks < SWING_TICKS ? (double)hands.ticks / SWING_TICKS : 0.0;
-        const int sensor = loop.nodes.swapped ? 1 - side : side;
+        const int sensor = loop.nodes.assembly.legs_swapped ? 1 - side : side;
         leg_sensor_node_measure(&loop.nodes.sensor[sensor], SWING_RAD * part, 0.0);
     }
 }

@@ -1,0 +1,156 @@
+#include "sim_host/faults/people_main.h"
+
+#include <stdlib.h>
+
+#include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/output_file.h"
+#include "sim_host/cli/program.h"
+#include "sim_host/faults/people_campaign.h"
+#include "sim_host/faults/people_summary.h"
+#include "sim_host/faults/work.h"
+
+/* Of one processor, about. */
+#define RUN_S 0.08
+
+struct many {
+    const struct fault_options *options;
+    struct people_campaign *campaign;
+    unsigned recordings;
+    struct people_result *results;
+};
+
+static bool wants(void *context, uint32_t index)
+{
+    const struct many *many = (const struct many *)context;
+    return fault_options_want(many->options, index % FAULT_ALL_KINDS);
+}
+
+static bool begin(void *context)
+{
+    (void)context;
+    return true;
+}
+
+static void make(void *context, uint32_t index, FILE *file)
+{
+    struct many *many = (struct many *)context;
+    struct people_plan plan;
+    struct people_result result;
+    people_plan(many->options->seed, index, many->recordings, &plan);
+    (void)people_campaign_run(many->campaign, &plan, NULL, NULL, &result);
+    people_result_write(file, &result);
+}
+
+static bool take(void *context, const char *line, uint32_t *index)
+{
+    struct many *many = (struct many *)context;
+    struct people_result result;
+    if (!people_result_read(line, many->options->seed, many->recordings, &result) ||
+        result.plan.index >= many->options->runs) {
+        return false;
+    }
+    *index = result.plan.index;
+    many->results[*index] = result;
+    return true;
+}
+
+static uint32_t keep_wanted(struct many *many)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < many->options->runs; i++) {
+        if (wants(many, i)) {
+            many->results[count++] = many->results[i];
+        }
+    }
+    return count;
+}
+
+static int run_many(const struct fault_options *options, struct people_campaign *campaign)
+{
+    struct many many = {.options = options,
+                        .campaign = campaign,
+                        .recordings = people_campaign_recordings(campaign)};
+    struct work work = {.runs = options->runs,
+                        .jobs = options->jobs,
+                        .chunk = PEOPLE_BLOCK,
+                        .out = options->out,
+                        .run_s = RUN_S,
+                        .context = &many,
+                        .wants = wants,
+                        .begin = begin,
+                        .make = make,
+                        .take = take};
+    /* With other recordings other people walk. */
+    snprintf(work.prefix, sizeof work.prefix, "people%u-seed%llu", many.recordings,
+             (unsigned long long)options->seed);
+    many.results = (struct people_result *)calloc(options->runs, sizeof *many.results);
+    if (many.results == NULL) {
+        program_complain("out of memory");
+        return EXIT_USAGE;
+    }
+    int status = work_do(&work);
+    if (status == EXIT_GOOD) {
+        const uint32_t count = keep_wanted(&many);
+        const unsigned bad =
+            people_summary(stdout, campaign, many.results, count, options->markdown);
+        status = bad == 0 ? EXIT_GOOD : EXIT_BAD;
+    }
+    free(many.results);
+    return status;
+}
+
+/* With no path: a file that is not open. */
+static bool open_output(struct output_file *file, const char *path)
+{
+    char message[OUTPUT_PATH_MAX + 256];
+    *file = (struct output_file){0};
+    if (path != NULL && output_file_open(file, path, message, sizeof message) != 0) {
+        program_complain("%s", message);
+        return false;
+    }
+    return true;
+}
+
+static bool commit_output(struct output_file *file)
+{
+    char message[OUTPUT_PATH_MAX + 256];
+    if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
+        program_complain("%s", message);
+        return false;
+    }
+    return true;
+}
+
+static int run_alone(const struct fault_options *options, struct people_campaign *campaign)
+{
+    struct people_plan plan;
+    struct people_result result;
+    struct output_file log, ticks;
+    people_plan(options->seed, options->run, people_campaign_recordings(campaign), &plan);
+    if (!open_output(&log, options->log)) {
+        return EXIT_USAGE;
+    }
+    if (!open_output(&ticks, options->ticks)) {
+        output_file_discard(&log);
+        return EXIT_USAGE;
+    }
+    (void)people_campaign_run(campaign, &plan, log.stream, ticks.stream, &result);
+    const bool log_kept = commit_output(&log);
+    const bool ticks_kept = commit_output(&ticks);
+    people_summary_tell(stdout, campaign, &result);
+    return !log_kept || !ticks_kept                          ? EXIT_USAGE
+           : result.unsafe == 0 && result.unsafe_device == 0 ? EXIT_GOOD
+                                                             : EXIT_BAD;
+}
+
+int people_main(const struct fault_options *options)
+{
+    struct people_campaign *campaign =
+        people_campaign_create(options->person, options->device, options->data);
+    if (campaign == NULL) {
+        return EXIT_USAGE;
+    }
+    const int status = options->single ? run_alone(options, campaign) : run_many(options, campaign);
+    people_campaign_destroy(campaign);
+    return status;
+}
