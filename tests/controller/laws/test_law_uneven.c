@@ -101,10 +101,11 @@ START_TEST(a_push_makes_nobody_hurry)
     subject_default(&subject);
     ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
     params.law = (real)LAW_PREDICTIVE;
-    params.r0_change_max_m = params.r0_max_m;
+    params.r0_change_max_m = params.r0_change_ceiling_m = params.r0_max_m;
     params.terrain_speed_rad_s += REAL(0.8) * (real)_i;
     ck_assert_int_eq(loop_configure(&config, &subject, &params, 0.4, SENSORS_17BIT, 1, message), 0);
-    ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
+    const int started = loop_init(&loop, &config, NULL, message);
+    ck_assert_msg(started == 0, "%s", message);
     const struct step_law *law = &loop.rig.task.controller.plan.law;
     const struct step_record *step = &loop.rig.task.controller.last_step;
     for (int i = 0; i < 100000 && law->steps < 40; i++) {
