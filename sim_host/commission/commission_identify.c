@@ -91,6 +91,7 @@ static void judge_type(struct commission *commission, struct commission_result *
                        const struct device_unit *unit)
 {
     const uint32_t expected = unit->key == DEVICE_LEG_drive_node ? PROFILE_DRIVE : PROFILE_SENSOR;
+    const bool is_of_any = unit->key == DEVICE_LEG_latch_node; /* as at the set-up */
     uint32_t type, vendor, product;
     char message[OBJECT_MESSAGE_MAX];
     const char *leg = commission_leg(unit->leg), *name = unit_name(unit);
@@ -98,7 +99,7 @@ static void judge_type(struct commission *commission, struct commission_result *
         commission_find(result, "%s %s (node %u): %s", leg, name, unit->number, message);
         return;
     }
-    if ((type & 0xFFFFu) != expected) {
+    if ((type & 0xFFFFu) != expected && !is_of_any) {
         commission_find(result, "%s %s (node %u): profile %u where %u was expected (0x1000)", leg,
                         name, unit->number, (unsigned)(type & 0xFFFFu), (unsigned)expected);
     }
@@ -243,7 +244,7 @@ static int judge_temperature(struct commission *commission, struct commission_re
 {
     const struct device_leg *declared = &commission->device.description.leg[leg];
     double celsius, volts;
-    if (declared->protocol == DEVICE_NO_DRIVE_PROTOCOL ||
+    if (declared->protocol == DEVICE_NO_DRIVE_PROTOCOL || declared->protocol == DEVICE_CANSIMPLE ||
         (declared->protocol == DEVICE_CIA402 &&
          device_leg_lacks(declared, DEVICE_LACKS_TEMPERATURE))) {
         return 0;
@@ -253,6 +254,9 @@ static int judge_temperature(struct commission *commission, struct commission_re
         commission_get_leg(commission, result, "drives", (enum side)leg, "drive_supply", &volts) !=
             0) {
         return -1;
+    }
+    if (declared->protocol == DEVICE_MIT && celsius == 0.0) {
+        return 0; /* a motor that tells none */
     }
     commission_note(result, "%s drive: %.1f degC, %.1f V.", commission_leg(leg), celsius, volts);
     if (!(celsius >= ROOM_LEAST_DEGC && celsius <= ROOM_MOST_DEGC)) {

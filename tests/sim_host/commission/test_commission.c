@@ -267,7 +267,24 @@ static int confirm(void *context, enum side leg, const char *question)
 
 /* Who is in the stand; NULL is the paper's walker with the virtual device. */
 static const char *person_path, *device_path;
-static bool is_mirrored;
+static void (*change_device)(struct device_file *device);
+
+static void mirror(struct device_file *device)
+{
+    device_file_set(device, SIDE_LEFT, DEVICE_LEG_direction, -1.0);
+    device_file_set(device, SIDE_LEFT, DEVICE_LEG_zero_counts, 12345.0);
+    device_file_set(device, SIDE_RIGHT, DEVICE_LEG_zero_counts, -777.0);
+}
+
+static void leave_left_alone(struct device_file *device)
+{
+    device_file_set(device, SIDE_RIGHT, DEVICE_LEG_protocol, DEVICE_NO_DRIVE_PROTOCOL);
+}
+
+static void leave_right_alone(struct device_file *device)
+{
+    device_file_set(device, SIDE_LEFT, DEVICE_LEG_protocol, DEVICE_NO_DRIVE_PROTOCOL);
+}
 
 static void setup(void)
 {
@@ -276,10 +293,8 @@ static void setup(void)
     struct control_params params;
     char message[LOOP_MESSAGE_MAX];
     ck_assert_msg(subject_read(&subject, person_path, device_path, message) == 0, "%s", message);
-    if (is_mirrored) {
-        device_file_set(&subject.device, SIDE_LEFT, DEVICE_LEG_direction, -1.0);
-        device_file_set(&subject.device, SIDE_LEFT, DEVICE_LEG_zero_counts, 12345.0);
-        device_file_set(&subject.device, SIDE_RIGHT, DEVICE_LEG_zero_counts, -777.0);
+    if (change_device != NULL) {
+        change_device(&subject.device);
     }
     ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
     ck_assert_msg(loop_configure(&config, &subject, &params, 0.41, SENSORS_17BIT, 1, message) == 0,
@@ -317,7 +332,7 @@ static void setup_good(void)
 {
     defect = NULL;
     person_path = device_path = NULL;
-    is_mirrored = false;
+    change_device = NULL;
     setup();
 }
 
@@ -385,11 +400,19 @@ END_TEST
 
 static const struct {
     const char *person, *device;
-    bool mirrored;
+    void (*change)(struct device_file *device);
 } devices[] = {
-    {NULL, NULL, true},
-    {"sim_host/persons/adult70.ini", "sim_host/devices/virtual-adult.ini", false},
-    {"sim_host/persons/adult70.ini", "sim_host/devices/exo50.ini", false},
+    {NULL, NULL, mirror},
+    {NULL, NULL, leave_left_alone},
+    {NULL, NULL, leave_right_alone},
+    {NULL, "sim_host/devices/epos4.ini", NULL},
+    {NULL, "sim_host/devices/cia402.ini", NULL},
+    {NULL, "sim_host/devices/odrive.ini", NULL},
+    {NULL, "sim_host/devices/ak80.ini", NULL},
+    {NULL, "sim_host/devices/ak80.ini", leave_left_alone},
+    {NULL, "sim_host/devices/odrive.ini", leave_right_alone},
+    {"sim_host/persons/adult70.ini", "sim_host/devices/virtual-adult.ini", NULL},
+    {"sim_host/persons/adult70.ini", "sim_host/devices/exo50.ini", NULL},
 };
 enum { DEVICES = sizeof devices / sizeof devices[0] };
 
@@ -398,7 +421,7 @@ START_TEST(other_devices_pass_as_well)
     defect = NULL;
     person_path = devices[_i].person;
     device_path = devices[_i].device;
-    is_mirrored = devices[_i].mirrored;
+    change_device = devices[_i].change;
     setup();
     const int failed = run_all();
     ck_assert_msg(failed < 0, "%s: %s %s",
@@ -406,7 +429,12 @@ START_TEST(other_devices_pass_as_well)
                   failed < 0 ? "" : all_findings(failed),
                   failed < 0 ? "" : commission.result[failed].done);
     ck_assert(largest_load_before_link_N <= LOAD_LIMIT_SHARE * rated_N());
-    printf("  %s: %s %s\n", device_path != NULL ? device_path : "mirrored",
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct device_leg *found = &commission.device.description.leg[leg];
+        const struct device_leg *declared = &loop.config.subject.device.description.leg[leg];
+        ck_assert_int_eq(found->unload, declared->unload);
+    }
+    printf("  %d %s: %s %s\n", _i, device_path != NULL ? device_path : "virtual",
            commission.result[COMMISSION_SPRING].done, commission.result[COMMISSION_BANDWIDTH].done);
     teardown();
 }
@@ -500,7 +528,7 @@ START_TEST(a_device_that_is_not_what_its_file_says_is_found)
     const bool is_paper = _i < DEFECTS;
     person_path = is_paper ? NULL : "sim_host/persons/adult70.ini";
     device_path = is_paper ? NULL : "sim_host/devices/exo50.ini";
-    is_mirrored = false;
+    change_device = NULL;
     defect = &defects[_i % DEFECTS];
     setup();
     const int failed = run_all();
@@ -514,6 +542,27 @@ START_TEST(a_device_that_is_not_what_its_file_says_is_found)
     ck_assert_int_eq(commission.result[failed].verdict, COMMISSION_FAILED);
     ck_assert_msg(strstr(all_findings(failed), defect->says) != NULL, "%s", all_findings(failed));
     ck_assert(largest_load_N <= LOAD_LIMIT_SHARE * rated_N());
+    teardown();
+}
+END_TEST
+
+static void say_drive_unloads(struct device_file *device)
+{
+    device_file_set(device, SIDE_RIGHT, DEVICE_LEG_unload, DEVICE_UNLOAD_DRIVE);
+}
+
+START_TEST(a_drive_whose_protocol_cannot_unload_is_not_believed)
+{
+    defect = NULL;
+    person_path = NULL;
+    device_path = _i == 0 ? "sim_host/devices/odrive.ini" : "sim_host/devices/ak80.ini";
+    change_device = say_drive_unloads;
+    setup();
+    ck_assert_int_eq(run_all(), COMMISSION_LINK);
+    ck_assert_msg(strstr(all_findings(COMMISSION_LINK), "right drive: its protocol") != NULL, "%s",
+                  all_findings(COMMISSION_LINK));
+    ck_assert_uint_eq(commission.result[COMMISSION_LINK].finding_count, 1);
+    ck_assert_int_eq(commission.device.description.leg[SIDE_RIGHT].unload, DEVICE_UNLOAD_NONE);
     teardown();
 }
 END_TEST
@@ -613,6 +662,7 @@ int main(void)
     TCase *wrong = tcase_create("devices that are not what their file says");
     tcase_set_timeout(wrong, 120);
     tcase_add_loop_test(wrong, a_device_that_is_not_what_its_file_says_is_found, 0, 2 * DEFECTS);
+    tcase_add_loop_test(wrong, a_drive_whose_protocol_cannot_unload_is_not_believed, 0, 2);
     tcase_add_test(wrong, a_drive_that_does_not_unload_on_link_loss_is_found);
     suite_add_tcase(suite, wrong);
     return run_suite(suite);
