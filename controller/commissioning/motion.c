@@ -151,9 +151,8 @@ static bool is_possible(const struct motion *motion, const struct controller_inp
                        request->kind == MOTION_KIND_RELEASE || request->kind == MOTION_KIND_CUT;
     /* Written so that what is not a number is refused, too. */
     return known && request->side < SIDE_COUNT && !input->sea[request->side].absent &&
-           request->share > REAL(0.0) &&
-           request->share <= motion_share_allowed(motion) && request->seconds > REAL(0.0) &&
-           request->seconds <= (real)MOTION_SECONDS_MOST &&
+           request->share > REAL(0.0) && request->share <= motion_share_allowed(motion) &&
+           request->seconds > REAL(0.0) && request->seconds <= (real)MOTION_SECONDS_MOST &&
            (request->kind != MOTION_KIND_CHIRP || request->frequency_Hz >= FIRST_FREQUENCY_HZ);
 }
 

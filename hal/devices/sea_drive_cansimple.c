@@ -166,7 +166,8 @@ static enum can_result send_requests(struct cansimple_axis *axis,
                    ? result
                    : send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
     }
-    if ((!command->enable || axis->leaving) && (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
+    if ((!command->enable || axis->leaving) &&
+        (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
         return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
     }
     axis->repeat_wait = 0;

@@ -70,6 +70,8 @@ enum commission_hand {
     COMMISSION_HAND_STAND,   /* stand upright and still, feet side by side */
     COMMISSION_HAND_SWING,   /* this leg forward and back */
     COMMISSION_HAND_TAP,     /* the foot switch of this leg, until the latch of the other opens */
+    COMMISSION_HAND_FREE,    /* both feet are in the air, no switch is pressed */
+    COMMISSION_HAND_SWITCH,  /* the foot switches of this leg are pressed, and stay so */
     COMMISSION_HAND_PRESS,   /* the emergency stop */
     COMMISSION_HAND_RELEASE, /* and release it */
     COMMISSION_HAND_NOTHING  /* no more */

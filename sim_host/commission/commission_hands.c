@@ -1,4 +1,4 @@
-/* Steps that a person's hands take part in: zero, sensors, emergency stop, switches. No motor moves. */
+/* Steps that a person's hands take part in: zero, sensors, emergency stop, foot switches. No motor moves. */
 #include <math.h>
 
 #include "controller/screening/zeroing.h"
@@ -206,22 +206,109 @@ int commission_stop(struct commission *commission, struct commission_result *res
 
 /* ---- foot switches --------------------------------------------------------------------------- */
 
+static int read_feet(struct commission *commission, struct commission_result *result,
+                     double foot[SIDE_COUNT])
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (commission_get_leg(commission, result, "measured", (enum side)leg, "foot_switch",
+                               &foot[leg]) != 0) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static bool has_switch(const struct commission *commission, int leg)
+{
+    return commission->device.description.leg[leg].foot_switches != DEVICE_SWITCHES_NONE;
+}
+
+/* Waits until the legs' switches read so: `down` is the leg that is pressed, -1 none of them. A switch that
+ * the device does not have is not asked. What they read at the end is in foot. */
+static int wait_for_feet(struct commission *commission, struct commission_result *result, int down,
+                         double foot[SIDE_COUNT])
+{
+    for (unsigned waited = 0; waited < PATIENCE_MS; waited += LOOK_MS) {
+        bool reached = true;
+        if (!commission_wait(commission, LOOK_MS)) {
+            return commission_break(result, "interrupted");
+        }
+        if (read_feet(commission, result, foot) != 0) {
+            return -1;
+        }
+        for (int leg = 0; leg < SIDE_COUNT; leg++) {
+            const double wanted = leg == down ? FOOT_DOWN : FOOT_UP;
+            reached = reached && (!has_switch(commission, leg) || foot[leg] == wanted);
+        }
+        if (reached) {
+            return 0;
+        }
+    }
+    return 0;
+}
+
+static void judge_free(const struct commission *commission, struct commission_result *result,
+                       const double foot[SIDE_COUNT])
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (!has_switch(commission, leg) || foot[leg] == FOOT_UP) {
+            continue;
+        }
+        commission_find(
+            result,
+            foot[leg] == FOOT_UNKNOWN
+                ? "%s leg: its sensor tells nothing of a foot switch; look at foot_switches and "
+                  "its wires"
+                : "%s leg: its foot switch reads pressed with the foot in the air; it is stuck, or "
+                  "wired the other way round",
+            commission_leg(leg));
+    }
+}
+
+/* This foot's switches are pressed: do they follow, and do the other's stay? */
+static int press_one(struct commission *commission, struct commission_result *result, enum side leg)
+{
+    const int other = 1 - (int)leg;
+    double foot[SIDE_COUNT];
+    instruct(commission, COMMISSION_HAND_SWITCH, leg,
+             leg == SIDE_LEFT ? "press the LEFT foot's switches, and hold them"
+                              : "press the RIGHT foot's switches, and hold them");
+    if (wait_for_feet(commission, result, (int)leg, foot) != 0) {
+        return -1;
+    }
+    if (has_switch(commission, other) && foot[other] == FOOT_DOWN) {
+        commission_find(result,
+                        "%s foot: the other leg's switch followed; the sensors' sides or the "
+                        "switches' wires are exchanged",
+                        commission_leg((int)leg));
+    } else if (foot[leg] != FOOT_DOWN) {
+        commission_find(result, "%s foot: its switches were pressed, and nothing followed",
+                        commission_leg((int)leg));
+    } else {
+        commission_note(result, "%s foot: followed.", commission_leg((int)leg));
+    }
+    instruct(commission, COMMISSION_HAND_FREE, leg, "let go");
+    return result->finding_count > 0 ? 0 : wait_for_feet(commission, result, -1, foot);
+}
+
 int commission_switches(struct commission *commission, struct commission_result *result)
 {
-    const struct device_description *device = &commission->device.description;
-    if (device->leg[SIDE_LEFT].foot_switches == DEVICE_SWITCHES_NONE &&
-        device->leg[SIDE_RIGHT].foot_switches == DEVICE_SWITCHES_NONE) {
+    double foot[SIDE_COUNT];
+    if (!has_switch(commission, SIDE_LEFT) && !has_switch(commission, SIDE_RIGHT)) {
         result->verdict = COMMISSION_NO_PART;
         return commission_break(result, "foot_switches = none on both legs");
     }
-    for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const int confirmed = commission->person.confirm(
-            commission->person.context, (enum side)leg,
-            "Press this foot's switches: do their lamps, or its sensor's inputs, follow?");
-        if (confirmed != 1) {
-            commission_find(result, "%s leg: the foot switches were not seen to follow",
-                            commission_leg(leg));
+    instruct(commission, COMMISSION_HAND_FREE, SIDE_LEFT,
+             "lift both feet, so that no foot switch is pressed");
+    if (wait_for_feet(commission, result, -1, foot) != 0) {
+        return -1;
+    }
+    judge_free(commission, result, foot);
+    for (int leg = 0; leg < SIDE_COUNT && result->finding_count == 0; leg++) {
+        if (has_switch(commission, leg) && press_one(commission, result, (enum side)leg) != 0) {
+            return -1;
         }
     }
+    instruct(commission, COMMISSION_HAND_NOTHING, SIDE_LEFT, "");
     return 0;
 }

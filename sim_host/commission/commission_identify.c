@@ -7,6 +7,7 @@
 #include "hal/devices/device_nodes.h"
 #include "hal/devices/node_setup.h"
 #include "sim_host/commission/commission_internal.h"
+#include "sim_host/devices/setup_text.h"
 #include "sim_host/text/ini.h"
 
 enum {
@@ -120,59 +121,6 @@ static void judge_type(struct commission *commission, struct commission_result *
     }
 }
 
-/* "left drive (node 1)". */
-static void name_node(const struct commission *commission, unsigned node,
-                      char text[COMMISSION_LINE])
-{
-    struct device_unit units[DEVICE_UNITS_MAX];
-    const unsigned count = device_units(&commission->device.description, units);
-    (void)snprintf(text, COMMISSION_LINE, "node %u", node);
-    for (unsigned i = 0; i < count; i++) {
-        if (units[i].number == node) {
-            (void)snprintf(text, COMMISSION_LINE, "%s %s (node %u)", commission_leg(units[i].leg),
-                           unit_name(&units[i]), node);
-        }
-    }
-}
-
-/* The object by the name that a data sheet gives it. */
-static const char *name_object(unsigned index, unsigned sub)
-{
-    static struct object_list list;
-    static const enum object_list_kind kinds[] = {OBJECTS_OF_DRIVE, OBJECTS_OF_LEG_SENSOR};
-    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
-        object_list_make(&list, kinds[k]);
-        for (size_t i = 0; i < list.count; i++) {
-            if (list.object[i].entry->index == index && list.object[i].entry->sub == sub) {
-                return list.object[i].entry->name;
-            }
-        }
-    }
-    return "object";
-}
-
-static void find_refusal(const struct commission *commission, struct commission_result *result,
-                         unsigned node, unsigned index, unsigned sub, unsigned verdict,
-                         uint32_t expected, uint32_t found)
-{
-    char who[COMMISSION_LINE], why[OBJECT_MESSAGE_MAX];
-    name_node(commission, node, who);
-    if (verdict == (unsigned)-SETUP_DIFFERS) {
-        commission_find(result,
-                        "%.60s: %.40s (0x%04X:%02X) is 0x%X where the controller needs 0x%X", who,
-                        name_object(index, sub), index, sub, (unsigned)found, (unsigned)expected);
-    } else if (verdict == (unsigned)-SETUP_ABORTED) {
-        object_refusal_text(NULL, found, true, why);
-        commission_find(result, "%.60s: %.40s (0x%04X:%02X): %.150s", who, name_object(index, sub),
-                        index, sub, why);
-    } else {
-        commission_find(result,
-                        "%.60s: it does not answer to the controller (%.40s, 0x%04X:%02X); is "
-                        "it on, and has it this number alone?",
-                        who, name_object(index, sub), index, sub);
-    }
-}
-
 /* What the controller found when it set the nodes up. */
 static int judge_refusal(struct commission *commission, struct commission_result *result)
 {
@@ -186,8 +134,17 @@ static int judge_refusal(struct commission *commission, struct commission_result
         return -1;
     }
     if (node != 0.0) {
-        find_refusal(commission, result, (unsigned)node, (unsigned)index, (unsigned)sub,
-                     (unsigned)verdict, (uint32_t)expected, (uint32_t)found);
+        const struct setup_failure failure = {.verdict = (enum setup_verdict)(-(int)verdict),
+                                              .node = (uint8_t)node,
+                                              .sub = (uint8_t)sub,
+                                              .index = (uint16_t)index,
+                                              .expected = (uint32_t)expected,
+                                              .found = (uint32_t)found};
+        char text[SETUP_TEXT_MAX];
+        setup_refusal_text(&commission->device.description, &failure, text, sizeof text);
+        commission_find(
+            result, "%s%s", text,
+            failure.verdict == SETUP_SILENT ? "; is it on, and has it this number alone?" : "");
     }
     return 0;
 }

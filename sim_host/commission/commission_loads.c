@@ -145,7 +145,8 @@ static int move_one(struct commission *commission, struct commission_result *res
 int commission_moves(struct commission *commission, struct commission_result *result)
 {
     for (int leg = 0; leg < SIDE_COUNT && result->finding_count == 0; leg++) {
-        if (commission_is_driven(commission, leg) && move_one(commission, result, (enum side)leg) != 0) {
+        if (commission_is_driven(commission, leg) &&
+            move_one(commission, result, (enum side)leg) != 0) {
             return -1;
         }
     }

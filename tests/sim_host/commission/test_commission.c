@@ -158,7 +158,8 @@ static void hold_no_unload(void)
 }
 
 static const struct defect defects[] = {
-    {"wrong mode", NULL, NULL, hold_mode, COMMISSION_IDENTIFY, "cyclic synchronous position"},
+    {"wrong mode", NULL, NULL, hold_mode, COMMISSION_IDENTIFY,
+     "left drive, node 1, refused: object 0x6061:00 (mode of operation as it displays it): expected 8, found 1"},
     {"sign", NULL, inject_sign, NULL, COMMISSION_MOVES, "direction"},
     {"sides of the sensors", NULL, inject_swapped_sensors, NULL, COMMISSION_SENSORS, "exchanged"},
     {"torque constant doubled", NULL, inject_torque_constant, NULL, COMMISSION_MOVES,
@@ -170,7 +171,8 @@ static const struct defect defects[] = {
     {"wrong gear", NULL, inject_gear, NULL, COMMISSION_MOVES, "gear"},
     {"slipped encoder", NULL, inject_slip, NULL, COMMISSION_REST, "slipped"},
     {"latch bit stuck", NULL, NULL, hold_latch_bit, COMMISSION_LATCH, "never changed"},
-    {"RPDO time-out missing", NULL, NULL, hold_no_rpdo_timer, COMMISSION_IDENTIFY, "0x1400:05"},
+    {"RPDO time-out missing", NULL, NULL, hold_no_rpdo_timer, COMMISSION_IDENTIFY,
+     "expected 50 ms, found 0 ms; key of the device file: lacks = rpdo_timer"},
     {"wrong EDS", NULL, inject_wrong_sheet, NULL, COMMISSION_IDENTIFY, "data sheet"},
     {"sides of the drives", NULL, inject_crossed, NULL, COMMISSION_MOVES, "exchanged"},
 };
@@ -203,12 +205,26 @@ static void put_legs(void)
     }
 }
 
+/* Whose wires the person's fingers reach. */
+static bool feet_are_crossed, foot_is_dead, foot_is_reversed;
+
+static void put_feet(void)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const int pressed = feet_are_crossed ? 1 - (int)hands.leg : (int)hands.leg;
+        const bool down = hands.hand == COMMISSION_HAND_SWITCH && pressed == side && !foot_is_dead;
+        leg_sensor_node_measure_foot(&loop.nodes.sensor[side],
+                                     down != foot_is_reversed ? FOOT_DOWN : FOOT_UP);
+    }
+}
+
 static void run_tick(void)
 {
     struct sea_output output;
     loop_tick(&loop);
     let_feet_go();
     put_legs();
+    put_feet();
     hands.ticks++;
     loop.rig.stop_pressed = hands.hand == COMMISSION_HAND_PRESS;
     if (hands.hand == COMMISSION_HAND_TAP && hands.ticks % TAP_EVERY == 0) {
@@ -276,6 +292,14 @@ static void mirror(struct device_file *device)
     device_file_set(device, SIDE_RIGHT, DEVICE_LEG_zero_counts, -777.0);
 }
 
+static void put_switches_under_feet(struct device_file *device)
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        device_file_set(device, (enum side)leg, DEVICE_LEG_foot_switches,
+                        DEVICE_SWITCHES_LEG_SENSOR);
+    }
+}
+
 static void leave_left_alone(struct device_file *device)
 {
     device_file_set(device, SIDE_RIGHT, DEVICE_LEG_protocol, DEVICE_NO_DRIVE_PROTOCOL);
@@ -300,12 +324,17 @@ static void setup(void)
     ck_assert_msg(loop_configure(&config, &subject, &params, 0.41, SENSORS_17BIT, 1, message) == 0,
                   "%s", message);
     config.plant.start_hold.release_tick = UINT64_MAX / 2; /* it stays in its stand */
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        config.plant.foot_switch[side].present =
+            subject.device.description.leg[side].foot_switches != DEVICE_SWITCHES_NONE;
+    }
     if (defect != NULL && defect->build != NULL) {
         defect->build(&config);
     }
     memset(&commission, 0, sizeof commission);
     hands = (struct hands){COMMISSION_HAND_STAND, SIDE_LEFT, 0};
     twin_runs = is_to_end = drives_are_crossed = false;
+    feet_are_crossed = foot_is_dead = foot_is_reversed = false;
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
     loop.rig.task.node.objects.walk_requested = 0;
     const int port = sim_bus_attach(&loop.bus, "tool", NULL, NULL);
@@ -593,6 +622,45 @@ START_TEST(a_drive_that_does_not_unload_on_link_loss_is_found)
 }
 END_TEST
 
+START_TEST(foot_switches_are_read)
+{
+    static const struct {
+        bool *defect;
+        enum commission_verdict verdict;
+        const char *says;
+    } rows[] = {
+        {NULL, COMMISSION_PASSED, ""},
+        {&feet_are_crossed, COMMISSION_FAILED, "left foot: the other leg's switch followed"},
+        {&foot_is_dead, COMMISSION_FAILED, "left foot: its switches were pressed, and nothing"},
+        {&foot_is_reversed, COMMISSION_FAILED, "left leg: its foot switch reads pressed with"},
+    };
+    defect = NULL;
+    person_path = device_path = NULL;
+    change_device = put_switches_under_feet;
+    setup();
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_PASSED);
+    if (rows[_i].defect != NULL) {
+        *rows[_i].defect = true;
+    }
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_SWITCHES), rows[_i].verdict);
+    ck_assert_msg(strstr(all_findings(COMMISSION_SWITCHES), rows[_i].says) != NULL, "%s",
+                  all_findings(COMMISSION_SWITCHES));
+    teardown();
+}
+END_TEST
+
+START_TEST(a_foot_switch_that_is_not_wired_is_found)
+{
+    setup_good(); /* no switch is there */
+    put_switches_under_feet(&commission.device);
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_PASSED);
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_SWITCHES), COMMISSION_FAILED);
+    ck_assert_ptr_nonnull(
+        strstr(all_findings(COMMISSION_SWITCHES), "tells nothing of a foot switch"));
+    teardown();
+}
+END_TEST
+
 /* ---- what is written ------------------------------------------------------------------------------ */
 
 START_TEST(a_later_run_goes_on_from_the_record)
@@ -662,6 +730,8 @@ int main(void)
     TCase *wrong = tcase_create("devices that are not what their file says");
     tcase_set_timeout(wrong, 120);
     tcase_add_loop_test(wrong, a_device_that_is_not_what_its_file_says_is_found, 0, 2 * DEFECTS);
+    tcase_add_loop_test(wrong, foot_switches_are_read, 0, 4);
+    tcase_add_test(wrong, a_foot_switch_that_is_not_wired_is_found);
     tcase_add_loop_test(wrong, a_drive_whose_protocol_cannot_unload_is_not_believed, 0, 2);
     tcase_add_test(wrong, a_drive_that_does_not_unload_on_link_loss_is_found);
     suite_add_tcase(suite, wrong);
