@@ -16,13 +16,21 @@ static void instruct(struct commission *commission, enum commission_hand hand, e
 }
 
 /* What a leg's sensor reads upright, into the device file for the next set-up. Until then the controller's
- * parameters hold it. */
-static void put_zero_into_file(struct commission *commission, enum side leg, double offset_rad)
+ * parameters hold it: what was declared is what it counts from, also when the step is repeated. */
+static void put_zeros_into_file(struct commission *commission, enum side leg, double angle_rad,
+                                double ankle_m)
 {
+    const struct device_file *declared = &commission->declared;
     struct device_file *device = &commission->device;
-    const double zero_rad = device_file_number(device, leg, DEVICE_LEG_leg_zero_rad);
-    const double direction = device->description.leg[leg].leg_direction < 0 ? -1.0 : 1.0;
-    device_file_set(device, leg, DEVICE_LEG_leg_zero_rad, zero_rad + direction * offset_rad);
+    const struct device_leg *own = &declared->description.leg[leg];
+    const double zero_rad = device_file_number(declared, leg, DEVICE_LEG_leg_zero_rad);
+    const double zero_m = device_file_number(declared, leg, DEVICE_LEG_ankle_zero_m);
+    device_file_set(device, leg, DEVICE_LEG_leg_zero_rad,
+                    zero_rad + (own->leg_direction < 0 ? -angle_rad : angle_rad));
+    if (own->ankle == DEVICE_ANKLE_LINEAR) {
+        device_file_set(device, leg, DEVICE_LEG_ankle_zero_m,
+                        zero_m + (own->ankle_direction < 0 ? -ankle_m : ankle_m));
+    }
 }
 
 /* ---- zero ------------------------------------------------------------------------------ */
@@ -68,12 +76,12 @@ int commission_zero(struct commission *commission, struct commission_result *res
             return -1;
         }
     }
-    put_zero_into_file(commission, SIDE_LEFT, found[0]);
-    put_zero_into_file(commission, SIDE_RIGHT, found[1]);
+    put_zeros_into_file(commission, SIDE_LEFT, found[0], found[2]);
+    put_zeros_into_file(commission, SIDE_RIGHT, found[1], found[3]);
     commission_note(
         result,
         "Offsets: leg %.4f and %.4f rad, ankle %.5f and %.5f m. The controller has them "
-        "in its parameters, those of the legs are also in the device file.",
+        "in its parameters; the device file has them for its next start.",
         found[0], found[1], found[2], found[3]);
     return 0;
 }

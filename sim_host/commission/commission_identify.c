@@ -7,6 +7,7 @@
 #include "hal/devices/device_nodes.h"
 #include "hal/devices/node_setup.h"
 #include "sim_host/commission/commission_internal.h"
+#include "sim_host/devices/device_text.h"
 #include "sim_host/devices/setup_text.h"
 #include "sim_host/text/ini.h"
 
@@ -225,13 +226,48 @@ static int judge_temperature(struct commission *commission, struct commission_re
     return 0;
 }
 
+/* What the controller runs with is the file that is commissioned. */
+static int judge_description(struct commission *commission, struct commission_result *result)
+{
+    const struct device_description *declared = &commission->declared.description;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        for (unsigned key = 0; key < DEVICE_LEG_COUNT; key++) {
+            const struct device_key *row = &device_leg_keys[key];
+            char message[OBJECT_MESSAGE_MAX], file[DEVICE_VALUE_TEXT_MAX],
+                runs[DEVICE_VALUE_TEXT_MAX];
+            uint32_t number;
+            if (!device_key_applies(&declared->leg[leg], key)) {
+                continue;
+            }
+            if (commission_peek(commission, NODE_CONTROLLER, (uint16_t)(DEVICE_INDEX_LEFT + leg),
+                                (uint8_t)(key + 1u), &number, message) != 0) {
+                return commission_break(result, "%s", message);
+            }
+            const float expected = device_value(declared, leg, key);
+            float found = (float)(int32_t)number;
+            if (row->type == DEVICE_FLOAT) {
+                memcpy(&found, &number, sizeof found);
+            }
+            if (found != expected) {
+                device_value_text(row, (double)expected, file, sizeof file);
+                device_value_text(row, (double)found, runs, sizeof runs);
+                commission_find(result,
+                                "%s leg, key \"%s\": the file says %.60s, and the controller runs "
+                                "with %.60s; start it with this file",
+                                commission_leg(leg), row->name, file, runs);
+            }
+        }
+    }
+    return 0;
+}
+
 int commission_identify(struct commission *commission, struct commission_result *result)
 {
     struct device_unit units[DEVICE_UNITS_MAX];
     const unsigned count = device_units(&commission->device.description, units);
     double ticks;
     if (commission_get(commission, result, "counters.ticks", &ticks) != 0 ||
-        judge_refusal(commission, result) != 0) {
+        judge_description(commission, result) != 0 || judge_refusal(commission, result) != 0) {
         return -1;
     }
     judge_heartbeats(commission, result);

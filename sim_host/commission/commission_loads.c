@@ -316,8 +316,7 @@ static void judge_without_cut(struct commission *commission, struct commission_r
                               enum side leg)
 {
     const char *name = commission_leg((int)leg);
-    const struct device_leg *declared = &commission->device.description.leg[leg];
-    if (declared->unload == DEVICE_UNLOAD_DRIVE) {
+    if (commission->declared.description.leg[leg].unload == DEVICE_UNLOAD_DRIVE) {
         commission_find(result,
                         "%s drive: its protocol ends a lost link with no torque, which lets a "
                         "loaded spring go; unload = drive does not hold for it",
@@ -334,7 +333,7 @@ int commission_link(struct commission *commission, struct commission_result *res
         return -1;
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const int declared = commission->device.description.leg[leg].unload;
+        const int declared = commission->declared.description.leg[leg].unload;
         if (!commission_is_driven(commission, leg)) {
             continue;
         }

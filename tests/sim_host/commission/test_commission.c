@@ -193,6 +193,8 @@ static void let_feet_go(void)
     }
 }
 
+static double lean_rad; /* how the sensors are mounted */
+
 /* Legs hang straight down; the person swings one of them. */
 static void put_legs(void)
 {
@@ -201,7 +203,7 @@ static void put_legs(void)
         const double part =
             swings && hands.ticks < SWING_TICKS ? (double)hands.ticks / SWING_TICKS : 0.0;
         const int sensor = loop.nodes.swapped ? 1 - side : side;
-        leg_sensor_node_measure(&loop.nodes.sensor[sensor], SWING_RAD * part, 0.0);
+        leg_sensor_node_measure(&loop.nodes.sensor[sensor], lean_rad + SWING_RAD * part, 0.0);
     }
 }
 
@@ -338,7 +340,7 @@ static void setup(void)
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
     loop.rig.task.node.objects.walk_requested = 0;
     const int port = sim_bus_attach(&loop.bus, "tool", NULL, NULL);
-    commission.device = subject.device;
+    commission_declare(&commission, &subject.device);
     commission.ctl.link = (struct ctl_link){.bus = sim_bus_port(&loop.bus, port),
                                             .wait = wait,
                                             .pause = pause_for,
@@ -649,11 +651,47 @@ START_TEST(foot_switches_are_read)
 }
 END_TEST
 
+START_TEST(a_controller_that_runs_with_another_file_is_found)
+{
+    setup_good();
+    device_file_set(&commission.declared, SIDE_RIGHT, DEVICE_LEG_direction, -1.0);
+    device_file_set(&commission.declared, SIDE_LEFT, DEVICE_LEG_spring_N_per_m, 101.0);
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_FAILED);
+    const char *found = all_findings(COMMISSION_IDENTIFY);
+    ck_assert_msg(strstr(found,
+                         "right leg, key \"direction\": the file says -1, and the controller "
+                         "runs with 1;") != NULL,
+                  "%s", found);
+    ck_assert_ptr_nonnull(strstr(found, "left leg, key \"spring_N_per_m\": the file says 101"));
+    ck_assert_uint_eq(commission.result[COMMISSION_IDENTIFY].finding_count, 2);
+    teardown();
+}
+END_TEST
+
+/* It counts from what was declared, also the second time. */
+START_TEST(a_zero_that_is_found_again_is_not_added_up)
+{
+    setup_good();
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_PASSED);
+    for (int n = 0; n < 2; n++) {
+        lean_rad = 0.02;
+        ck_assert_int_eq(commission_run(&commission, COMMISSION_ZERO), COMMISSION_PASSED);
+        for (int leg = 0; leg < SIDE_COUNT; leg++) {
+            assert_close(
+                device_file_number(&commission.device, (enum side)leg, DEVICE_LEG_leg_zero_rad),
+                0.02, 1e-3, 0.0);
+        }
+    }
+    lean_rad = 0.0;
+    teardown();
+}
+END_TEST
+
 START_TEST(a_foot_switch_that_is_not_wired_is_found)
 {
     setup_good(); /* no switch is there */
-    put_switches_under_feet(&commission.device);
     ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_PASSED);
+    put_switches_under_feet(&commission.device);
     ck_assert_int_eq(commission_run(&commission, COMMISSION_SWITCHES), COMMISSION_FAILED);
     ck_assert_ptr_nonnull(
         strstr(all_findings(COMMISSION_SWITCHES), "tells nothing of a foot switch"));
@@ -671,6 +709,9 @@ START_TEST(a_later_run_goes_on_from_the_record)
     FILE *stream = fdopen(file, "w");
     (void)commission_run(&commission, COMMISSION_IDENTIFY);
     commission_skip(&commission, COMMISSION_ZERO, "later; with a # sign");
+    device_file_set(&commission.device, SIDE_LEFT, DEVICE_LEG_leg_zero_rad, 0.125);
+    device_file_set(&commission.device, SIDE_RIGHT, DEVICE_LEG_unload, DEVICE_UNLOAD_NONE);
+    commission_declare(&again, &commission.declared);
     commission.result[COMMISSION_REST].verdict = COMMISSION_FAILED;
     commission.result[COMMISSION_REST].finding_count = 1;
     strcpy(commission.result[COMMISSION_REST].finding[0], "left motor: <10 mm>");
@@ -684,6 +725,19 @@ START_TEST(a_later_run_goes_on_from_the_record)
                      commission.result[COMMISSION_IDENTIFY].done);
     ck_assert_str_eq(again.result[COMMISSION_ZERO].reason, "later, with a , sign");
     ck_assert_str_eq(again.result[COMMISSION_REST].finding[0], "left motor: <10 mm>");
+    ck_assert(device_file_number(&again.device, SIDE_LEFT, DEVICE_LEG_leg_zero_rad) == 0.125);
+    ck_assert_int_eq(again.device.description.leg[SIDE_RIGHT].unload, DEVICE_UNLOAD_NONE);
+    commission_declare(&again, &again.device); /* with the file that was written: the same device */
+    ck_assert_int_eq(commission_record_read(&again, path, message), 0);
+    ck_assert_str_eq(message, "");
+    ck_assert_int_eq(again.result[COMMISSION_REST].verdict, COMMISSION_FAILED);
+    device_file_set(&again.declared, SIDE_LEFT, DEVICE_LEG_direction, -1.0); /* edited since */
+    ck_assert_int_eq(commission_record_read(&again, path, message), 0);
+    ck_assert_ptr_nonnull(strstr(message, "all steps are open again"));
+    ck_assert_int_eq(again.result[COMMISSION_REST].verdict, COMMISSION_NOT_DONE);
+    strcpy(again.declared.name, "somebody else's");
+    ck_assert_int_eq(commission_record_read(&again, path, message), -1);
+    ck_assert_ptr_nonnull(strstr(message, "another device than \"somebody else's\""));
     unlink(path);
     ck_assert_int_eq(commission_record_read(&again, path, message), 0); /* none yet: all open */
     ck_assert_int_eq(again.result[COMMISSION_IDENTIFY].verdict, COMMISSION_NOT_DONE);
@@ -731,6 +785,8 @@ int main(void)
     tcase_set_timeout(wrong, 120);
     tcase_add_loop_test(wrong, a_device_that_is_not_what_its_file_says_is_found, 0, 2 * DEFECTS);
     tcase_add_loop_test(wrong, foot_switches_are_read, 0, 4);
+    tcase_add_test(wrong, a_controller_that_runs_with_another_file_is_found);
+    tcase_add_test(wrong, a_zero_that_is_found_again_is_not_added_up);
     tcase_add_test(wrong, a_foot_switch_that_is_not_wired_is_found);
     tcase_add_loop_test(wrong, a_drive_whose_protocol_cannot_unload_is_not_believed, 0, 2);
     tcase_add_test(wrong, a_drive_that_does_not_unload_on_link_loss_is_found);
