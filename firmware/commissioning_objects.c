@@ -46,6 +46,7 @@ void commissioning_show(struct controller_objects *objects, const struct motion 
         objects->measured_angle_rad[side] = leg->leg_angle_rad;
         objects->measured_latch[side] = (uint8_t)drive.latch;
         objects->measured_drive[side] = (uint8_t)drive.state;
+        objects->measured_foot[side] = (uint8_t)leg->foot;
         objects->sample_force_N[side] = sample->force_N;
         objects->sample_motor_m[side] = sample->position_m;
         objects->sample_number[side] = sample->number;

@@ -54,7 +54,7 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->device_refusal_count = 3;
     device_description_default(&objects->device);
     objects->commissioning_count = 15;
-    objects->measured_count = 10;
+    objects->measured_count = 12;
     objects->sample_count = 6;
     objects->motion_seconds = objects->motion_frequency_Hz = 1.0f;
     objects->params = *params;

@@ -122,6 +122,7 @@ struct controller_objects {
     float measured_motor_m[SIDE_COUNT], measured_ankle_m[SIDE_COUNT];
     float measured_angle_rad[SIDE_COUNT];
     uint8_t measured_latch[SIDE_COUNT], measured_drive[SIDE_COUNT];
+    uint8_t measured_foot[SIDE_COUNT]; /* enum foot_contact */
     float sample_force_N[SIDE_COUNT], sample_motor_m[SIDE_COUNT];
     uint8_t sample_number[SIDE_COUNT];
     /* 0x2031: why a node was refused at start */

@@ -32,6 +32,7 @@ enum {
     CREEP_TICKS = TICKS_OF_MS(100), /* to zero, from where a motor is when it is enabled */
     WAIT_TICKS = TICKS_OF_MS(200),  /* what the drives do when they are enabled has died away */
     FIRST_CYCLES = 2,               /* of an oscillation: they begin from rest */
+    ALL_PROVEN = 2,                 /* of a leg: all loads are allowed */
     HEAVY_SAMPLES = 2 /* force samples in a row: a single one may be the drive's own noise */
 };
 
@@ -47,6 +48,9 @@ static void keep_samples(struct motion *motion, const struct controller_input *i
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         const struct sea_measurement *sea = &input->sea[side];
+        if (sea->absent) {
+            motion->proven[side] = ALL_PROVEN; /* there is nothing to show */
+        }
         if (sea->force_age_ticks == 0) {
             motion->sample[side] = (struct motion_sample){
                 sea->force_N, sea->precompression_m, (uint8_t)(motion->sample[side].number + 1u)};
@@ -140,24 +144,26 @@ static real fastest_Hz(const struct control_params *params, real size_m, real wa
     return wanted_Hz < least ? wanted_Hz : least;
 }
 
-static bool is_possible(const struct motion *motion, const struct motion_request *request)
+static bool is_possible(const struct motion *motion, const struct controller_input *input)
 {
+    const struct motion_request *request = &input->motion;
     const bool known = request->kind == MOTION_KIND_MOVE || request->kind == MOTION_KIND_CHIRP ||
                        request->kind == MOTION_KIND_RELEASE || request->kind == MOTION_KIND_CUT;
     /* Written so that what is not a number is refused, too. */
-    return known && request->side < SIDE_COUNT && request->share > REAL(0.0) &&
-           request->share <= motion_share_allowed(motion) && request->seconds > REAL(0.0) &&
-           request->seconds <= (real)MOTION_SECONDS_MOST &&
+    return known && request->side < SIDE_COUNT && !input->sea[request->side].absent &&
+           request->share > REAL(0.0) && request->share <= motion_share_allowed(motion) &&
+           request->seconds > REAL(0.0) && request->seconds <= (real)MOTION_SECONDS_MOST &&
            (request->kind != MOTION_KIND_CHIRP || request->frequency_Hz >= FIRST_FREQUENCY_HZ);
 }
 
 static void begin(struct motion *motion, const struct control_params *params,
-                  const struct motion_request *request)
+                  const struct controller_input *input)
 {
+    const struct motion_request *request = &input->motion;
     motion->order = request->order;
     motion->outcome = MOTION_NONE_YET;
     motion->kind = request->kind;
-    if (!is_possible(motion, request)) {
+    if (!is_possible(motion, input)) {
         end(motion, MOTION_REFUSED);
         return;
     }
@@ -301,7 +307,7 @@ static void prove(struct motion *motion, const struct control_params *params)
         *proven = 1;
     }
     if (motion->size_m > PROVES_SECOND * params->r0_max_m) {
-        *proven = 2;
+        *proven = ALL_PROVEN;
     }
 }
 
@@ -393,7 +399,7 @@ void motion_update(struct motion *motion, const struct control_params *params,
     }
     if (motion->phase == MOTION_IDLE && request->order != motion->order &&
         request->kind != MOTION_KIND_UNLOAD) {
-        begin(motion, params, request);
+        begin(motion, params, input);
     }
     step(motion, params, input);
 }

@@ -78,7 +78,7 @@ static enum drive_state state_of(const struct cansimple_axis *axis)
         return DRIVE_FAULT;
     }
     if (axis->axis_state == CANSIMPLE_STATE_CLOSED_LOOP) {
-        return DRIVE_ENABLED;
+        return axis->leaving ? DRIVE_STARTING : DRIVE_ENABLED;
     }
     return axis->axis_state == CANSIMPLE_STATE_IDLE ? DRIVE_DISABLED : DRIVE_STARTING;
 }
@@ -123,9 +123,12 @@ static enum can_result send(const struct cansimple_axis *axis, enum cansimple_co
 static void watch_arming(struct cansimple_axis *axis, const struct sea_drive_command *command)
 {
     const bool closed_loop = axis->axis_state == CANSIMPLE_STATE_CLOSED_LOOP;
+    axis->leaving = closed_loop && (axis->leaving || !command->enable);
     if (!command->enable) {
         axis->was_enabled = false;
         axis->disarmed = false;
+    } else if (axis->leaving) {
+        axis->was_enabled = false; /* what its last heartbeat says is of before */
     } else if (closed_loop) {
         axis->was_enabled = true;
     } else if (axis->was_enabled) {
@@ -163,7 +166,8 @@ static enum can_result send_requests(struct cansimple_axis *axis,
                    ? result
                    : send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
     }
-    if (!command->enable && (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
+    if ((!command->enable || axis->leaving) &&
+        (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
         return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
     }
     axis->repeat_wait = 0;

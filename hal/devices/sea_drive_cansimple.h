@@ -31,6 +31,7 @@ struct cansimple_axis {
     bool disarmed;    /* left closed loop by itself while enabled; until the command is withdrawn */
     bool was_enabled; /* in closed loop since the command to enable */
     uint16_t clear_wait; /* until a further reset is taken */
+    bool leaving;        /* was told to leave closed loop, and its heartbeat has not said so yet */
     bool clearing;       /* a reset was asked for and Clear Errors is not sent yet */
     uint8_t axis_state;
     uint16_t age_ticks;           /* of the position */

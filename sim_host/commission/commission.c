@@ -27,6 +27,12 @@ struct step_row {
 static const struct step_row steps[COMMISSION_STEPS] = {COMMISSION_STEPS_TABLE(STEP_ROW)};
 #undef STEP_ROW
 
+void commission_declare(struct commission *commission, const struct device_file *device)
+{
+    commission->declared = commission->device = *device;
+    memset(commission->result, 0, sizeof commission->result);
+}
+
 const char *commission_step_name(enum commission_step step)
 {
     return steps[step].name;

@@ -70,6 +70,8 @@ enum commission_hand {
     COMMISSION_HAND_STAND,   /* stand upright and still, feet side by side */
     COMMISSION_HAND_SWING,   /* this leg forward and back */
     COMMISSION_HAND_TAP,     /* the foot switch of this leg, until the latch of the other opens */
+    COMMISSION_HAND_FREE,    /* both feet are in the air, no switch is pressed */
+    COMMISSION_HAND_SWITCH,  /* the foot switches of this leg are pressed, and stay so */
     COMMISSION_HAND_PRESS,   /* the emergency stop */
     COMMISSION_HAND_RELEASE, /* and release it */
     COMMISSION_HAND_NOTHING  /* no more */
@@ -89,9 +91,9 @@ struct commission_identity {
 };
 
 struct commission {
-    struct ctl ctl; /* opened to the controller's node */
-    struct device_file
-        device; /* as declared; the zeros of the legs and the unload that was shown are put in */
+    struct ctl ctl;              /* opened to the controller's node */
+    struct device_file declared; /* as its file says it */
+    struct device_file device;   /* the same with what was found: zeros, unload */
     struct commission_identity expected[SIDE_COUNT]; /* of the drives, from their EDS */
     struct commission_operator person;
     struct commission_result result[COMMISSION_STEPS];
@@ -100,6 +102,9 @@ struct commission {
     double stiffness_N_m, largest_m, tolerance_m;
     double renewal; /* the last sign of life that was sent */
 };
+
+/* The device that is set up. All steps are open. */
+void commission_declare(struct commission *commission, const struct device_file *device);
 
 const char *commission_step_name(enum commission_step step);
 const char *commission_step_shows(enum commission_step step);
@@ -124,8 +129,10 @@ bool commission_is_complete(const struct commission *commission);
 /* The vendor and product of an EDS file ([DeviceInfo]). Returns 0, or -1 with the reason in message. */
 int commission_read_eds(struct commission_identity *identity, const char *path, char *message);
 
-/* The results as a file, to go on from. Reading a file that is not there leaves all steps open. Return 0, or
- * -1 with the reason in message (OBJECT_MESSAGE_MAX bytes). */
+/* The results as a file, to go on from, with what was found for the device file. Reading a file that is not
+ * there leaves all steps open, and so does one of this device before its file was changed: that is then told
+ * in message. Return 0, or -1 with the reason in message (OBJECT_MESSAGE_MAX bytes): another device's record
+ * is refused. */
 int commission_record_read(struct commission *commission, const char *path, char *message);
 void commission_record_write(const struct commission *commission, FILE *stream);
 

@@ -1,4 +1,4 @@
-/* Steps that a person's hands take part in: zero, sensors, emergency stop, switches. No motor moves. */
+/* Steps that a person's hands take part in: zero, sensors, emergency stop, foot switches. No motor moves. */
 #include <math.h>
 
 #include "controller/screening/zeroing.h"
@@ -16,13 +16,21 @@ static void instruct(struct commission *commission, enum commission_hand hand, e
 }
 
 /* What a leg's sensor reads upright, into the device file for the next set-up. Until then the controller's
- * parameters hold it. */
-static void put_zero_into_file(struct commission *commission, enum side leg, double offset_rad)
+ * parameters hold it: what was declared is what it counts from, also when the step is repeated. */
+static void put_zeros_into_file(struct commission *commission, enum side leg, double angle_rad,
+                                double ankle_m)
 {
+    const struct device_file *declared = &commission->declared;
     struct device_file *device = &commission->device;
-    const double zero_rad = device_file_number(device, leg, DEVICE_LEG_leg_zero_rad);
-    const double direction = device->description.leg[leg].leg_direction < 0 ? -1.0 : 1.0;
-    device_file_set(device, leg, DEVICE_LEG_leg_zero_rad, zero_rad + direction * offset_rad);
+    const struct device_leg *own = &declared->description.leg[leg];
+    const double zero_rad = device_file_number(declared, leg, DEVICE_LEG_leg_zero_rad);
+    const double zero_m = device_file_number(declared, leg, DEVICE_LEG_ankle_zero_m);
+    device_file_set(device, leg, DEVICE_LEG_leg_zero_rad,
+                    zero_rad + (own->leg_direction < 0 ? -angle_rad : angle_rad));
+    if (own->ankle == DEVICE_ANKLE_LINEAR) {
+        device_file_set(device, leg, DEVICE_LEG_ankle_zero_m,
+                        zero_m + (own->ankle_direction < 0 ? -ankle_m : ankle_m));
+    }
 }
 
 /* ---- zero ------------------------------------------------------------------------------ */
@@ -68,12 +76,12 @@ int commission_zero(struct commission *commission, struct commission_result *res
             return -1;
         }
     }
-    put_zero_into_file(commission, SIDE_LEFT, found[0]);
-    put_zero_into_file(commission, SIDE_RIGHT, found[1]);
+    put_zeros_into_file(commission, SIDE_LEFT, found[0], found[2]);
+    put_zeros_into_file(commission, SIDE_RIGHT, found[1], found[3]);
     commission_note(
         result,
         "Offsets: leg %.4f and %.4f rad, ankle %.5f and %.5f m. The controller has them "
-        "in its parameters, those of the legs are also in the device file.",
+        "in its parameters; the device file has them for its next start.",
         found[0], found[1], found[2], found[3]);
     return 0;
 }
@@ -206,22 +214,109 @@ int commission_stop(struct commission *commission, struct commission_result *res
 
 /* ---- foot switches --------------------------------------------------------------------------- */
 
+static int read_feet(struct commission *commission, struct commission_result *result,
+                     double foot[SIDE_COUNT])
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (commission_get_leg(commission, result, "measured", (enum side)leg, "foot_switch",
+                               &foot[leg]) != 0) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static bool has_switch(const struct commission *commission, int leg)
+{
+    return commission->device.description.leg[leg].foot_switches != DEVICE_SWITCHES_NONE;
+}
+
+/* Waits until the legs' switches read so: `down` is the leg that is pressed, -1 none of them. A switch that
+ * the device does not have is not asked. What they read at the end is in foot. */
+static int wait_for_feet(struct commission *commission, struct commission_result *result, int down,
+                         double foot[SIDE_COUNT])
+{
+    for (unsigned waited = 0; waited < PATIENCE_MS; waited += LOOK_MS) {
+        bool reached = true;
+        if (!commission_wait(commission, LOOK_MS)) {
+            return commission_break(result, "interrupted");
+        }
+        if (read_feet(commission, result, foot) != 0) {
+            return -1;
+        }
+        for (int leg = 0; leg < SIDE_COUNT; leg++) {
+            const double wanted = leg == down ? FOOT_DOWN : FOOT_UP;
+            reached = reached && (!has_switch(commission, leg) || foot[leg] == wanted);
+        }
+        if (reached) {
+            return 0;
+        }
+    }
+    return 0;
+}
+
+static void judge_free(const struct commission *commission, struct commission_result *result,
+                       const double foot[SIDE_COUNT])
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (!has_switch(commission, leg) || foot[leg] == FOOT_UP) {
+            continue;
+        }
+        commission_find(
+            result,
+            foot[leg] == FOOT_UNKNOWN
+                ? "%s leg: its sensor tells nothing of a foot switch; look at foot_switches and "
+                  "its wires"
+                : "%s leg: its foot switch reads pressed with the foot in the air; it is stuck, or "
+                  "wired the other way round",
+            commission_leg(leg));
+    }
+}
+
+/* This foot's switches are pressed: do they follow, and do the other's stay? */
+static int press_one(struct commission *commission, struct commission_result *result, enum side leg)
+{
+    const int other = 1 - (int)leg;
+    double foot[SIDE_COUNT];
+    instruct(commission, COMMISSION_HAND_SWITCH, leg,
+             leg == SIDE_LEFT ? "press the LEFT foot's switches, and hold them"
+                              : "press the RIGHT foot's switches, and hold them");
+    if (wait_for_feet(commission, result, (int)leg, foot) != 0) {
+        return -1;
+    }
+    if (has_switch(commission, other) && foot[other] == FOOT_DOWN) {
+        commission_find(result,
+                        "%s foot: the other leg's switch followed; the sensors' sides or the "
+                        "switches' wires are exchanged",
+                        commission_leg((int)leg));
+    } else if (foot[leg] != FOOT_DOWN) {
+        commission_find(result, "%s foot: its switches were pressed, and nothing followed",
+                        commission_leg((int)leg));
+    } else {
+        commission_note(result, "%s foot: followed.", commission_leg((int)leg));
+    }
+    instruct(commission, COMMISSION_HAND_FREE, leg, "let go");
+    return result->finding_count > 0 ? 0 : wait_for_feet(commission, result, -1, foot);
+}
+
 int commission_switches(struct commission *commission, struct commission_result *result)
 {
-    const struct device_description *device = &commission->device.description;
-    if (device->leg[SIDE_LEFT].foot_switches == DEVICE_SWITCHES_NONE &&
-        device->leg[SIDE_RIGHT].foot_switches == DEVICE_SWITCHES_NONE) {
+    double foot[SIDE_COUNT];
+    if (!has_switch(commission, SIDE_LEFT) && !has_switch(commission, SIDE_RIGHT)) {
         result->verdict = COMMISSION_NO_PART;
         return commission_break(result, "foot_switches = none on both legs");
     }
-    for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const int confirmed = commission->person.confirm(
-            commission->person.context, (enum side)leg,
-            "Press this foot's switches: do their lamps, or its sensor's inputs, follow?");
-        if (confirmed != 1) {
-            commission_find(result, "%s leg: the foot switches were not seen to follow",
-                            commission_leg(leg));
+    instruct(commission, COMMISSION_HAND_FREE, SIDE_LEFT,
+             "lift both feet, so that no foot switch is pressed");
+    if (wait_for_feet(commission, result, -1, foot) != 0) {
+        return -1;
+    }
+    judge_free(commission, result, foot);
+    for (int leg = 0; leg < SIDE_COUNT && result->finding_count == 0; leg++) {
+        if (has_switch(commission, leg) && press_one(commission, result, (enum side)leg) != 0) {
+            return -1;
         }
     }
+    instruct(commission, COMMISSION_HAND_NOTHING, SIDE_LEFT, "");
     return 0;
 }

@@ -7,6 +7,8 @@
 #include "hal/devices/device_nodes.h"
 #include "hal/devices/node_setup.h"
 #include "sim_host/commission/commission_internal.h"
+#include "sim_host/devices/device_text.h"
+#include "sim_host/devices/setup_text.h"
 #include "sim_host/text/ini.h"
 
 enum {
@@ -91,6 +93,7 @@ static void judge_type(struct commission *commission, struct commission_result *
                        const struct device_unit *unit)
 {
     const uint32_t expected = unit->key == DEVICE_LEG_drive_node ? PROFILE_DRIVE : PROFILE_SENSOR;
+    const bool is_of_any = unit->key == DEVICE_LEG_latch_node; /* as at the set-up */
     uint32_t type, vendor, product;
     char message[OBJECT_MESSAGE_MAX];
     const char *leg = commission_leg(unit->leg), *name = unit_name(unit);
@@ -98,7 +101,7 @@ static void judge_type(struct commission *commission, struct commission_result *
         commission_find(result, "%s %s (node %u): %s", leg, name, unit->number, message);
         return;
     }
-    if ((type & 0xFFFFu) != expected) {
+    if ((type & 0xFFFFu) != expected && !is_of_any) {
         commission_find(result, "%s %s (node %u): profile %u where %u was expected (0x1000)", leg,
                         name, unit->number, (unsigned)(type & 0xFFFFu), (unsigned)expected);
     }
@@ -119,59 +122,6 @@ static void judge_type(struct commission *commission, struct commission_result *
     }
 }
 
-/* "left drive (node 1)". */
-static void name_node(const struct commission *commission, unsigned node,
-                      char text[COMMISSION_LINE])
-{
-    struct device_unit units[DEVICE_UNITS_MAX];
-    const unsigned count = device_units(&commission->device.description, units);
-    (void)snprintf(text, COMMISSION_LINE, "node %u", node);
-    for (unsigned i = 0; i < count; i++) {
-        if (units[i].number == node) {
-            (void)snprintf(text, COMMISSION_LINE, "%s %s (node %u)", commission_leg(units[i].leg),
-                           unit_name(&units[i]), node);
-        }
-    }
-}
-
-/* The object by the name that a data sheet gives it. */
-static const char *name_object(unsigned index, unsigned sub)
-{
-    static struct object_list list;
-    static const enum object_list_kind kinds[] = {OBJECTS_OF_DRIVE, OBJECTS_OF_LEG_SENSOR};
-    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
-        object_list_make(&list, kinds[k]);
-        for (size_t i = 0; i < list.count; i++) {
-            if (list.object[i].entry->index == index && list.object[i].entry->sub == sub) {
-                return list.object[i].entry->name;
-            }
-        }
-    }
-    return "object";
-}
-
-static void find_refusal(const struct commission *commission, struct commission_result *result,
-                         unsigned node, unsigned index, unsigned sub, unsigned verdict,
-                         uint32_t expected, uint32_t found)
-{
-    char who[COMMISSION_LINE], why[OBJECT_MESSAGE_MAX];
-    name_node(commission, node, who);
-    if (verdict == (unsigned)-SETUP_DIFFERS) {
-        commission_find(result,
-                        "%.60s: %.40s (0x%04X:%02X) is 0x%X where the controller needs 0x%X", who,
-                        name_object(index, sub), index, sub, (unsigned)found, (unsigned)expected);
-    } else if (verdict == (unsigned)-SETUP_ABORTED) {
-        object_refusal_text(NULL, found, true, why);
-        commission_find(result, "%.60s: %.40s (0x%04X:%02X): %.150s", who, name_object(index, sub),
-                        index, sub, why);
-    } else {
-        commission_find(result,
-                        "%.60s: it does not answer to the controller (%.40s, 0x%04X:%02X); is "
-                        "it on, and has it this number alone?",
-                        who, name_object(index, sub), index, sub);
-    }
-}
-
 /* What the controller found when it set the nodes up. */
 static int judge_refusal(struct commission *commission, struct commission_result *result)
 {
@@ -185,8 +135,17 @@ static int judge_refusal(struct commission *commission, struct commission_result
         return -1;
     }
     if (node != 0.0) {
-        find_refusal(commission, result, (unsigned)node, (unsigned)index, (unsigned)sub,
-                     (unsigned)verdict, (uint32_t)expected, (uint32_t)found);
+        const struct setup_failure failure = {.verdict = (enum setup_verdict)(-(int)verdict),
+                                              .node = (uint8_t)node,
+                                              .sub = (uint8_t)sub,
+                                              .index = (uint16_t)index,
+                                              .expected = (uint32_t)expected,
+                                              .found = (uint32_t)found};
+        char text[SETUP_TEXT_MAX];
+        setup_refusal_text(&commission->device.description, &failure, text, sizeof text);
+        commission_find(
+            result, "%s%s", text,
+            failure.verdict == SETUP_SILENT ? "; is it on, and has it this number alone?" : "");
     }
     return 0;
 }
@@ -243,7 +202,7 @@ static int judge_temperature(struct commission *commission, struct commission_re
 {
     const struct device_leg *declared = &commission->device.description.leg[leg];
     double celsius, volts;
-    if (declared->protocol == DEVICE_NO_DRIVE_PROTOCOL ||
+    if (declared->protocol == DEVICE_NO_DRIVE_PROTOCOL || declared->protocol == DEVICE_CANSIMPLE ||
         (declared->protocol == DEVICE_CIA402 &&
          device_leg_lacks(declared, DEVICE_LACKS_TEMPERATURE))) {
         return 0;
@@ -253,6 +212,9 @@ static int judge_temperature(struct commission *commission, struct commission_re
         commission_get_leg(commission, result, "drives", (enum side)leg, "drive_supply", &volts) !=
             0) {
         return -1;
+    }
+    if (declared->protocol == DEVICE_MIT && celsius == 0.0) {
+        return 0; /* a motor that tells none */
     }
     commission_note(result, "%s drive: %.1f degC, %.1f V.", commission_leg(leg), celsius, volts);
     if (!(celsius >= ROOM_LEAST_DEGC && celsius <= ROOM_MOST_DEGC)) {
@@ -264,13 +226,48 @@ static int judge_temperature(struct commission *commission, struct commission_re
     return 0;
 }
 
+/* What the controller runs with is the file that is commissioned. */
+static int judge_description(struct commission *commission, struct commission_result *result)
+{
+    const struct device_description *declared = &commission->declared.description;
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        for (unsigned key = 0; key < DEVICE_LEG_COUNT; key++) {
+            const struct device_key *row = &device_leg_keys[key];
+            char message[OBJECT_MESSAGE_MAX], file[DEVICE_VALUE_TEXT_MAX],
+                runs[DEVICE_VALUE_TEXT_MAX];
+            uint32_t number;
+            if (!device_key_applies(&declared->leg[leg], key)) {
+                continue;
+            }
+            if (commission_peek(commission, NODE_CONTROLLER, (uint16_t)(DEVICE_INDEX_LEFT + leg),
+                                (uint8_t)(key + 1u), &number, message) != 0) {
+                return commission_break(result, "%s", message);
+            }
+            const float expected = device_value(declared, leg, key);
+            float found = (float)(int32_t)number;
+            if (row->type == DEVICE_FLOAT) {
+                memcpy(&found, &number, sizeof found);
+            }
+            if (found != expected) {
+                device_value_text(row, (double)expected, file, sizeof file);
+                device_value_text(row, (double)found, runs, sizeof runs);
+                commission_find(result,
+                                "%s leg, key \"%s\": the file says %.60s, and the controller runs "
+                                "with %.60s; start it with this file",
+                                commission_leg(leg), row->name, file, runs);
+            }
+        }
+    }
+    return 0;
+}
+
 int commission_identify(struct commission *commission, struct commission_result *result)
 {
     struct device_unit units[DEVICE_UNITS_MAX];
     const unsigned count = device_units(&commission->device.description, units);
     double ticks;
     if (commission_get(commission, result, "counters.ticks", &ticks) != 0 ||
-        judge_refusal(commission, result) != 0) {
+        judge_description(commission, result) != 0 || judge_refusal(commission, result) != 0) {
         return -1;
     }
     judge_heartbeats(commission, result);

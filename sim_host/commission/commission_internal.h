@@ -36,6 +36,12 @@ static inline const char *commission_leg(int leg)
     return leg == SIDE_LEFT ? "left" : "right";
 }
 
+/* A device may have one drive alone: the other leg has sensors only. */
+static inline bool commission_is_driven(const struct commission *commission, int leg)
+{
+    return device_leg_is_driven(&commission->device.description.leg[leg]);
+}
+
 /* A value of the controller by name, in the unit shown. Returns 0, or -1 with the reason in the result. */
 int commission_get(struct commission *commission, struct commission_result *result,
                    const char *name, double *number);

@@ -30,6 +30,10 @@ int commission_rest(struct commission *commission, struct commission_result *res
     /* A motor that is not at zero keeps the controller in its self test: that is the finding, too. */
     const int standby = commission_reach_standby(commission, result);
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (!commission_is_driven(commission, leg)) {
+            commission_note(result, "%s leg: no drive.", commission_leg(leg));
+            continue;
+        }
         if (commission_get_leg(commission, result, "measured", (enum side)leg, "motor", &motor_m) !=
             0) {
             return -1;
@@ -75,8 +79,13 @@ static void judge_stiffness(const struct commission *commission, struct commissi
                             int leg, const struct commission_motion_report *report, double part)
 {
     const struct device_leg *declared = &commission->device.description.leg[leg];
-    if (declared->rated_force_N == 0.0f) {
-        commission_note(result, "%s leg: the drive tells no force.", commission_leg(leg));
+    const bool tells = declared->protocol == DEVICE_CIA402 && declared->rated_force_N != 0.0f &&
+                       !device_leg_lacks(declared, DEVICE_LACKS_TORQUE);
+    if (!tells) {
+        commission_note(result,
+                        "%s leg: the drive tells no force: torque constant, gear and spring are "
+                        "not shown.",
+                        commission_leg(leg));
         return;
     }
     if (report->samples < 4) {
@@ -136,7 +145,8 @@ static int move_one(struct commission *commission, struct commission_result *res
 int commission_moves(struct commission *commission, struct commission_result *result)
 {
     for (int leg = 0; leg < SIDE_COUNT && result->finding_count == 0; leg++) {
-        if (move_one(commission, result, (enum side)leg) != 0) {
+        if (commission_is_driven(commission, leg) &&
+            move_one(commission, result, (enum side)leg) != 0) {
             return -1;
         }
     }
@@ -192,6 +202,9 @@ int commission_latch(struct commission *commission, struct commission_result *re
 {
     unsigned latches = 0;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        if (!commission_is_driven(commission, leg)) {
+            continue;
+        }
         if (!device_leg_reports_latch(&commission->device.description.leg[leg])) {
             commission_note(result, "%s leg: no latch that reports; for the bench only.",
                             commission_leg(leg));
@@ -224,6 +237,9 @@ int commission_spring(struct commission *commission, struct commission_result *r
         const struct commission_motion motion = {MOTION_KIND_MOVE, (enum side)leg,
                                                  spring_share(commission, leg), 3.0, 0.0};
         struct commission_motion_report report;
+        if (!commission_is_driven(commission, leg)) {
+            continue;
+        }
         if (commission_perform(commission, result, &motion, &report) != 0) {
             return -1;
         }
@@ -241,6 +257,9 @@ int commission_bandwidth(struct commission *commission, struct commission_result
         const struct commission_motion motion = {MOTION_KIND_CHIRP, (enum side)leg, CHIRP_SHARE,
                                                  5.0, 30.0};
         struct commission_motion_report report;
+        if (!commission_is_driven(commission, leg)) {
+            continue;
+        }
         if (commission_perform(commission, result, &motion, &report) != 0) {
             return -1;
         }
@@ -292,6 +311,21 @@ static int cut_one(struct commission *commission, struct commission_result *resu
     return 0;
 }
 
+/* Whose only answer to a lost link is no torque: that is no unload, and without a target nothing tells of it. */
+static void judge_without_cut(struct commission *commission, struct commission_result *result,
+                              enum side leg)
+{
+    const char *name = commission_leg((int)leg);
+    if (commission->declared.description.leg[leg].unload == DEVICE_UNLOAD_DRIVE) {
+        commission_find(result,
+                        "%s drive: its protocol ends a lost link with no torque, which lets a "
+                        "loaded spring go; unload = drive does not hold for it",
+                        name);
+    }
+    commission_note(result, "%s drive: nothing unloads its spring when the link is lost.", name);
+    device_file_set(&commission->device, leg, DEVICE_LEG_unload, DEVICE_UNLOAD_NONE);
+}
+
 int commission_link(struct commission *commission, struct commission_result *result)
 {
     double prescribed_m;
@@ -299,11 +333,16 @@ int commission_link(struct commission *commission, struct commission_result *res
         return -1;
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const int declared = commission->device.description.leg[leg].unload;
+        const int declared = commission->declared.description.leg[leg].unload;
+        if (!commission_is_driven(commission, leg)) {
+            continue;
+        }
         if (declared == DEVICE_UNLOAD_LATCH || declared == DEVICE_UNLOAD_HARDWARE) {
             commission_note(result, "%s leg: declared to be safe by %s; not shown here.",
                             commission_leg(leg),
                             declared == DEVICE_UNLOAD_LATCH ? "its latch" : "hardware");
+        } else if (commission->device.description.leg[leg].protocol != DEVICE_CIA402) {
+            judge_without_cut(commission, result, (enum side)leg);
         } else if (cut_one(commission, result, (enum side)leg, prescribed_m) != 0) {
             return -1;
         }

@@ -1,4 +1,5 @@
 /* Findings, and values of the controller by name. */
+#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -104,6 +105,25 @@ bool commission_wait(struct commission *commission, unsigned milliseconds)
     return commission->ctl.link.pause(commission->ctl.link.context, milliseconds);
 }
 
+/* Who keeps the controller in its self test: a spring that is not slack. */
+static void tell_loaded(struct commission *commission, struct commission_result *result)
+{
+    struct commission_result other = {.verdict = COMMISSION_NOT_DONE};
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const size_t used = strlen(result->reason);
+        double motor_m;
+        if (commission_is_driven(commission, leg) &&
+            commission_get_leg(commission, &other, "measured", (enum side)leg, "motor", &motor_m) ==
+                0 &&
+            !(fabs(motor_m) <= commission->tolerance_m)) {
+            (void)snprintf(result->reason + used, sizeof result->reason - used,
+                           "; the %s motor stands at %.1f mm: turn it back by hand until its "
+                           "spring is slack",
+                           commission_leg(leg), 1000.0 * motor_m);
+        }
+    }
+}
+
 int commission_reach_standby(struct commission *commission, struct commission_result *result)
 {
     double state = 0.0, fault = 0.0;
@@ -127,9 +147,11 @@ int commission_reach_standby(struct commission *commission, struct commission_re
     if (commission_get(commission, result, "state.latched_fault", &fault) != 0) {
         return -1;
     }
-    return commission_break(
+    (void)commission_break(
         result, "the controller does not come to standby: %s%s%s",
         host_report_state_name((enum supervisor_state)((unsigned)state & 0x7Fu)),
         fault != 0.0 ? ", " : "",
         fault != 0.0 ? supervisor_fault_name((enum supervisor_fault)(unsigned)fault) : "");
+    tell_loaded(commission, result);
+    return -1;
 }

@@ -189,9 +189,16 @@ static int read_all(struct options *options)
 {
     struct commission *commission = &options->commission;
     char message[DEVICE_MESSAGE_MAX] = "";
-    if (device_file_read(&commission->device, options->device_path, message) != 0 ||
-        commission_record_read(commission, options->record_path, message) != 0) {
+    static struct device_file declared;
+    if (device_file_read(&declared, options->device_path, message) != 0) {
         return program_complain("%s", message);
+    }
+    commission_declare(commission, &declared);
+    if (commission_record_read(commission, options->record_path, message) != 0) {
+        return program_complain("%s", message);
+    }
+    if (message[0] != '\0') {
+        (void)program_complain("%s", message);
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if (options->eds[leg] != NULL &&

@@ -139,6 +139,24 @@ START_TEST(loads_grow_in_stages_that_both_legs_have_to_pass)
 }
 END_TEST
 
+/* One drive alone is a device, too: there is nothing to show of a leg without one, and nothing to move. */
+START_TEST(a_leg_without_a_drive_is_not_waited_for)
+{
+    input.sea[SIDE_RIGHT].absent = true;
+    (void)run_tick();
+    ck_assert(motion_share_allowed(&motion) == 0.05f);
+    ck_assert_int_eq(perform(MOTION_KIND_MOVE, SIDE_LEFT, 0.05f, 0.5f), MOTION_DONE);
+    ck_assert(motion_share_allowed(&motion) == 0.2f);
+    ck_assert_int_eq(perform(MOTION_KIND_MOVE, SIDE_LEFT, 0.15f, 0.5f), MOTION_DONE);
+    ck_assert(motion_share_allowed(&motion) == 1.0f);
+    ck_assert_int_eq(perform(MOTION_KIND_MOVE, SIDE_RIGHT, 0.05f, 0.5f), MOTION_REFUSED);
+    motion_forget(&motion, true);
+    input.motion.kind = MOTION_KIND_NONE;
+    (void)run_tick();
+    ck_assert(motion_share_allowed(&motion) == 0.05f);
+}
+END_TEST
+
 START_TEST(a_fault_begins_with_small_loads_again_but_not_that_of_a_cut)
 {
     prove_both(0.05f);
@@ -394,6 +412,7 @@ int main(void)
     tcase_add_checked_fixture(tcase, setup, NULL);
     tcase_add_test(tcase, a_move_goes_there_and_back_without_a_step);
     tcase_add_test(tcase, loads_grow_in_stages_that_both_legs_have_to_pass);
+    tcase_add_test(tcase, a_leg_without_a_drive_is_not_waited_for);
     tcase_add_test(tcase, a_fault_begins_with_small_loads_again_but_not_that_of_a_cut);
     tcase_add_test(tcase, a_tool_that_is_lost_asks_for_nothing);
     tcase_add_test(tcase, after_a_fault_it_takes_a_new_request);

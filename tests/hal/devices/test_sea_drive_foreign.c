@@ -179,6 +179,42 @@ START_TEST(cansimple_a_drive_that_disarmed_itself_is_a_fault)
 }
 END_TEST
 
+/* A heartbeat comes ten times a second: what the last one said is of before the command to leave. */
+START_TEST(cansimple_off_and_on_again_between_two_heartbeats_is_no_fault)
+{
+    struct odrive_bench b;
+    struct sea_drive_reading reading;
+    start_odrive(&b);
+    b.command[SIDE_LEFT].enable = true;
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
+    command_ticks(&b, 1);
+    b.command[SIDE_LEFT].enable = false;
+    command_ticks(&b, 1);
+    const struct can_msg *request = fake_bus_last(&b.fake, 0x027);
+    ck_assert_ptr_nonnull(request);
+    ck_assert_uint_eq(request->data[0], CANSIMPLE_STATE_IDLE);
+    b.command[SIDE_LEFT].enable = true;
+    command_ticks(&b, 1);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_STARTING);
+    fake_bus_clear(&b.fake);
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8)); /* the request was lost */
+    command_ticks(&b, 250);
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x027)); /* so it is made again */
+    ck_assert_uint_eq(fake_bus_last(&b.fake, 0x027)->data[0], CANSIMPLE_STATE_IDLE);
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
+    command_ticks(&b, 1);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_DISABLED); /* and no fault: it was told to */
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
+    command_ticks(&b, 1);
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_ENABLED);
+}
+END_TEST
+
 /* The operator's reset lasts one tick, and may come while another request is waited for. */
 START_TEST(cansimple_a_reset_of_one_tick_clears_the_errors)
 {
@@ -362,6 +398,7 @@ int main(void)
     tcase_add_loop_test(tests, cansimple_errors_beside_the_axis_error_are_faults, 0, 4);
     tcase_add_test(tests, cansimple_short_heartbeats_have_no_flags);
     tcase_add_test(tests, cansimple_a_drive_that_disarmed_itself_is_a_fault);
+    tcase_add_test(tests, cansimple_off_and_on_again_between_two_heartbeats_is_no_fault);
     tcase_add_test(tests, cansimple_a_reset_of_one_tick_clears_the_errors);
     tcase_add_test(tests, mit_fields_at_their_ends_and_in_the_middle);
     tcase_add_test(tests, mit_enters_after_an_answer_and_commands_bytes_in_order);

@@ -158,7 +158,8 @@ static void hold_no_unload(void)
 }
 
 static const struct defect defects[] = {
-    {"wrong mode", NULL, NULL, hold_mode, COMMISSION_IDENTIFY, "cyclic synchronous position"},
+    {"wrong mode", NULL, NULL, hold_mode, COMMISSION_IDENTIFY,
+     "left drive, node 1, refused: object 0x6061:00 (mode of operation as it displays it): expected 8, found 1"},
     {"sign", NULL, inject_sign, NULL, COMMISSION_MOVES, "direction"},
     {"sides of the sensors", NULL, inject_swapped_sensors, NULL, COMMISSION_SENSORS, "exchanged"},
     {"torque constant doubled", NULL, inject_torque_constant, NULL, COMMISSION_MOVES,
@@ -170,7 +171,8 @@ static const struct defect defects[] = {
     {"wrong gear", NULL, inject_gear, NULL, COMMISSION_MOVES, "gear"},
     {"slipped encoder", NULL, inject_slip, NULL, COMMISSION_REST, "slipped"},
     {"latch bit stuck", NULL, NULL, hold_latch_bit, COMMISSION_LATCH, "never changed"},
-    {"RPDO time-out missing", NULL, NULL, hold_no_rpdo_timer, COMMISSION_IDENTIFY, "0x1400:05"},
+    {"RPDO time-out missing", NULL, NULL, hold_no_rpdo_timer, COMMISSION_IDENTIFY,
+     "expected 50 ms, found 0 ms; key of the device file: lacks = rpdo_timer"},
     {"wrong EDS", NULL, inject_wrong_sheet, NULL, COMMISSION_IDENTIFY, "data sheet"},
     {"sides of the drives", NULL, inject_crossed, NULL, COMMISSION_MOVES, "exchanged"},
 };
@@ -191,6 +193,8 @@ static void let_feet_go(void)
     }
 }
 
+static double lean_rad; /* how the sensors are mounted */
+
 /* Legs hang straight down; the person swings one of them. */
 static void put_legs(void)
 {
@@ -199,7 +203,20 @@ static void put_legs(void)
         const double part =
             swings && hands.ticks < SWING_TICKS ? (double)hands.ticks / SWING_TICKS : 0.0;
         const int sensor = loop.nodes.assembly.legs_swapped ? 1 - side : side;
-        leg_sensor_node_measure(&loop.nodes.sensor[sensor], SWING_RAD * part, 0.0);
+        leg_sensor_node_measure(&loop.nodes.sensor[sensor], lean_rad + SWING_RAD * part, 0.0);
+    }
+}
+
+/* Whose wires the person's fingers reach. */
+static bool feet_are_crossed, foot_is_dead, foot_is_reversed;
+
+static void put_feet(void)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const int pressed = feet_are_crossed ? 1 - (int)hands.leg : (int)hands.leg;
+        const bool down = hands.hand == COMMISSION_HAND_SWITCH && pressed == side && !foot_is_dead;
+        leg_sensor_node_measure_foot(&loop.nodes.sensor[side],
+                                     down != foot_is_reversed ? FOOT_DOWN : FOOT_UP);
     }
 }
 
@@ -209,6 +226,7 @@ static void run_tick(void)
     loop_tick(&loop);
     let_feet_go();
     put_legs();
+    put_feet();
     hands.ticks++;
     loop.rig.stop_pressed = hands.hand == COMMISSION_HAND_PRESS;
     if (hands.hand == COMMISSION_HAND_TAP && hands.ticks % TAP_EVERY == 0) {
@@ -267,7 +285,32 @@ static int confirm(void *context, enum side leg, const char *question)
 
 /* Who is in the stand; NULL is the paper's walker with the virtual device. */
 static const char *person_path, *device_path;
-static bool is_mirrored;
+static void (*change_device)(struct device_file *device);
+
+static void mirror(struct device_file *device)
+{
+    device_file_set(device, SIDE_LEFT, DEVICE_LEG_direction, -1.0);
+    device_file_set(device, SIDE_LEFT, DEVICE_LEG_zero_counts, 12345.0);
+    device_file_set(device, SIDE_RIGHT, DEVICE_LEG_zero_counts, -777.0);
+}
+
+static void put_switches_under_feet(struct device_file *device)
+{
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        device_file_set(device, (enum side)leg, DEVICE_LEG_foot_switches,
+                        DEVICE_SWITCHES_LEG_SENSOR);
+    }
+}
+
+static void leave_left_alone(struct device_file *device)
+{
+    device_file_set(device, SIDE_RIGHT, DEVICE_LEG_protocol, DEVICE_NO_DRIVE_PROTOCOL);
+}
+
+static void leave_right_alone(struct device_file *device)
+{
+    device_file_set(device, SIDE_LEFT, DEVICE_LEG_protocol, DEVICE_NO_DRIVE_PROTOCOL);
+}
 
 static void setup(void)
 {
@@ -276,25 +319,28 @@ static void setup(void)
     struct control_params params;
     char message[LOOP_MESSAGE_MAX];
     ck_assert_msg(subject_read(&subject, person_path, device_path, message) == 0, "%s", message);
-    if (is_mirrored) {
-        device_file_set(&subject.device, SIDE_LEFT, DEVICE_LEG_direction, -1.0);
-        device_file_set(&subject.device, SIDE_LEFT, DEVICE_LEG_zero_counts, 12345.0);
-        device_file_set(&subject.device, SIDE_RIGHT, DEVICE_LEG_zero_counts, -777.0);
+    if (change_device != NULL) {
+        change_device(&subject.device);
     }
     ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
     ck_assert_msg(loop_configure(&config, &subject, &params, 0.41, SENSORS_17BIT, 1, message) == 0,
                   "%s", message);
     config.plant.start_hold.release_tick = UINT64_MAX / 2; /* it stays in its stand */
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        config.plant.foot_switch[side].present =
+            subject.device.description.leg[side].foot_switches != DEVICE_SWITCHES_NONE;
+    }
     if (defect != NULL && defect->build != NULL) {
         defect->build(&config);
     }
     memset(&commission, 0, sizeof commission);
     hands = (struct hands){COMMISSION_HAND_STAND, SIDE_LEFT, 0};
     twin_runs = is_to_end = drives_are_crossed = false;
+    feet_are_crossed = foot_is_dead = foot_is_reversed = false;
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
     loop.rig.task.node.objects.walk_requested = 0;
     const int port = sim_bus_attach(&loop.bus, "tool", NULL, NULL);
-    commission.device = subject.device;
+    commission_declare(&commission, &subject.device);
     commission.ctl.link = (struct ctl_link){.bus = sim_bus_port(&loop.bus, port),
                                             .wait = wait,
                                             .pause = pause_for,
@@ -317,7 +363,7 @@ static void setup_good(void)
 {
     defect = NULL;
     person_path = device_path = NULL;
-    is_mirrored = false;
+    change_device = NULL;
     setup();
 }
 
@@ -385,11 +431,19 @@ END_TEST
 
 static const struct {
     const char *person, *device;
-    bool mirrored;
+    void (*change)(struct device_file *device);
 } devices[] = {
-    {NULL, NULL, true},
-    {"sim_host/persons/adult70.ini", "sim_host/devices/virtual-adult.ini", false},
-    {"sim_host/persons/adult70.ini", "sim_host/devices/exo50.ini", false},
+    {NULL, NULL, mirror},
+    {NULL, NULL, leave_left_alone},
+    {NULL, NULL, leave_right_alone},
+    {NULL, "sim_host/devices/epos4.ini", NULL},
+    {NULL, "sim_host/devices/cia402.ini", NULL},
+    {NULL, "sim_host/devices/odrive.ini", NULL},
+    {NULL, "sim_host/devices/ak80.ini", NULL},
+    {NULL, "sim_host/devices/ak80.ini", leave_left_alone},
+    {NULL, "sim_host/devices/odrive.ini", leave_right_alone},
+    {"sim_host/persons/adult70.ini", "sim_host/devices/virtual-adult.ini", NULL},
+    {"sim_host/persons/adult70.ini", "sim_host/devices/exo50.ini", NULL},
 };
 enum { DEVICES = sizeof devices / sizeof devices[0] };
 
@@ -398,7 +452,7 @@ START_TEST(other_devices_pass_as_well)
     defect = NULL;
     person_path = devices[_i].person;
     device_path = devices[_i].device;
-    is_mirrored = devices[_i].mirrored;
+    change_device = devices[_i].change;
     setup();
     const int failed = run_all();
     ck_assert_msg(failed < 0, "%s: %s %s",
@@ -406,7 +460,12 @@ START_TEST(other_devices_pass_as_well)
                   failed < 0 ? "" : all_findings(failed),
                   failed < 0 ? "" : commission.result[failed].done);
     ck_assert(largest_load_before_link_N <= LOAD_LIMIT_SHARE * rated_N());
-    printf("  %s: %s %s\n", device_path != NULL ? device_path : "mirrored",
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        const struct device_leg *found = &commission.device.description.leg[leg];
+        const struct device_leg *declared = &loop.config.subject.device.description.leg[leg];
+        ck_assert_int_eq(found->unload, declared->unload);
+    }
+    printf("  %d %s: %s %s\n", _i, device_path != NULL ? device_path : "virtual",
            commission.result[COMMISSION_SPRING].done, commission.result[COMMISSION_BANDWIDTH].done);
     teardown();
 }
@@ -500,7 +559,7 @@ START_TEST(a_device_that_is_not_what_its_file_says_is_found)
     const bool is_paper = _i < DEFECTS;
     person_path = is_paper ? NULL : "sim_host/persons/adult70.ini";
     device_path = is_paper ? NULL : "sim_host/devices/exo50.ini";
-    is_mirrored = false;
+    change_device = NULL;
     defect = &defects[_i % DEFECTS];
     setup();
     const int failed = run_all();
@@ -514,6 +573,27 @@ START_TEST(a_device_that_is_not_what_its_file_says_is_found)
     ck_assert_int_eq(commission.result[failed].verdict, COMMISSION_FAILED);
     ck_assert_msg(strstr(all_findings(failed), defect->says) != NULL, "%s", all_findings(failed));
     ck_assert(largest_load_N <= LOAD_LIMIT_SHARE * rated_N());
+    teardown();
+}
+END_TEST
+
+static void say_drive_unloads(struct device_file *device)
+{
+    device_file_set(device, SIDE_RIGHT, DEVICE_LEG_unload, DEVICE_UNLOAD_DRIVE);
+}
+
+START_TEST(a_drive_whose_protocol_cannot_unload_is_not_believed)
+{
+    defect = NULL;
+    person_path = NULL;
+    device_path = _i == 0 ? "sim_host/devices/odrive.ini" : "sim_host/devices/ak80.ini";
+    change_device = say_drive_unloads;
+    setup();
+    ck_assert_int_eq(run_all(), COMMISSION_LINK);
+    ck_assert_msg(strstr(all_findings(COMMISSION_LINK), "right drive: its protocol") != NULL, "%s",
+                  all_findings(COMMISSION_LINK));
+    ck_assert_uint_eq(commission.result[COMMISSION_LINK].finding_count, 1);
+    ck_assert_int_eq(commission.device.description.leg[SIDE_RIGHT].unload, DEVICE_UNLOAD_NONE);
     teardown();
 }
 END_TEST
@@ -544,6 +624,81 @@ START_TEST(a_drive_that_does_not_unload_on_link_loss_is_found)
 }
 END_TEST
 
+START_TEST(foot_switches_are_read)
+{
+    static const struct {
+        bool *defect;
+        enum commission_verdict verdict;
+        const char *says;
+    } rows[] = {
+        {NULL, COMMISSION_PASSED, ""},
+        {&feet_are_crossed, COMMISSION_FAILED, "left foot: the other leg's switch followed"},
+        {&foot_is_dead, COMMISSION_FAILED, "left foot: its switches were pressed, and nothing"},
+        {&foot_is_reversed, COMMISSION_FAILED, "left leg: its foot switch reads pressed with"},
+    };
+    defect = NULL;
+    person_path = device_path = NULL;
+    change_device = put_switches_under_feet;
+    setup();
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_PASSED);
+    if (rows[_i].defect != NULL) {
+        *rows[_i].defect = true;
+    }
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_SWITCHES), rows[_i].verdict);
+    ck_assert_msg(strstr(all_findings(COMMISSION_SWITCHES), rows[_i].says) != NULL, "%s",
+                  all_findings(COMMISSION_SWITCHES));
+    teardown();
+}
+END_TEST
+
+START_TEST(a_controller_that_runs_with_another_file_is_found)
+{
+    setup_good();
+    device_file_set(&commission.declared, SIDE_RIGHT, DEVICE_LEG_direction, -1.0);
+    device_file_set(&commission.declared, SIDE_LEFT, DEVICE_LEG_spring_N_per_m, 101.0);
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_FAILED);
+    const char *found = all_findings(COMMISSION_IDENTIFY);
+    ck_assert_msg(strstr(found,
+                         "right leg, key \"direction\": the file says -1, and the controller "
+                         "runs with 1;") != NULL,
+                  "%s", found);
+    ck_assert_ptr_nonnull(strstr(found, "left leg, key \"spring_N_per_m\": the file says 101"));
+    ck_assert_uint_eq(commission.result[COMMISSION_IDENTIFY].finding_count, 2);
+    teardown();
+}
+END_TEST
+
+/* It counts from what was declared, also the second time. */
+START_TEST(a_zero_that_is_found_again_is_not_added_up)
+{
+    setup_good();
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_PASSED);
+    for (int n = 0; n < 2; n++) {
+        lean_rad = 0.02;
+        ck_assert_int_eq(commission_run(&commission, COMMISSION_ZERO), COMMISSION_PASSED);
+        for (int leg = 0; leg < SIDE_COUNT; leg++) {
+            assert_close(
+                device_file_number(&commission.device, (enum side)leg, DEVICE_LEG_leg_zero_rad),
+                0.02, 1e-3, 0.0);
+        }
+    }
+    lean_rad = 0.0;
+    teardown();
+}
+END_TEST
+
+START_TEST(a_foot_switch_that_is_not_wired_is_found)
+{
+    setup_good(); /* no switch is there */
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_IDENTIFY), COMMISSION_PASSED);
+    put_switches_under_feet(&commission.device);
+    ck_assert_int_eq(commission_run(&commission, COMMISSION_SWITCHES), COMMISSION_FAILED);
+    ck_assert_ptr_nonnull(
+        strstr(all_findings(COMMISSION_SWITCHES), "tells nothing of a foot switch"));
+    teardown();
+}
+END_TEST
+
 /* ---- what is written ------------------------------------------------------------------------------ */
 
 START_TEST(a_later_run_goes_on_from_the_record)
@@ -554,6 +709,9 @@ START_TEST(a_later_run_goes_on_from_the_record)
     FILE *stream = fdopen(file, "w");
     (void)commission_run(&commission, COMMISSION_IDENTIFY);
     commission_skip(&commission, COMMISSION_ZERO, "later; with a # sign");
+    device_file_set(&commission.device, SIDE_LEFT, DEVICE_LEG_leg_zero_rad, 0.125);
+    device_file_set(&commission.device, SIDE_RIGHT, DEVICE_LEG_unload, DEVICE_UNLOAD_NONE);
+    commission_declare(&again, &commission.declared);
     commission.result[COMMISSION_REST].verdict = COMMISSION_FAILED;
     commission.result[COMMISSION_REST].finding_count = 1;
     strcpy(commission.result[COMMISSION_REST].finding[0], "left motor: <10 mm>");
@@ -567,6 +725,19 @@ START_TEST(a_later_run_goes_on_from_the_record)
                      commission.result[COMMISSION_IDENTIFY].done);
     ck_assert_str_eq(again.result[COMMISSION_ZERO].reason, "later, with a , sign");
     ck_assert_str_eq(again.result[COMMISSION_REST].finding[0], "left motor: <10 mm>");
+    ck_assert(device_file_number(&again.device, SIDE_LEFT, DEVICE_LEG_leg_zero_rad) == 0.125);
+    ck_assert_int_eq(again.device.description.leg[SIDE_RIGHT].unload, DEVICE_UNLOAD_NONE);
+    commission_declare(&again, &again.device); /* with the file that was written: the same device */
+    ck_assert_int_eq(commission_record_read(&again, path, message), 0);
+    ck_assert_str_eq(message, "");
+    ck_assert_int_eq(again.result[COMMISSION_REST].verdict, COMMISSION_FAILED);
+    device_file_set(&again.declared, SIDE_LEFT, DEVICE_LEG_direction, -1.0); /* edited since */
+    ck_assert_int_eq(commission_record_read(&again, path, message), 0);
+    ck_assert_ptr_nonnull(strstr(message, "all steps are open again"));
+    ck_assert_int_eq(again.result[COMMISSION_REST].verdict, COMMISSION_NOT_DONE);
+    strcpy(again.declared.name, "somebody else's");
+    ck_assert_int_eq(commission_record_read(&again, path, message), -1);
+    ck_assert_ptr_nonnull(strstr(message, "another device than \"somebody else's\""));
     unlink(path);
     ck_assert_int_eq(commission_record_read(&again, path, message), 0); /* none yet: all open */
     ck_assert_int_eq(again.result[COMMISSION_IDENTIFY].verdict, COMMISSION_NOT_DONE);
@@ -613,6 +784,11 @@ int main(void)
     TCase *wrong = tcase_create("devices that are not what their file says");
     tcase_set_timeout(wrong, 120);
     tcase_add_loop_test(wrong, a_device_that_is_not_what_its_file_says_is_found, 0, 2 * DEFECTS);
+    tcase_add_loop_test(wrong, foot_switches_are_read, 0, 4);
+    tcase_add_test(wrong, a_controller_that_runs_with_another_file_is_found);
+    tcase_add_test(wrong, a_zero_that_is_found_again_is_not_added_up);
+    tcase_add_test(wrong, a_foot_switch_that_is_not_wired_is_found);
+    tcase_add_loop_test(wrong, a_drive_whose_protocol_cannot_unload_is_not_believed, 0, 2);
     tcase_add_test(wrong, a_drive_that_does_not_unload_on_link_loss_is_found);
     suite_add_tcase(suite, wrong);
     return run_suite(suite);
