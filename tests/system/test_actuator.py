@@ -215,6 +215,31 @@ def test_sizing_over_cadence():
         assert word in text
 
 
+def test_the_bandwidth_falls_with_the_force():
+    """Robinson, Pratt, Paluska, Pratt (AIM 1999): far above sqrt(k / m) a motor of F_sat moves a mass m by
+    F_sat / (m w^2 - k). The current switches between its limits there: 4 / pi of that, as a sine."""
+    result = json.loads(size("--cadence", "110", "--json", "--chirp").stdout)
+    turns_per_m = 2 * math.pi / 0.002
+    mass, force, spring = (3.33e-6 + 1.45e-6) * turns_per_m ** 2, 30 * 0.0136 * turns_per_m, 12000
+    amplitude = 0.45 * result["r0_m"]
+    for row in result["chirp"]:
+        omega = 2 * math.pi * row["frequency_hz"]
+        if 20 <= row["frequency_hz"] <= 40:
+            bound = 4 / math.pi * force / (mass * omega ** 2 - spring) / amplitude
+            assert row["large_gain"] == pytest.approx(bound, rel=0.08)
+        assert row["impedance_Nm_rad"] == pytest.approx(10000 * 0.12 ** 2, rel=0.1)
+    assert 5 < result["large_force_bandwidth_hz"] < 12 < 25 < result["bandwidth_hz"] < 50
+
+
+def test_a_motor_that_burns_is_told(tmp_path):
+    """Every push is given, and the winding does not bear it: that is no success."""
+    device = changed(tmp_path / "hot.ini", "exo50", ("housing_thermal_K_W = 7.4", "housing_thermal_K_W = 30"))[-1]
+    done = run(device, "--person", file_of("persons", "adult70"), "--cadence", "100", command="size")
+    assert done.returncode == 1 and "beyond the limit at 100 steps/min: winding" in done.stdout
+    done = size("--cadence", "100")
+    assert done.returncode == 0 and "beyond" not in done.stdout and "ICRA 2015" in done.stdout
+
+
 def test_sizing_refuses_what_is_not_told():
     assert "--person" in run(file_of("devices", "exo50"), command="size").stderr
     done = run(file_of("devices", "virtual-adult"), "--person", file_of("persons", "adult70"), command="size")
