@@ -158,7 +158,9 @@ void push_report_text(FILE *stream, const struct push_record *record, const stru
     if (symmetry == symmetry) {
         fprintf(stream, "  symmetry   %.0f %% (work of the weaker leg)\n", percent(symmetry));
     }
-    if (loop->rig.task.controller.request_spent) {
+    /* A fault ends the assistance, too, and is told elsewhere. */
+    if (loop->rig.task.controller.request_spent &&
+        push_watch_fails(&loop->rig.task.controller.springs.watch)) {
         fputs(
             "  withdrawn  three pushes in a row were not given, or dragged at the foot in swing\n",
             stream);

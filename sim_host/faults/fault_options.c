@@ -19,7 +19,9 @@ enum {
     KEY_LOG,
     KEY_TICKS,
     KEY_MARKDOWN,
-    KEY_ONLY
+    KEY_ONLY,
+    KEY_PERSON,
+    KEY_DEVICE
 };
 
 static const struct argp_option option_list[] = {
@@ -29,6 +31,8 @@ static const struct argp_option option_list[] = {
     {"out", KEY_OUT, "DIR", 0, "keep results there; runs that are there are not made again", 0},
     {"only", KEY_ONLY, "TEXT", 0,
      "of those N only the runs whose first fault's name contains TEXT, such as \"foreign\"", 0},
+    {"person", KEY_PERSON, "FILE", 0, "who walks: a person file (default: the paper's walker)", 0},
+    {"device", KEY_DEVICE, "FILE", 0, "with what: a device file (default: the virtual device)", 0},
     {"markdown", KEY_MARKDOWN, 0, 0, "the table as Markdown", 0},
     {"run", KEY_RUN, "I", 0, "run number I alone, and tell", 1},
     {"log", KEY_LOG, "FILE", 0, "with --run: every frame, as candump -L writes it", 1},
@@ -78,6 +82,12 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_ONLY:
         options->only = text;
         break;
+    case KEY_PERSON:
+        options->walker.person_path = text;
+        break;
+    case KEY_DEVICE:
+        options->walker.device_path = text;
+        break;
     case KEY_MARKDOWN:
         options->markdown = true;
         break;
@@ -97,6 +107,11 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case ARGP_KEY_END:
         if (!options->single && (options->log != NULL || options->ticks != NULL)) {
             argp_error(state, "--log and --csv need --run I");
+        }
+        if (options->out != NULL &&
+            (options->walker.person_path != NULL || options->walker.device_path != NULL)) {
+            argp_error(state,
+                       "--out keeps runs of the paper's walker: leave out --person and --device");
         }
         if (!options->single && options->only != NULL) {
             check_only(options);

@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sim_host/faults/campaign.h"
+
 enum { FAULT_JOBS_MAX = 64, FAULT_RUNS_MAX = 10000000 };
 
 struct fault_options {
@@ -12,6 +14,7 @@ struct fault_options {
     uint64_t seed;
     bool single, markdown;
     const char *out, *log, *ticks, *only;
+    struct campaign_walker walker;
     int argc;
     char **argv;
 };

@@ -65,7 +65,9 @@ static int write_experiment(const struct fault_options *options, const struct ca
     }
     if (experiment.file.stream != NULL) {
         struct json_writer *json = &experiment.json;
-        json_text(json, "who", "the paper's walker");
+        json_text(json, "who",
+                  options->walker.person_path != NULL ? options->walker.person_path
+                                                      : "the paper's walker");
         json_unsigned(json, "seed", options->seed);
         json_unsigned(json, "run", plan->index);
         json_text(json, "scene", campaign_scene_name(plan->scene));
@@ -97,7 +99,8 @@ static int run_alone(const struct fault_options *options)
     if (!open_output(&log, options->log)) {
         return EXIT_USAGE;
     }
-    struct campaign *campaign = open_output(&ticks, options->ticks) ? campaign_create() : NULL;
+    struct campaign *campaign =
+        open_output(&ticks, options->ticks) ? campaign_create(&options->walker) : NULL;
     if (campaign == NULL) {
         output_file_discard(&log);
         output_file_discard(&ticks);
@@ -209,7 +212,7 @@ static int run_many(const struct fault_options *options, const bool *done)
     if (missing == 0) {
         return EXIT_GOOD;
     }
-    struct campaign *campaign = campaign_create();
+    struct campaign *campaign = campaign_create(&options->walker);
     atomic_uint *finished = (atomic_uint *)mmap(NULL, sizeof *finished, PROT_READ | PROT_WRITE,
                                                 MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (campaign == NULL || finished == MAP_FAILED) {

@@ -128,6 +128,23 @@ def test_before_the_push_nothing_is_pushed(tmp_path, made):
             assert walk(*arguments)[1]["push"][side]["stance_torque_Nm"] < 1
 
 
+def test_a_motor_that_cannot_hold_its_spring_says_so(tmp_path, made):
+    """Its peak current loads the spring, its I^2 t limit does not hold it: not loaded in time, less is prescribed;
+    far too weak, the drive reports a fault, which is no withdrawal."""
+    weak = changed(tmp_path / "weak.ini", "exo50", ("current_continuous_A = 10.5 ", "current_continuous_A = 6 "))
+    good = walk(*EXO50, "--recording", made)[1]["push"]
+    status, result = walk(*weak, "--recording", made)
+    assert status == 0
+    assert sum(result["push"][side]["missed_not_loaded"] for side in SIDES) >= 1
+    assert any(result["push"][side]["limited_percent"] > 5 for side in SIDES)
+    for side in SIDES:
+        assert result["push"][side]["peak_torque_Nm"] < 0.9 * good[side]["peak_torque_Nm"]
+    assert "not loaded in time" in run(*weak, "--recording", made).stdout
+    feeble = changed(tmp_path / "feeble.ini", "exo50", ("current_continuous_A = 10.5 ", "current_continuous_A = 4 "))
+    done = run(*feeble, "--recording", made)
+    assert "STOPPED" in done.stdout and "withdrawn" not in done.stdout
+
+
 def test_pushes_that_never_come_end_the_assistance(person):
     arguments = (*EXO50, "--recording", person, "--fault", "never-armed", "--fault-step", "30")
     done = run(*arguments)
