@@ -160,7 +160,7 @@ void push_report_text(FILE *stream, const struct push_record *record, const stru
     }
     /* A fault ends the assistance, too, and is told elsewhere. */
     if (loop->rig.task.controller.request_spent &&
-        push_watch_fails(&loop->rig.task.controller.springs.watch)) {
+        loop->rig.task.controller.supervisor.latched == SUPERVISOR_FAULT_NONE) {
         fputs(
             "  withdrawn  three pushes in a row were not given, or dragged at the foot in swing\n",
             stream);
