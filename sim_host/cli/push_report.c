@@ -158,8 +158,10 @@ void push_report_text(FILE *stream, const struct push_record *record, const stru
     if (symmetry == symmetry) {
         fprintf(stream, "  symmetry   %.0f %% (work of the weaker leg)\n", percent(symmetry));
     }
+    /* A fault or a drive's need ends the assistance, too, and is told elsewhere. */
     if (loop->rig.task.controller.request_spent &&
-        loop->rig.task.controller.derate.withdrew_cause == (uint8_t)DERATE_NONE) {
+        loop->rig.task.controller.derate.withdrew_cause == (uint8_t)DERATE_NONE &&
+        loop->rig.task.controller.supervisor.latched == SUPERVISOR_FAULT_NONE) {
         fputs(
             "  withdrawn  three pushes in a row were not given, or dragged at the foot in swing\n",
             stream);

@@ -8,6 +8,9 @@
 
 enum { SETTLE_TICKS_MAX = 120000 };
 
+/* Of the speeds that are served. */
+#define MOST_SHARE 0.9
+
 struct scene_spec {
     const char *name;
     double speed_rad_s;
@@ -89,18 +92,33 @@ static uint64_t plant_digest(const struct plant *plant)
 
 /* ---- scenes -------------------------------------------------------------------------- */
 
-static int configure(const struct scene_spec *spec, struct loop_config *config, char *message)
+/* The scene's speed, or the nearest one well within what is served. */
+static double speed_of(const struct scene_spec *spec, const struct control_params *params)
+{
+    real low_rad_s, high_rad_s;
+    control_params_speeds(params, &low_rad_s, &high_rad_s);
+    const double most = (double)low_rad_s + MOST_SHARE * (double)(high_rad_s - low_rad_s);
+    return spec->speed_rad_s < most ? spec->speed_rad_s : most;
+}
+
+static int configure(const struct campaign_walker *walker, const struct scene_spec *spec,
+                     struct loop_config *config, char *message)
 {
     struct subject subject;
     struct control_params params;
-    subject_default(&subject);
+    if (subject_read(&subject, walker->person_path, walker->device_path, message) != 0) {
+        return -1;
+    }
+    if (subject.actuators.as_built) {
+        person_override(&subject.person, "law", (double)LAW_PREDICTIVE);
+    }
     if (subject_control_params(&subject, &params, message) != 0) {
         return -1;
     }
     /* Starts in the steady gait of its speed, so that the walk is steady soon. */
-    params.start_r0_m = speed_table_inverse(&params.table, (real)spec->speed_rad_s);
-    if (loop_configure(config, &subject, &params, spec->speed_rad_s, spec->sensors, 1, message) !=
-        0) {
+    const double speed_rad_s = speed_of(spec, &params);
+    params.start_r0_m = speed_table_inverse(&params.table, (real)speed_rad_s);
+    if (loop_configure(config, &subject, &params, speed_rad_s, spec->sensors, 1, message) != 0) {
         return -1;
     }
     if (spec->engage_steps > 0) {
@@ -119,15 +137,16 @@ static void drain_events(struct plant *plant)
     }
 }
 
-static int walk_scene(struct campaign *campaign, unsigned index)
+static int walk_scene(struct campaign *campaign, const struct campaign_walker *walker,
+                      unsigned index)
 {
     char message[LOOP_MESSAGE_MAX] = "";
     const struct scene_spec *spec = &specs[index];
     struct loop *loop = &campaign->loop;
     struct injector injector;
     struct loop_config config;
-    if (configure(spec, &config, message) != 0 || loop_init(loop, &config, NULL, message) != 0 ||
-        !injector_prepare(loop)) {
+    if (configure(walker, spec, &config, message) != 0 ||
+        loop_init(loop, &config, NULL, message) != 0 || !injector_prepare(loop)) {
         fprintf(stderr, "afo faults: scene %s: %s\n", spec->name, message);
         return -1;
     }
@@ -158,7 +177,7 @@ static int walk_scene(struct campaign *campaign, unsigned index)
     return 0;
 }
 
-struct campaign *campaign_create(void)
+struct campaign *campaign_create(const struct campaign_walker *walker)
 {
     struct campaign *campaign = (struct campaign *)calloc(1, sizeof *campaign);
     if (campaign == NULL) {
@@ -166,7 +185,7 @@ struct campaign *campaign_create(void)
         return NULL;
     }
     for (unsigned i = 0; i < CAMPAIGN_SCENES; i++) {
-        if (walk_scene(campaign, i) != 0) {
+        if (walk_scene(campaign, walker, i) != 0) {
             free(campaign);
             return NULL;
         }

@@ -46,9 +46,15 @@ const char *campaign_scene_name(unsigned scene);
 /* Draws run `index` of a seed. Pure; O(1). */
 void campaign_plan(uint64_t seed, uint32_t index, struct campaign_plan *plan);
 
-/* Walks the scenes and saves them, on the heap; takes some seconds. NULL after a message on
- * stderr. Release with campaign_destroy(). */
-struct campaign *campaign_create(void);
+/* Who walks the scenes. NULL: the paper's walker with the virtual device. */
+struct campaign_walker {
+    const char *person_path, *device_path;
+};
+
+/* Walks the scenes and saves them, on the heap; takes some seconds. An actuator of parts ([plant]) walks by
+ * the predictive law, which bears its latch; speeds that a walker is not served at become ones that it
+ * is. NULL after a message on stderr. Release with campaign_destroy(). */
+struct campaign *campaign_create(const struct campaign_walker *walker);
 void campaign_destroy(struct campaign *campaign);
 
 /* Makes one run. log: candump of every frame; ticks: one CSV line a tick; either may be NULL.

@@ -21,7 +21,9 @@ enum {
     KEY_MARKDOWN,
     KEY_ONLY,
     KEY_PEOPLE,
-    KEY_DATA
+    KEY_DATA,
+    KEY_PERSON,
+    KEY_DEVICE
 };
 
 static const struct argp_option option_list[] = {
@@ -38,6 +40,8 @@ static const struct argp_option option_list[] = {
     {"data", KEY_DATA, "DIR", 0,
      "with --people: a folder of recordings, such as DIR/NAME.csv and DIR/people/NAME.csv (default: AFO_DATA)",
      0},
+    {"person", KEY_PERSON, "FILE", 0, "who walks: a person file (default: the paper's walker)", 0},
+    {"device", KEY_DEVICE, "FILE", 0, "with what: a device file (default: the virtual device)", 0},
     {"markdown", KEY_MARKDOWN, 0, 0, "the table as Markdown", 0},
     {"run", KEY_RUN, "I", 0, "run number I alone, and tell", 1},
     {"log", KEY_LOG, "FILE", 0, "with --run: every frame, as candump -L writes it", 1},
@@ -94,6 +98,12 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_DATA:
         options->data = text;
         break;
+    case KEY_PERSON:
+        options->walker.person_path = text;
+        break;
+    case KEY_DEVICE:
+        options->walker.device_path = text;
+        break;
     case KEY_MARKDOWN:
         options->markdown = true;
         break;
@@ -119,6 +129,15 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         }
         if (options->people && options->data == NULL) {
             options->data = getenv("AFO_DATA");
+        }
+        if (options->people &&
+            (options->walker.person_path != NULL || options->walker.device_path != NULL)) {
+            argp_error(state, "--people walks people of its own: leave out --person and --device");
+        }
+        if (options->out != NULL &&
+            (options->walker.person_path != NULL || options->walker.device_path != NULL)) {
+            argp_error(state,
+                       "--out keeps runs of the paper's walker: leave out --person and --device");
         }
         if (!options->single && options->only != NULL) {
             check_only(options);

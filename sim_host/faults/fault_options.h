@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sim_host/faults/campaign.h"
+
 enum { FAULT_JOBS_MAX = 64, FAULT_RUNS_MAX = 10000000 };
 
 struct fault_options {
@@ -16,6 +18,7 @@ struct fault_options {
     const char *data;      /* a folder of recordings; NULL: none, made people only */
     const char *person;    /* person file */
     const char *device[2]; /* device files */
+    struct campaign_walker walker;
     int argc;
     char **argv;
 };

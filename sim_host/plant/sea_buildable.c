@@ -111,6 +111,57 @@ static int check_power(const struct sea_config *config, double middle_N,
     return 0;
 }
 
+/* A third of the time for starting: 9/2 way / time^2. */
+static int check_rotor(const struct sea_config *config, const struct sea_duty *duty,
+                       const struct refusal *refusal)
+{
+    const double needed_m_s2 =
+        3.0 * PEAK_OVER_MEAN * duty->precompression_m / (duty->load_s * duty->load_s);
+    const double able_m_s2 = sea_config_acceleration_m_s2(config, 0.0);
+    if (needed_m_s2 > able_m_s2) {
+        return REFUSE(
+            refusal,
+            "rotor over motor: %g m in %.3g s needs %.3g m/s^2, and at current_peak_A, %g A, rotor "
+            "and screw, worth %.4g kg at the spring, start with %.3g m/s^2",
+            duty->precompression_m, duty->load_s, needed_m_s2, config->current_peak_A,
+            sea_config_mass_kg(config), able_m_s2);
+    }
+    return 0;
+}
+
+/* A cuff in series with a stiffer spring takes more than half of the push. */
+static int check_cuff(const struct sea_config *config, const struct refusal *refusal)
+{
+    const double stiffness_N_per_m = sea_config_stiffness_N_per_m(config);
+    if (config->cuff_N_per_m > 0.0 && config->cuff_N_per_m < stiffness_N_per_m) {
+        return REFUSE(
+            refusal,
+            "spring over cuff: cuff_N_per_m is %g N/m, softer than the spring's %.4g N/m: less than "
+            "half of the push would arrive",
+            config->cuff_N_per_m, stiffness_N_per_m);
+    }
+    return 0;
+}
+
+/* The battery lasts for some minutes of pushes at least: a stride takes 2.5 times the time to load. */
+#define LEAST_S 600.0
+#define STRIDE_OVER_LOAD 2.5
+
+static int check_energy(const struct sea_config *config, double force_N,
+                        const struct sea_duty *duty, const struct refusal *refusal)
+{
+    const double push_J = 0.5 * force_N * duty->precompression_m / config->efficiency_forward;
+    const double needed_Wh = push_J * LEAST_S / (STRIDE_OVER_LOAD * duty->load_s) / 3600.0;
+    if (config->supply_energy_Wh > 0.0 && config->supply_energy_Wh < needed_Wh) {
+        return REFUSE(
+            refusal,
+            "energy over supply: ten minutes of pushes of %.3g J take %.3g W h a leg, and "
+            "supply_energy_Wh is %g W h",
+            push_J, needed_Wh, config->supply_energy_Wh);
+    }
+    return 0;
+}
+
 double sea_config_stiffness_N_per_m(const struct sea_config *config)
 {
     struct sea_spring spring;
@@ -130,7 +181,9 @@ int sea_config_can_be_built(const struct sea_config *config, const struct sea_du
     return check_stroke(config, duty, &refusal) == 0 &&
                    check_force(config, force_N, duty, &refusal) == 0 &&
                    check_speed(config, middle_N, duty, &refusal) == 0 &&
-                   check_power(config, middle_N, duty, &refusal) == 0
+                   check_rotor(config, duty, &refusal) == 0 && check_cuff(config, &refusal) == 0 &&
+                   check_power(config, middle_N, duty, &refusal) == 0 &&
+                   check_energy(config, force_N, duty, &refusal) == 0
                ? 0
                : -1;
 }

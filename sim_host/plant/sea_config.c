@@ -226,11 +226,58 @@ static int check_drive(const struct sea_config *config, char *message, size_t si
     return 0;
 }
 
+/* What is either so or not. */
+static int check_choices(const struct sea_config *config, char *message, size_t size)
+{
+    const struct {
+        const char *name;
+        double value;
+    } choices[] = {{"two_way", config->two_way}, {"supply_shared", config->supply_shared}};
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
+        if (choices[i].value != 0.0 && choices[i].value != 1.0) {
+            (void)snprintf(message, size, "key \"%s\": %g is neither 0 nor 1", choices[i].name,
+                           choices[i].value);
+            return -1;
+        }
+    }
+    return 0;
+}
+
+/* The speed loop sees its encoder some three periods late (sea_loop.c: filter and difference), and three
+ * tenths of a radian there leave it damped; the position loop around it is slower by two. */
+#define LOOP_RAD_PER_PERIOD 0.1
+#define POSITION_SHARE 0.5
+
+static int check_loops(const struct sea_config *config, char *message, size_t size)
+{
+    const double most_rad_s = LOOP_RAD_PER_PERIOD / config->drive_period_s;
+    const double least_rad_s =
+        config->current_bandwidth_rad_s < most_rad_s ? config->current_bandwidth_rad_s : most_rad_s;
+    if (config->speed_bandwidth_rad_s > least_rad_s) {
+        (void)snprintf(
+            message, size,
+            "key \"speed_bandwidth_rad_s\": the loop would oscillate at %g rad/s; with this "
+            "drive_period_s and current_bandwidth_rad_s %g rad/s are allowed",
+            config->speed_bandwidth_rad_s, least_rad_s);
+        return -1;
+    }
+    if (config->position_gain_1_s > POSITION_SHARE * config->speed_bandwidth_rad_s) {
+        (void)snprintf(message, size,
+                       "key \"position_gain_1_s\": the loop would oscillate at %g 1/s; half of "
+                       "speed_bandwidth_rad_s, %g 1/s, is allowed",
+                       config->position_gain_1_s, POSITION_SHARE * config->speed_bandwidth_rad_s);
+        return -1;
+    }
+    return 0;
+}
+
 int sea_config_check(const struct sea_config *config, char *message, size_t size)
 {
     return check_ranges(config, message, size) == 0 && check_spring(config, message, size) == 0 &&
                    check_lever(config, message, size) == 0 &&
-                   check_drive(config, message, size) == 0
+                   check_drive(config, message, size) == 0 &&
+                   check_choices(config, message, size) == 0 &&
+                   check_loops(config, message, size) == 0
                ? 0
                : -1;
 }

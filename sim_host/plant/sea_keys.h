@@ -82,7 +82,7 @@
     X(stroke_max_m, "m", 1e-4, 1.0, SEA_ASKED, "largest compression that is obeyed")            \
     X(end_stop_m, "m", 0.0, 0.1, 0.002, "the hard stops lie so far outside the stroke")         \
     X(unload_rate_m_s, "m/s", 1e-4, 100.0, SEA_ASKED, "at which the drive unloads by itself")   \
-    X(substep_s, "s", 1e-7, 1e-4, 1e-5, "of the plant's integrator; not longer than the period")
+    X(substep_s, "s", 1e-6, 1e-4, 1e-5, "of the plant's integrator; not longer than the period")
 
 #define SEA_LATCH_KEYS(X)                                                                   \
     X(latch_holding_N, "N", 0.0, 1e6, SEA_ASKED, "more than this it does not hold; new")    \

@@ -57,7 +57,9 @@ static int write_experiment(const struct fault_options *options, const struct ca
     }
     if (experiment.file.stream != NULL) {
         struct json_writer *json = &experiment.json;
-        json_text(json, "who", "the paper's walker");
+        json_text(json, "who",
+                  options->walker.person_path != NULL ? options->walker.person_path
+                                                      : "the paper's walker");
         json_unsigned(json, "seed", options->seed);
         json_unsigned(json, "run", plan->index);
         json_text(json, "scene", campaign_scene_name(plan->scene));
@@ -89,7 +91,8 @@ static int run_alone(const struct fault_options *options)
     if (!open_output(&log, options->log)) {
         return EXIT_USAGE;
     }
-    struct campaign *campaign = open_output(&ticks, options->ticks) ? campaign_create() : NULL;
+    struct campaign *campaign =
+        open_output(&ticks, options->ticks) ? campaign_create(&options->walker) : NULL;
     if (campaign == NULL) {
         output_file_discard(&log);
         output_file_discard(&ticks);
@@ -120,7 +123,7 @@ static bool wants(void *context, uint32_t index)
 static bool begin(void *context)
 {
     struct many *many = (struct many *)context;
-    many->campaign = campaign_create();
+    many->campaign = campaign_create(&many->options->walker);
     return many->campaign != NULL;
 }
 

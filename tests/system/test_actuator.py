@@ -128,6 +128,23 @@ def test_before_the_push_nothing_is_pushed(tmp_path, made):
             assert walk(*arguments)[1]["push"][side]["stance_torque_Nm"] < 1
 
 
+def test_a_motor_that_cannot_hold_its_spring_says_so(tmp_path, made):
+    """Its peak current loads the spring, its I^2 t limit does not hold it: not loaded in time, less is prescribed;
+    far too weak, the drive reports a fault, which is no withdrawal."""
+    weak = changed(tmp_path / "weak.ini", "exo50", ("current_continuous_A = 10.5 ", "current_continuous_A = 6 "))
+    good = walk(*EXO50, "--recording", made)[1]["push"]
+    status, result = walk(*weak, "--recording", made)
+    assert status == 0
+    assert sum(result["push"][side]["missed_not_loaded"] for side in SIDES) >= 1
+    assert any(result["push"][side]["limited_percent"] > 5 for side in SIDES)
+    for side in SIDES:
+        assert result["push"][side]["peak_torque_Nm"] < 0.9 * good[side]["peak_torque_Nm"]
+    assert "not loaded in time" in run(*weak, "--recording", made).stdout
+    feeble = changed(tmp_path / "feeble.ini", "exo50", ("current_continuous_A = 10.5 ", "current_continuous_A = 4 "))
+    done = run(*feeble, "--recording", made)
+    assert "STOPPED" in done.stdout and "withdrawn" not in done.stdout
+
+
 def test_pushes_that_never_come_end_the_assistance(person):
     arguments = (*EXO50, "--recording", person, "--fault", "never-armed", "--fault-step", "30")
     done = run(*arguments)
@@ -213,6 +230,31 @@ def test_sizing_over_cadence():
     text = size().stdout
     for word in ("after 1 h", "what limits", "mass", "push-off"):
         assert word in text
+
+
+def test_the_bandwidth_falls_with_the_force():
+    """Robinson, Pratt, Paluska, Pratt (AIM 1999): far above sqrt(k / m) a motor of F_sat moves a mass m by
+    F_sat / (m w^2 - k). The current switches between its limits there: 4 / pi of that, as a sine."""
+    result = json.loads(size("--cadence", "110", "--json", "--chirp").stdout)
+    turns_per_m = 2 * math.pi / 0.002
+    mass, force, spring = (3.33e-6 + 1.45e-6) * turns_per_m ** 2, 30 * 0.0136 * turns_per_m, 12000
+    amplitude = 0.45 * result["r0_m"]
+    for row in result["chirp"]:
+        omega = 2 * math.pi * row["frequency_hz"]
+        if 20 <= row["frequency_hz"] <= 40:
+            bound = 4 / math.pi * force / (mass * omega ** 2 - spring) / amplitude
+            assert row["large_gain"] == pytest.approx(bound, rel=0.08)
+        assert row["impedance_Nm_rad"] == pytest.approx(10000 * 0.12 ** 2, rel=0.1)
+    assert 5 < result["large_force_bandwidth_hz"] < 12 < 25 < result["bandwidth_hz"] < 50
+
+
+def test_a_motor_that_burns_is_told(tmp_path):
+    """Every push is given, and the winding does not bear it: that is no success."""
+    device = changed(tmp_path / "hot.ini", "exo50", ("housing_thermal_K_W = 7.4", "housing_thermal_K_W = 30"))[-1]
+    done = run(device, "--person", file_of("persons", "adult70"), "--cadence", "100", command="size")
+    assert done.returncode == 1 and "beyond the limit at 100 steps/min: winding" in done.stdout
+    done = size("--cadence", "100")
+    assert done.returncode == 0 and "beyond" not in done.stdout and "ICRA 2015" in done.stdout
 
 
 def test_sizing_refuses_what_is_not_told():

@@ -184,7 +184,7 @@ static double hour_degC(const struct sea_config *config, double rms_A)
         const double ohm =
             config->resistance_ohm * (1.0 + config->resistance_per_K * (motor.winding_degC - 25.0));
         sea_motor_warm(&motor, config, rms_A * rms_A * ohm, 0.1);
-        if (motor.winding_degC > 1000.0) {
+        if (motor.winding_degC > SIZE_HOTTEST_DEGC) {
             break; /* runs away: hotter than anything bears */
         }
     }
@@ -257,4 +257,15 @@ void size_shares(const struct size_setup *setup, const struct size_row *row,
     share[SIZE_SUPPLY] = row->peak_supply_A / config->supply_current_max_A;
     share[SIZE_LATCH] = row->peak_spring_N / config->latch_holding_N;
     share[SIZE_TIME] = 1.0 - row->spare_s / load_s;
+}
+
+bool size_holds(const struct size_setup *setup, const struct size_row *row)
+{
+    double share[SIZE_LIMITS];
+    bool within = row->pushes == SIZE_STRIDES;
+    size_shares(setup, row, share);
+    for (int i = 0; i < SIZE_LIMITS; i++) {
+        within = within && share[i] <= 1.0;
+    }
+    return within;
 }

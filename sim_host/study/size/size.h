@@ -22,6 +22,8 @@ struct size_setup {
     unsigned long long seed;
 };
 
+#define SIZE_HOTTEST_DEGC 1000.0
+
 /* One cadence. Shares of limits: 0 = unused, 1 = at the limit, above 1 = beyond. */
 struct size_row {
     double cadence_1_min;                        /* steps a minute */
@@ -33,7 +35,7 @@ struct size_row {
     double push_V;    /* of the bus at the release */
     double reserve_V; /* least reserve of the bus' voltage over what the motor takes */
     double lowest_bus_V, peak_supply_A, mean_supply_W;
-    double hour_degC; /* winding after an hour */
+    double hour_degC; /* winding after an hour; above SIZE_HOTTEST_DEGC it ran away */
     double swing_Nm;  /* largest torque from 50 ms after toe-off to 50 % of the next stance */
     double peak_speed_m_s, peak_spring_N;
     double current_limited_s, voltage_limited_s; /* a stride */
@@ -57,6 +59,9 @@ const char *size_limit_name(enum size_limit limit);
 
 /* Walks one leg at the cadence. Some ten milliseconds of processor time. */
 void size_walk(const struct size_setup *setup, double cadence_1_min, struct size_row *row);
+
+/* Whether every push-off was given, and no limit is used beyond 1. */
+bool size_holds(const struct size_setup *setup, const struct size_row *row);
 
 /* Used part of each limit. */
 void size_shares(const struct size_setup *setup, const struct size_row *row,

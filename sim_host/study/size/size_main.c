@@ -112,8 +112,8 @@ int size_main(int argc, char **argv)
         "DEVICE",
         "What a device's actuator has to bear in walking, over cadence: current, voltage, heat after an "
         "hour, mass; and what limits it.\v"
-        "The ankle moves along a textbook's mean curve. Exit status: 0 every push-off is given, 1 not at "
-        "every cadence, 2 wrong usage, or a device that cannot be built.",
+        "The ankle moves along a textbook's mean curve. Exit status: 0 every push-off is given within all "
+        "limits, 1 not at every cadence, 2 wrong usage, or a device that cannot be built.",
         0,
         0,
         0};
@@ -139,10 +139,10 @@ int size_main(int argc, char **argv)
     setup.config = subject.actuators.config[options.leg];
     setup.seed = options.seed;
     int count = 0;
-    bool all_given = true;
+    bool all_hold = true;
     while (count < ROWS_MAX && options.from + count * options.step <= options.to + 1e-9) {
         size_walk(&setup, options.from + count * options.step, &rows[count]);
-        all_given = all_given && rows[count].pushes == SIZE_STRIDES;
+        all_hold = all_hold && size_holds(&setup, &rows[count]);
         count++;
     }
     const struct size_result result = {
@@ -152,5 +152,5 @@ int size_main(int argc, char **argv)
     } else {
         size_report_text(stdout, &result);
     }
-    return program_output_done() == 0 ? (all_given ? EXIT_GOOD : EXIT_BAD) : EXIT_USAGE;
+    return program_output_done() == 0 ? (all_hold ? EXIT_GOOD : EXIT_BAD) : EXIT_USAGE;
 }

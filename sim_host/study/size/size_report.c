@@ -5,16 +5,21 @@
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/plant/sea_spring.h"
 
-enum { DIGITS = 4, FREQUENCIES = 8 };
-static const double frequencies_hz[FREQUENCIES] = {1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0};
+enum { DIGITS = 4, FREQUENCIES = 11 };
+static const double frequencies_hz[FREQUENCIES] = {1.0,  2.0,  4.0,  7.0,  10.0, 15.0,
+                                                   20.0, 30.0, 40.0, 60.0, 80.0};
 
-/* Of the chirp, m of spring. */
-#define CHIRP_M 0.002
+/* Of the chirp: a small one, m of spring, and one of nearly the whole push-off's range. */
+#define CHIRP_M 0.001
+#define LARGE_SHARE 0.45
 
 /* Figures of devices that were published, for a look beside. */
 static const char *const published =
-    "published: powered prostheses and exoskeletons that take over a whole ankle give 120 to 175 N m\n"
-    "           and 13 to 26 J a step; a biological ankle gives 0.3 to 0.45 J/kg\n";
+    "published, motor and battery off the leg:\n"
+    "    ankle exoskeletons  120 N m, 16 Hz at 50 N m and 21 Hz at 20 N m, below 0.88 kg\n"
+    "                        (Witte, Zhang, Jackson, Collins, ICRA 2015)\n"
+    "    ankle prosthesis    175 N m, 1.0 kW, 17 Hz, 0.96 kg (Caputo, Collins, J Biomech Eng 136, 2014)\n"
+    "  and devices that take over a whole ankle give 13 to 26 J a step; an ankle itself 0.3 to 0.45 J/kg\n";
 
 /* The limit that is used most. */
 static enum size_limit nearest(const struct size_setup *setup, const struct size_row *row,
@@ -114,30 +119,70 @@ static double bandwidth_hz(const double gain[FREQUENCIES])
     return (double)NAN;
 }
 
-static void answers(const struct size_setup *setup, double gain[FREQUENCIES],
-                    double lag_rad[FREQUENCIES], double impedance[FREQUENCIES])
+/* What a drive answers to sines: small, and as large as a push-off; and what the ankle feels. */
+struct answers {
+    double gain[FREQUENCIES], lag_rad[FREQUENCIES], large[FREQUENCIES], impedance[FREQUENCIES];
+};
+
+static void answer(const struct size_setup *setup, struct answers *answers)
 {
+    const double large_m = LARGE_SHARE * (double)setup->params.start_r0_m;
     for (int i = 0; i < FREQUENCIES; i++) {
-        size_answer(setup, frequencies_hz[i], CHIRP_M, &gain[i], &lag_rad[i]);
-        impedance[i] = size_impedance_Nm_rad(setup, frequencies_hz[i]);
+        double unused;
+        size_answer(setup, frequencies_hz[i], CHIRP_M, &answers->gain[i], &answers->lag_rad[i]);
+        size_answer(setup, frequencies_hz[i], large_m, &answers->large[i], &unused);
+        answers->impedance[i] = size_impedance_Nm_rad(setup, frequencies_hz[i]);
+    }
+}
+
+static void bandwidth_line(FILE *stream, const char *name, const double gain[FREQUENCIES])
+{
+    const double at_hz = bandwidth_hz(gain);
+    if (at_hz == at_hz) {
+        fprintf(stream, "  %s %.1f Hz (-3 dB)\n", name, at_hz);
+    } else {
+        fprintf(stream, "  %s above %g Hz (-3 dB)\n", name, frequencies_hz[FREQUENCIES - 1]);
     }
 }
 
 static void chirp_table(FILE *stream, const struct size_result *result)
 {
-    double gain[FREQUENCIES], lag_rad[FREQUENCIES], impedance[FREQUENCIES];
-    answers(result->setup, gain, lag_rad, impedance);
-    fputs("\n       Hz    gain   lag (deg)   impedance (N m/rad)\n", stream);
+    const struct size_setup *setup = result->setup;
+    const double large_m = LARGE_SHARE * (double)setup->params.start_r0_m;
+    struct answers answers;
+    answer(setup, &answers);
+    fprintf(
+        stream,
+        "\n  the spring's force on a held load, per force asked for; torque at the ankle, per angle, "
+        "behind an open latch\n"
+        "       Hz  +-%-4.1f mm: gain   lag (deg)  +-%-4.1f mm: gain   impedance (N m/rad)\n",
+        1e3 * CHIRP_M, 1e3 * large_m);
     for (int i = 0; i < FREQUENCIES; i++) {
-        fprintf(stream, "  %7.0f  %6.3f  %10.0f  %20.1f\n", frequencies_hz[i], gain[i],
-                lag_rad[i] * 57.29577951308232, impedance[i]);
+        fprintf(stream, "  %7.0f  %14.3f  %10.0f  %14.3f  %20.1f\n", frequencies_hz[i],
+                answers.gain[i], answers.lag_rad[i] * 57.29577951308232, answers.large[i],
+                answers.impedance[i]);
     }
-    const double at_hz = bandwidth_hz(gain);
-    if (at_hz == at_hz) {
-        fprintf(stream, "  bandwidth %.1f Hz (-3 dB, %g mm)\n", at_hz, 1e3 * CHIRP_M);
-    } else {
-        fprintf(stream, "  bandwidth above %g Hz (-3 dB, %g mm)\n", frequencies_hz[FREQUENCIES - 1],
-                1e3 * CHIRP_M);
+    bandwidth_line(stream, "bandwidth, small force", answers.gain);
+    bandwidth_line(stream, "bandwidth, large force", answers.large);
+}
+
+static void beyond_lines(FILE *stream, const struct size_result *result)
+{
+    for (int i = 0; i < result->count; i++) {
+        const struct size_row *row = &result->rows[i];
+        double share[SIZE_LIMITS];
+        size_shares(result->setup, row, share);
+        for (int k = 0; k < SIZE_LIMITS; k++) {
+            if (share[k] > 1.0) {
+                fprintf(stream, "  beyond the limit at %.0f steps/min: %s, %.0f %% of it%s\n",
+                        row->cadence_1_min, size_limit_name((enum size_limit)k), 100.0 * share[k],
+                        k == SIZE_WINDING && row->hour_degC > SIZE_HOTTEST_DEGC ? " and more" : "");
+            }
+        }
+        if (row->pushes < SIZE_STRIDES) {
+            fprintf(stream, "  not given at %.0f steps/min: %d of %d pushes\n", row->cadence_1_min,
+                    SIZE_STRIDES - row->pushes, SIZE_STRIDES);
+        }
     }
 }
 
@@ -148,6 +193,7 @@ void size_report_text(FILE *stream, const struct size_result *result)
     motion_table(stream, result);
     load_table(stream, result);
     use_table(stream, result);
+    beyond_lines(stream, result);
     if (config->supply_energy_Wh > 0.0) {
         const double mean_W = result->rows[result->count / 2].mean_supply_W;
         fprintf(stream, "\n  battery    %.3g W h a leg: %.1f h at %.0f steps/min\n",
@@ -202,18 +248,21 @@ void size_report_json(FILE *stream, const struct size_result *result)
     }
     json_close_list(&json);
     if (result->chirp) {
-        double gain[FREQUENCIES], lag_rad[FREQUENCIES], impedance[FREQUENCIES];
-        answers(result->setup, gain, lag_rad, impedance);
+        struct answers answers;
+        answer(result->setup, &answers);
         json_open_list(&json, "chirp");
         for (int i = 0; i < FREQUENCIES; i++) {
             json_open_object(&json, NULL);
             json_number(&json, "frequency_hz", frequencies_hz[i], DIGITS);
-            json_number(&json, "gain", gain[i], DIGITS);
-            json_number(&json, "lag_rad", lag_rad[i], DIGITS);
-            json_number(&json, "impedance_Nm_rad", impedance[i], DIGITS);
+            json_number(&json, "gain", answers.gain[i], DIGITS);
+            json_number(&json, "lag_rad", answers.lag_rad[i], DIGITS);
+            json_number(&json, "large_gain", answers.large[i], DIGITS);
+            json_number(&json, "impedance_Nm_rad", answers.impedance[i], DIGITS);
             json_close_object(&json);
         }
         json_close_list(&json);
+        json_number(&json, "bandwidth_hz", bandwidth_hz(answers.gain), DIGITS);
+        json_number(&json, "large_force_bandwidth_hz", bandwidth_hz(answers.large), DIGITS);
     }
     json_close_object(&json);
     json_end(&json);

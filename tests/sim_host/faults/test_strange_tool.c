@@ -36,7 +36,8 @@ static void take_a_loop(void)
 START_TEST(every_object_of_every_node_can_be_written_and_nobody_is_hurt)
 {
     take_a_loop();
-    struct campaign *campaign = campaign_create();
+    const struct campaign_walker paper = {NULL, NULL};
+    struct campaign *campaign = campaign_create(&paper);
     ck_assert_ptr_nonnull(campaign);
     unsigned run = 0, effective = 0, all = 0;
     for (unsigned node = 0; node <= CONTROLLER; node++) {
@@ -97,7 +98,8 @@ START_TEST(what_a_stop_would_leave_loaded_is_unloaded)
         {0x600700, 0x140005}, {0x600700, 0x608000}, {0x600700, 0x140001}, {0x140005, 0x140001},
         {0x600700, 0x160000}, {0x605E00, 0x608000}, {0x600700, 0x607D01}, {0x101601, 0x600700}};
     take_a_loop();
-    struct campaign *campaign = campaign_create();
+    const struct campaign_walker paper = {NULL, NULL};
+    struct campaign *campaign = campaign_create(&paper);
     ck_assert_ptr_nonnull(campaign);
     for (unsigned run = 0; run < 8 * sizeof pairs / sizeof pairs[0]; run++) {
         const uint32_t *objects = pairs[run % (sizeof pairs / sizeof pairs[0])];

@@ -142,6 +142,19 @@ static const struct {
     {"speed_limit_m_s", "0.2", "speed over drive"},
     {"supply_current_max_A", "1", "energy over supply: loading 0.04 m in 0.2 s"},
     {"latch_holding_N", "350", "spring over latch: the spring pushes with 400 N"},
+    /* 8 J / 0.9 in each 0.5 s: 2.96 W h in ten minutes. 0.04 m in 0.2 s: 4.5 m/s^2 of 100 kg. */
+    {"supply_energy_Wh", "2.9",
+     "energy over supply: ten minutes of pushes of 8.89 J take 2.96 W h"},
+    {"supply_energy_Wh", "3", ""},
+    {"motor_inertia_kg_m2", "0.0003", "rotor over motor: 0.04 m in 0.2 s needs 4.5 m/s^2"},
+    {"cuff_N_per_m", "9000",
+     "spring over cuff: cuff_N_per_m is 9000 N/m, softer than the spring's"},
+    {"cuff_N_per_m", "11000", ""},
+    {"two_way", "0.5", "0.5 is neither 0 nor 1"},
+    {"supply_shared", "0.5", "0.5 is neither 0 nor 1"},
+    {"speed_bandwidth_rad_s", "1100", "the loop would oscillate at 1100 rad/s"},
+    {"current_bandwidth_rad_s", "300", "300 rad/s are allowed"},
+    {"position_gain_1_s", "250", "the loop would oscillate at 250 1/s"},
 };
 
 START_TEST(what_cannot_be_built_is_refused_with_the_reason)

@@ -46,7 +46,11 @@ static int params_of(double r0_m, double r0_max_m)
 
 START_TEST(a_leg_s_own_section_goes_before_that_of_both)
 {
-    ck_assert_msg(read_with("[left.plant]\nsupply_V = 24\n") == 0, "%s", message);
+    ck_assert_msg(
+        read_with(
+            "[right.plant]\nsupply_shared = 0\n[left.plant]\nsupply_shared = 0\nsupply_V = 24\n") ==
+            0,
+        "%s", message);
     ck_assert(subject.actuators.as_built);
     assert_close(subject.actuators.config[SIDE_LEFT].supply_V, 24.0, 0.0, 0.0);
     assert_close(subject.actuators.config[SIDE_RIGHT].supply_V, 36.0, 0.0, 0.0);
@@ -66,6 +70,8 @@ END_TEST
 static const struct {
     const char *lines, *says;
 } REFUSED[] = {
+    {"[left.plant]\nsupply_V = 24\n", "one battery has one supply_V"},
+    {"[right.plant]\nsupply_shared = 0\n", "supply_shared is 1 at the left leg and 0 at the right"},
     {"[plant]\nsupply_V = 24\n", "key \"supply_V\" is given twice"},
     {"[left.plant]\ntorque = 1\n", "[left.plant]: unknown key \"torque\""},
     {"[right.plant]\nsupply_V = 0\n",
@@ -89,7 +95,8 @@ static const struct {
     {"[left.plant]\ncurrent_peak_A = 12\n", "left leg: spring over motor", 0.04},
     {"[right.plant]\nlever_m = 0.05\n", "right leg: stroke over lever", 0.035},
     {"[left.plant]\nmotor_speed_max_rad_s = 300\n", "left leg: speed over motor", 0.035},
-    {"[left.plant]\nsupply_current_max_A = 1\n", "left leg: energy over supply", 0.035},
+    {"[right.plant]\nsupply_shared = 0\n[left.plant]\nsupply_shared = 0\nsupply_current_max_A = 1\n",
+     "left leg: energy over supply", 0.035},
     {"[left.plant]\nlatch_holding_N = 300\n", "left leg: spring over latch", 0.035},
     {"", "precompression over stroke", 0.06},
 };
