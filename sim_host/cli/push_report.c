@@ -159,6 +159,7 @@ void push_report_text(FILE *stream, const struct push_record *record, const stru
         fprintf(stream, "  symmetry   %.0f %% (work of the weaker leg)\n", percent(symmetry));
     }
     if (loop->rig.task.controller.request_spent &&
+        loop->rig.task.output.fault == SUPERVISOR_FAULT_NONE &&
         loop->rig.task.controller.derate.withdrew_cause == (uint8_t)DERATE_NONE) {
         fputs(
             "  withdrawn  three pushes in a row were not given, or dragged at the foot in swing\n",
