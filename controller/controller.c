@@ -69,6 +69,20 @@ static bool legs_disagree(const struct controller *controller)
            body_of(controller->params->body)->legs_take_turns;
 }
 
+/* What a latch tells did not change in three releases: it is stuck, or its report is. */
+static enum supervisor_fault latch_fault(const struct controller *controller)
+{
+    const struct push_watch *watch = &controller->springs.watch;
+    if (!supervisor_may_assist(controller->supervisor.state)) {
+        return SUPERVISOR_FAULT_NONE;
+    }
+    if (push_watch_latch_is_stuck(watch, SIDE_LEFT)) {
+        return SUPERVISOR_FAULT_LATCH_LEFT;
+    }
+    return push_watch_latch_is_stuck(watch, SIDE_RIGHT) ? SUPERVISOR_FAULT_LATCH_RIGHT
+                                                        : SUPERVISOR_FAULT_NONE;
+}
+
 /* A drive that is cut off says so, and leaves its state. For MOTION_CUT_TICKS at most that is what is
  * looked for, and no fault; behind the cut it is one. */
 static bool is_meant_by_cut(const struct controller *controller, enum supervisor_fault fault)
@@ -87,6 +101,9 @@ static enum supervisor_fault screen(struct controller *controller, struct contro
     enum supervisor_fault fault = checks_find(&controller->checks, controller->params, &view);
     if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
         fault = SUPERVISOR_FAULT_LEGS;
+    }
+    if (fault == SUPERVISOR_FAULT_NONE) {
+        fault = latch_fault(controller);
     }
     return is_meant_by_cut(controller, fault) ? SUPERVISOR_FAULT_NONE : fault;
 }

@@ -19,6 +19,8 @@ void push_watch_begin(struct push_watch *watch)
         forget(&watch->leg[side]);
     }
     watch->leg[SIDE_LEFT].dragged = watch->leg[SIDE_RIGHT].dragged = false;
+    watch->leg[SIDE_LEFT].told = watch->leg[SIDE_RIGHT].told = 0;
+    watch->leg[SIDE_LEFT].unchanged_in_row = watch->leg[SIDE_RIGHT].unchanged_in_row = 0;
     watch->missed_in_row = 0;
     watch->dragged_in_row = 0;
 }
@@ -61,6 +63,10 @@ void push_watch_tick(struct push_watch *watch, enum side side, const struct push
     if (view->behind) {
         count(&leg->behind_ticks);
     }
+    if (view->latch != LATCH_UNKNOWN) {
+        leg->told = (uint8_t)(leg->told |
+                              (view->latch == LATCH_CLOSED ? PUSH_WATCH_CLOSED : PUSH_WATCH_OPEN));
+    }
     if (!leg->prescribed) {
         return;
     }
@@ -97,10 +103,24 @@ static enum push_outcome judge(const struct push_leg *leg)
     return leg->loaded ? PUSH_NOT_RELEASED : PUSH_NOT_LOADED;
 }
 
+/* A stance is over in which the latch should have opened; what it told since the one before. */
+static void judge_report(struct push_leg *leg)
+{
+    if (leg->prescribed && leg->armed && leg->loaded) {
+        if (leg->told == PUSH_WATCH_CLOSED || leg->told == PUSH_WATCH_OPEN) {
+            count_up(&leg->unchanged_in_row);
+        } else {
+            leg->unchanged_in_row = 0;
+        }
+        leg->told = 0;
+    }
+}
+
 enum push_outcome push_watch_end(struct push_watch *watch, enum side side)
 {
     struct push_leg *leg = &watch->leg[side];
     const enum push_outcome outcome = judge(leg);
+    judge_report(leg);
     /* A stance whose end was not seen says nothing, unless it was given. */
     if (outcome != PUSH_NONE && (leg->struck || outcome == PUSH_GIVEN)) {
         count(&leg->count[outcome]);

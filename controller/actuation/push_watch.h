@@ -9,6 +9,9 @@
  * A push that was given may still drag: the motor is not back when the foot is to be free in swing.
  * Misses in a row, of either leg, and drags in a row are counted too: the assistance is withdrawn after
  * PUSH_WATCH_MISSES (conditions.h).
+ * A latch that tells whether it holds has to tell both in a stride that releases it. One that was loaded
+ * and armed in so many strides in a row, and told the same all the time, is stuck, or its report is: what
+ * depends on the report does not work then, and the other leg's pushes do not excuse it.
  *
  * One instance a walker; all zeros to begin with. Constant cost, some ten operations a call.
  */
@@ -35,7 +38,9 @@ enum push_outcome {
     PUSH_OUTCOMES = 6
 };
 
-enum { PUSH_WATCH_MISSES = 3 }; /* pushes in a row that were not given, or that dragged */
+enum { PUSH_WATCH_MISSES = 3 };    /* pushes in a row that were not given, or that dragged */
+enum { PUSH_WATCH_UNCHANGED = 3 }; /* releases of a leg in a row without a change of its latch */
+enum { PUSH_WATCH_CLOSED = 1, PUSH_WATCH_OPEN = 2 };
 
 struct push_leg {
     bool prescribed;               /* in this stance */
@@ -47,6 +52,8 @@ struct push_leg {
     bool struck;                   /* the other foot has landed */
     bool loaded;                   /* by then */
     bool dragged;                  /* since the last stance ended */
+    uint8_t told;                  /* by the latch since then: bits of PUSH_WATCH_CLOSED, _OPEN */
+    uint8_t unchanged_in_row;      /* releases that should have changed what it tells; saturates */
     uint8_t last;                  /* enum push_outcome of the last stance */
     uint32_t behind_ticks;         /* the motor was far behind its reference; saturates */
     uint32_t count[PUSH_OUTCOMES]; /* since the start; saturate */
@@ -86,6 +93,12 @@ bool push_watch_drag(struct push_watch *watch, enum side side);
 static inline bool push_watch_fails(const struct push_watch *watch)
 {
     return watch->missed_in_row >= PUSH_WATCH_MISSES || watch->dragged_in_row >= PUSH_WATCH_MISSES;
+}
+
+/* Whether this leg's latch, which tells of itself, did not change in PUSH_WATCH_UNCHANGED releases. */
+static inline bool push_watch_latch_is_stuck(const struct push_watch *watch, enum side side)
+{
+    return watch->leg[side].unchanged_in_row >= PUSH_WATCH_UNCHANGED;
 }
 
 /* The stance is over. Returns what became of its push-off, PUSH_NONE where none was prescribed. */

@@ -70,7 +70,9 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_FOREIGN = 18,      /* another node sends with identifiers of this bus */
     SUPERVISOR_FAULT_NODE_WRITTEN = 19, /* somebody else wrote to a drive or sensor over SDO */
     SUPERVISOR_FAULT_NODE_CHANGED = 20, /* a drive's setting is not what it was at the set-up */
-    SUPERVISOR_FAULTS = 21
+    SUPERVISOR_FAULT_LATCH_LEFT = 21,   /* what the latch tells did not change in three releases */
+    SUPERVISOR_FAULT_LATCH_RIGHT = 22,
+    SUPERVISOR_FAULTS = 23
 };
 
 /* Conditions, one bit each. */

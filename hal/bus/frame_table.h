@@ -89,13 +89,16 @@ static_assert(SLOW_PDO_TICKS >= 1 && SLOW_PDO_TICKS <= 240, "a PDO comes at most
     X(HEARTBEAT_CONTROLLER, 0x710, 1, 100000, 100000, 16, A)
 
 /* Frames that only some devices have: a target of its own for a drive that has no dummy entries
- * (then that of the left one has 4 bytes, too), and latch boards. Columns as above. */
+ * (then that of the left one has 4 bytes, too), latch boards, and ankle sensors on nodes of their own
+ * (then LEG_STATE has the leg angle alone). Columns as above. */
 #define FRAME_OPTIONAL_TABLE(X)                                             \
     X(DRIVE_TARGET_RIGHT, 0x202, 4, FRAME_TICKS(1), FRAME_TICKS(1), 16, S)  \
     X(LATCH_COMMAND_LEFT, 0x303, 4, FRAME_TICKS(2), FRAME_TICKS(5), 16, E)  \
     X(LATCH_COMMAND_RIGHT, 0x304, 4, FRAME_TICKS(2), FRAME_TICKS(5), 16, E) \
     X(LATCH_STATE_LEFT, 0x385, 1, 20000, 10000, 5, E)                       \
-    X(LATCH_STATE_RIGHT, 0x386, 1, 20000, 10000, 6, E)
+    X(LATCH_STATE_RIGHT, 0x386, 1, 20000, 10000, 6, E)                      \
+    X(ANKLE_STATE_LEFT, 0x287, 2, FRAME_TICKS(1), FRAME_TICKS(1), 7, S)     \
+    X(ANKLE_STATE_RIGHT, 0x288, 2, FRAME_TICKS(1), FRAME_TICKS(1), 8, S)
 
 #define FRAME_ID_ENTRY(name, id, bytes, period_us, deadline_us, node, kind) FRAME_##name = id,
 enum frame_id { FRAME_TABLE(FRAME_ID_ENTRY) FRAME_OPTIONAL_TABLE(FRAME_ID_ENTRY) };

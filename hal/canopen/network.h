@@ -14,11 +14,14 @@
 #include "hal/bus/frame_table.h"
 #include "model/tick.h"
 
-/* What a node does, and its place: those of NODE_TABLE in its order, then the latch boards. */
+/* What a node does, and its place: those of NODE_TABLE in its order, then the latch boards, and the ankle
+ * sensors that are nodes of their own. Left legs' roles are even. */
 #define NETWORK_ROLE(name, number, profile) NETWORK_##name,
 enum network_role {
     NODE_TABLE(NETWORK_ROLE) NETWORK_LATCH_LEFT,
     NETWORK_LATCH_RIGHT,
+    NETWORK_ANKLE_LEFT,
+    NETWORK_ANKLE_RIGHT,
     NETWORK_NODES
 };
 #undef NETWORK_ROLE

@@ -23,6 +23,7 @@ void device_leg_sensors(const struct device_description *device,
             .leg_bytes = (uint8_t)(own->leg_sensor_bits / 8),
             .ankle_bytes = (uint8_t)(own->ankle_sensor_bits / 8),
             .ankle_reversed = own->ankle_direction < 0,
+            .ankle_is_apart = device_leg_ankle_is_apart(own),
         };
     }
 }
@@ -36,6 +37,8 @@ static void number_nodes(const struct device_description *device, struct node_se
             own->protocol == DEVICE_CIA402 ? (uint8_t)own->drive_node : 0;
         config->node[NETWORK_SENSOR_LEFT + leg] = (uint8_t)own->leg_sensor_node;
         config->node[NETWORK_LATCH_LEFT + leg] = board ? (uint8_t)own->latch_node : 0;
+        config->node[NETWORK_ANKLE_LEFT + leg] =
+            device_leg_ankle_is_apart(own) ? (uint8_t)own->ankle_sensor_node : 0;
     }
 }
 

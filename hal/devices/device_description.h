@@ -91,6 +91,12 @@ static inline bool device_leg_is_driven(const struct device_leg *leg)
     return leg->protocol != DEVICE_NO_DRIVE_PROTOCOL;
 }
 
+/* Whether the ankle's sensor is a node of its own. Pure, O(1). */
+static inline bool device_leg_ankle_is_apart(const struct device_leg *leg)
+{
+    return leg->ankle_sensor_node != 0 && leg->ankle_sensor_node != leg->leg_sensor_node;
+}
+
 static inline bool device_leg_reports_latch(const struct device_leg *leg)
 {
     return leg->latch == DEVICE_LATCH_DRIVE ||

@@ -27,7 +27,7 @@ unsigned device_units(const struct device_description *device,
         }
         count =
             add(units, count, leg, DEVICE_LEG_leg_sensor_node, DEVICE_CIA402, own->leg_sensor_node);
-        if (own->ankle_sensor_node != 0 && own->ankle_sensor_node != own->leg_sensor_node) {
+        if (device_leg_ankle_is_apart(own)) {
             count = add(units, count, leg, DEVICE_LEG_ankle_sensor_node, DEVICE_CIA402,
                         own->ankle_sensor_node);
         }

@@ -30,6 +30,7 @@ void leg_sensors_init(struct leg_sensors *sensors, const struct leg_sensor_confi
         sensors->config[leg] = config[leg];
         fill_in(&sensors->config[leg]);
         sensors->reading[leg].age_ticks = UINT16_MAX;
+        sensors->reading[leg].leg_age_ticks = sensors->reading[leg].ankle_age_ticks = UINT16_MAX;
         sensors->reading[leg].foot_age_ticks = UINT16_MAX;
     }
 }
@@ -90,36 +91,101 @@ static void receive_foot(struct leg_sensors *sensors, const struct can_msg *mess
     }
 }
 
-bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *message)
+/* Both of a leg have one age: the older one's. */
+static void combine_ages(struct leg_sensor_reading *reading)
 {
-    if (message->id == FRAME_FOOT_LEFT || message->id == FRAME_FOOT_RIGHT) {
-        receive_foot(sensors, message);
-        return true;
-    }
-    const enum side leg = message->id == FRAME_LEG_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT;
-    if (message->id != FRAME_LEG_STATE_LEFT && message->id != FRAME_LEG_STATE_RIGHT) {
-        return false;
-    }
-    const struct leg_sensor_config *config = &sensors->config[leg];
-    if (message->length != config->leg_bytes + config->ankle_bytes || message->flags != 0) {
-        count_malformed(sensors);
-        return true;
-    }
+    reading->age_ticks = reading->leg_age_ticks > reading->ankle_age_ticks
+                             ? reading->leg_age_ticks
+                             : reading->ankle_age_ticks;
+}
+
+static void take_angle(struct leg_sensor_reading *reading, const struct leg_sensor_config *config,
+                       const uint8_t *from)
+{
     const float raw_rad =
-        (float)count_at(message->data, config->leg_bytes) * (TWO_PI / config->leg_counts_per_turn);
+        (float)count_at(from, config->leg_bytes) * (TWO_PI / config->leg_counts_per_turn);
     const float angle_rad =
         wrap_turn((raw_rad - config->angle_zero_rad) * (float)config->angle_direction);
-    const float extension_m =
-        ankle_extension_m(config, count_at(message->data + config->leg_bytes, config->ankle_bytes));
-    struct leg_sensor_reading *reading = &sensors->reading[leg];
-    if (reading->age_ticks == 0 &&
-        (reading->leg_angle_rad != angle_rad || reading->ankle_extension_m != extension_m)) {
+    if (reading->leg_age_ticks == 0 && reading->leg_angle_rad != angle_rad) {
         duplicate_id_seen(&reading->duplicate_id_count);
     }
     reading->leg_angle_rad = angle_rad;
+    reading->leg_age_ticks = 0;
+}
+
+static void take_ankle(struct leg_sensor_reading *reading, const struct leg_sensor_config *config,
+                       const uint8_t *from)
+{
+    const float extension_m = ankle_extension_m(config, count_at(from, config->ankle_bytes));
+    if (reading->ankle_age_ticks == 0 && reading->ankle_extension_m != extension_m) {
+        duplicate_id_seen(&reading->duplicate_id_count);
+    }
     reading->ankle_extension_m = extension_m;
-    reading->age_ticks = 0;
-    return true;
+    reading->ankle_age_ticks = 0;
+}
+
+static void receive_ankle(struct leg_sensors *sensors, const struct can_msg *message, enum side leg)
+{
+    const struct leg_sensor_config *config = &sensors->config[leg];
+    if (message->length != config->ankle_bytes || message->flags != 0) {
+        count_malformed(sensors);
+        return;
+    }
+    take_ankle(&sensors->reading[leg], config, message->data);
+    combine_ages(&sensors->reading[leg]);
+}
+
+static void receive_leg(struct leg_sensors *sensors, const struct can_msg *message, enum side leg)
+{
+    const struct leg_sensor_config *config = &sensors->config[leg];
+    struct leg_sensor_reading *reading = &sensors->reading[leg];
+    const unsigned ankle_bytes = config->ankle_is_apart ? 0u : config->ankle_bytes;
+    if (message->length != config->leg_bytes + ankle_bytes || message->flags != 0) {
+        count_malformed(sensors);
+        return;
+    }
+    const uint8_t before = reading->duplicate_id_count;
+    take_angle(reading, config, message->data);
+    if (!config->ankle_is_apart) {
+        if (reading->duplicate_id_count != before) {
+            reading->ankle_age_ticks = UINT16_MAX; /* one frame counts once */
+        }
+        take_ankle(reading, config, message->data + config->leg_bytes);
+    }
+    combine_ages(reading);
+}
+
+bool leg_sensors_receive(struct leg_sensors *sensors, const struct can_msg *message)
+{
+    switch (message->id) {
+    case FRAME_FOOT_LEFT:
+    case FRAME_FOOT_RIGHT:
+        receive_foot(sensors, message);
+        return true;
+    case FRAME_LEG_STATE_LEFT:
+    case FRAME_LEG_STATE_RIGHT:
+        receive_leg(sensors, message,
+                    message->id == FRAME_LEG_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT);
+        return true;
+    case FRAME_ANKLE_STATE_LEFT:
+    case FRAME_ANKLE_STATE_RIGHT: {
+        const enum side leg = message->id == FRAME_ANKLE_STATE_RIGHT ? SIDE_RIGHT : SIDE_LEFT;
+        if (!sensors->config[leg].ankle_is_apart) {
+            return false;
+        }
+        receive_ankle(sensors, message, leg);
+        return true;
+    }
+    default:
+        return false;
+    }
+}
+
+static void grow_older(uint16_t *age_ticks)
+{
+    if (*age_ticks < UINT16_MAX) {
+        (*age_ticks)++;
+    }
 }
 
 void leg_sensors_age(struct leg_sensors *sensors)
@@ -129,9 +195,9 @@ void leg_sensors_age(struct leg_sensors *sensors)
         if (reading->age_ticks > 0) {
             duplicate_id_missed(&reading->duplicate_id_count);
         }
-        if (reading->age_ticks < UINT16_MAX) {
-            reading->age_ticks++;
-        }
+        grow_older(&reading->leg_age_ticks);
+        grow_older(&reading->ankle_age_ticks);
+        combine_ages(reading);
         if (reading->foot_age_ticks < UINT16_MAX) {
             reading->foot_age_ticks++;
         }

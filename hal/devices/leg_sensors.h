@@ -2,7 +2,8 @@
  *
  * CiA 406 encoders which answer every SYNC with one frame: the leg angle's count, then the ankle's,
  * which is an extension or, for an ankle with a lever, an angle of plantarflexion. Widths and scales
- * are the device's; a 0 stands for those of hal/bus/frame_table.h: leg angle INTEGER24 in
+ * are the device's. An ankle sensor that is a node of its own tells its count in a frame of its own, also
+ * at every SYNC; both make one reading, as old as the older. A 0 stands for those of hal/bus/frame_table.h: leg angle INTEGER24 in
  * 2*pi/2^24 rad, ankle INTEGER16 in 10 um or in 2*pi/2^16 rad.
  * A sensor that has a foot switch tells its state in TPDO3, one byte, on change and every 50 ms.
  */
@@ -27,15 +28,17 @@ struct leg_sensor_config {
     float ankle_zero_m;                               /* linear only: reading at extension 0 */
     uint8_t leg_bytes, ankle_bytes;                   /* 2, 3 or 4 */
     bool ankle_reversed; /* the ankle's count falls with plantarflexion */
+    bool ankle_is_apart; /* it is a node of its own, with a frame of its own */
 };
 
 struct leg_sensor_reading {
     float leg_angle_rad;
-    float ankle_extension_m;    /* >= 0 for a lever; linear ankles may read below 0 by noise */
-    uint16_t age_ticks;         /* 0 = from the newest cycle; UINT16_MAX = never */
-    uint8_t duplicate_id_count; /* different frames more than cycles: duplicate_id.h */
-    uint16_t foot_age_ticks;    /* of the switch's frame; UINT16_MAX = never */
-    enum foot_contact foot;     /* FOOT_UNKNOWN without a frame for FOOT_AGE_MAX_TICKS */
+    float ankle_extension_m; /* >= 0 for a lever; linear ankles may read below 0 by noise */
+    uint16_t age_ticks;      /* 0 = both are from the newest cycle; UINT16_MAX = never */
+    uint16_t leg_age_ticks, ankle_age_ticks; /* of each */
+    uint8_t duplicate_id_count;              /* different frames more than cycles: duplicate_id.h */
+    uint16_t foot_age_ticks;                 /* of the switch's frame; UINT16_MAX = never */
+    enum foot_contact foot; /* FOOT_UNKNOWN without a frame for FOOT_AGE_MAX_TICKS */
 };
 
 struct leg_sensors {

@@ -309,6 +309,45 @@ static struct setup_step other_sensor_pdo(unsigned part, bool foot_switch, enum 
     }
 }
 
+/* Whether the ankle's sensor is a node of its own. */
+static bool is_apart(const struct node_setup_config *config, enum side leg)
+{
+    return config->node[NETWORK_ANKLE_LEFT + (unsigned)leg] != 0;
+}
+
+/* An ankle sensor on a node of its own; what else it may send is switched off. */
+static struct setup_step ankle_step(const struct node_setup_config *config,
+                                    const struct setup_place *place)
+{
+    const unsigned step = place->step;
+    const enum side leg = setup_leg(place->role);
+    const uint32_t ankle = or_standard(config->ankle_object[leg], ANKLE_OBJECT);
+    const struct pdo_plan plan = {
+        0x1801,
+        leg == SIDE_LEFT ? FRAME_ANKLE_STATE_LEFT : FRAME_ANKLE_STATE_RIGHT,
+        1,
+        1,
+        {ankle << 8 | or_standard(config->ankle_bits[leg], ANKLE_BITS), 0, 0}};
+    if (step < COMMON_STEPS) {
+        return common_step(step, 406, false);
+    }
+    if (step < COMMON_STEPS + PDO_STEPS) {
+        return pdo_step(&plan, step - COMMON_STEPS, place->with_rtr);
+    }
+    switch (step - COMMON_STEPS - PDO_STEPS) {
+    case 0:
+        return unless(ankle != ANKLE_OBJECT,
+                      EXPECT(0x2021, 0, config->ankle_is_lever[leg] ? 1 : 0, 0xFF));
+    case 1:
+        return AWAIT(0x6503, 0, 0, 0xFFFF); /* alarms: none */
+    case 2:
+    case 3:
+        return other_sensor_pdo(step - COMMON_STEPS - PDO_STEPS - 2, false, leg, place->node);
+    default:
+        return END;
+    }
+}
+
 static struct setup_step sensor_step(const struct node_setup_config *config,
                                      const struct setup_place *place)
 {
@@ -318,7 +357,7 @@ static struct setup_step sensor_step(const struct node_setup_config *config,
     const struct pdo_plan plan = {0x1801,
                                   leg == SIDE_LEFT ? FRAME_LEG_STATE_LEFT : FRAME_LEG_STATE_RIGHT,
                                   1,
-                                  2,
+                                  is_apart(config, leg) ? 1 : 2,
                                   {or_standard(config->leg_object[leg], LEG_OBJECT) << 8 |
                                        or_standard(config->leg_bits[leg], LEG_BITS),
                                    ankle << 8 | or_standard(config->ankle_bits[leg], ANKLE_BITS),
@@ -335,7 +374,7 @@ static struct setup_step sensor_step(const struct node_setup_config *config,
                       or_standard(config->leg_counts_per_turn[leg], LEG_ANGLE_COUNTS_PER_TURN),
                       ALL_BITS);
     case 1: /* the maker's word on its ankle is known of this project's sensors only */
-        return unless(ankle != ANKLE_OBJECT,
+        return unless(ankle != ANKLE_OBJECT || is_apart(config, leg),
                       EXPECT(0x2021, 0, config->ankle_is_lever[leg] ? 1 : 0, 0xFF));
     case 2:
         return AWAIT(0x6503, 0, 0, 0xFFFF); /* alarms: none */
@@ -395,6 +434,9 @@ struct setup_step setup_step_at(const struct node_setup_config *config,
     case NETWORK_SENSOR_LEFT:
     case NETWORK_SENSOR_RIGHT:
         return sensor_step(config, place);
+    case NETWORK_ANKLE_LEFT:
+    case NETWORK_ANKLE_RIGHT:
+        return ankle_step(config, place);
     default:
         return latch_step(config, place);
     }

@@ -59,9 +59,9 @@ void host_report_refusal(const struct control_task *task, uint32_t *told)
 }
 
 /* Who the nodes are to a person, by their role. */
-static const char *const node_names[] = {"left drive",       "right drive",
-                                         "left leg sensor",  "right leg sensor",
-                                         "left latch board", "right latch board"};
+static const char *const node_names[] = {
+    "left drive",       "right drive",       "left leg sensor",   "right leg sensor",
+    "left latch board", "right latch board", "left ankle sensor", "right ankle sensor"};
 static_assert(sizeof node_names / sizeof node_names[0] == NETWORK_NODES, "a name for each node");
 
 static void say_of_node(const struct network_node *node, char *text, size_t size)

@@ -106,6 +106,7 @@ static void add_leg(struct list *list, const struct device_description *device, 
 {
     const struct device_leg *own = &device->leg[leg];
     const unsigned sensor = (unsigned)own->leg_sensor_node;
+    const bool apart = device_leg_ankle_is_apart(own);
     if (own->protocol == DEVICE_CIA402) {
         add_cia402(list, device, leg, setup);
     } else if (own->protocol == DEVICE_CANSIMPLE) {
@@ -124,7 +125,13 @@ static void add_leg(struct list *list, const struct device_description *device, 
     }
     add_node(list, "SENSOR", sides[leg], sensor);
     add_cyclic(list, "LEG_STATE", sides[leg], FRAME_LEG_STATE_LEFT + (uint32_t)leg,
-               (unsigned)(own->leg_sensor_bits + own->ankle_sensor_bits) / 8, sensor);
+               (unsigned)(own->leg_sensor_bits + (apart ? 0 : own->ankle_sensor_bits)) / 8, sensor);
+    if (apart) {
+        const unsigned ankle = (unsigned)own->ankle_sensor_node;
+        add_node(list, "ANKLE", sides[leg], ankle);
+        add_cyclic(list, "ANKLE_STATE", sides[leg], FRAME_ANKLE_STATE_LEFT + (uint32_t)leg,
+                   (unsigned)own->ankle_sensor_bits / 8, ankle);
+    }
 }
 
 static int by_identifier(const void *a, const void *b)

@@ -80,9 +80,9 @@ static const struct object_text *find_text(uint16_t index, uint8_t sub)
 
 const char *setup_node_name(const struct device_description *device, uint8_t node)
 {
-    static const char *const names[NETWORK_NODES] = {"left drive",       "right drive",
-                                                     "left leg sensor",  "right leg sensor",
-                                                     "left latch board", "right latch board"};
+    static const char *const names[NETWORK_NODES] = {
+        "left drive",       "right drive",       "left leg sensor",   "right leg sensor",
+        "left latch board", "right latch board", "left ankle sensor", "right ankle sensor"};
     struct node_setup_config config;
     device_node_setup(device, 1.0f, 1.0f, &config);
     for (unsigned role = 0; role < NETWORK_NODES; role++) {

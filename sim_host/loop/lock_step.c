@@ -12,7 +12,10 @@ static uint16_t age_of_answer(const struct control_task *task, unsigned role)
     switch (role) {
     case NETWORK_SENSOR_LEFT:
     case NETWORK_SENSOR_RIGHT:
-        return task->sensors.reading[role - NETWORK_SENSOR_LEFT].age_ticks;
+        return task->sensors.reading[role - NETWORK_SENSOR_LEFT].leg_age_ticks;
+    case NETWORK_ANKLE_LEFT:
+    case NETWORK_ANKLE_RIGHT:
+        return task->sensors.reading[role - NETWORK_ANKLE_LEFT].ankle_age_ticks;
     case NETWORK_DRIVE_LEFT:
     case NETWORK_DRIVE_RIGHT:
         sea_drives_read(&task->config.drives, (enum side)(role - NETWORK_DRIVE_LEFT), &drive);

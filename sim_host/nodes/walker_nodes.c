@@ -24,6 +24,11 @@ static bool has_board(const struct walker_nodes *nodes, enum side side)
     return device_leg_is_driven(leg) && leg->latch == DEVICE_LATCH_BOARD;
 }
 
+static bool has_ankle_node(const struct walker_nodes *nodes, enum side side)
+{
+    return device_leg_ankle_is_apart(&nodes->device.leg[side]);
+}
+
 static int init_vendor_drive(struct walker_nodes *nodes, enum side side, struct can_bus bus,
                              uint64_t now_ns)
 {
@@ -96,6 +101,14 @@ static int init_side(struct walker_nodes *nodes, enum side side,
         .has_foot_switch = nodes->plant.config.foot_switch[side].present,
     };
     nodes->drive_bus[side] = bus[first];
+    nodes->sensor_bus[side] = bus[first + 1];
+    struct leg_sensor_node_config ankle = sensor;
+    ankle.node_id = (uint8_t)leg->ankle_sensor_node;
+    ankle.has_foot_switch = false;
+    if (has_ankle_node(nodes, side) &&
+        leg_sensor_node_init(&nodes->ankle[side], &ankle, bus[first + 1], now_ns) != 0) {
+        return -1;
+    }
     return init_drive(nodes, side, bus[first], now_ns) == 0 &&
                    leg_sensor_node_init(&nodes->sensor[side], &sensor, bus[first + 1], now_ns) == 0
                ? 0
@@ -176,12 +189,42 @@ static void process_drive(struct walker_nodes *nodes, enum side side, uint64_t n
     }
 }
 
+static void receive_sensor(struct walker_nodes *nodes, enum side side,
+                           const struct can_msg *message, uint64_t now_ns)
+{
+    (void)leg_sensor_node_receive(&nodes->sensor[side], message, now_ns);
+    if (has_ankle_node(nodes, side)) {
+        (void)leg_sensor_node_receive(&nodes->ankle[side], message, now_ns);
+    }
+}
+
+static void process_sensor(struct walker_nodes *nodes, enum side side, uint64_t now_ns)
+{
+    co_device_process(&nodes->sensor[side].device, now_ns);
+    if (has_ankle_node(nodes, side)) {
+        co_device_process(&nodes->ankle[side].device, now_ns);
+    }
+}
+
+/* Two nodes on one bus of theirs. */
+static bool poll_sensors(struct walker_nodes *nodes, enum side side, uint64_t now_ns)
+{
+    struct can_msg message;
+    bool sync = false;
+    while (can_bus_receive(&nodes->sensor_bus[side], &message, NULL) == CAN_OK) {
+        sync = sync || (message.id == FRAME_SYNC && message.flags == 0);
+        receive_sensor(nodes, side, &message, now_ns);
+    }
+    process_sensor(nodes, side, now_ns);
+    return sync;
+}
+
 bool walker_nodes_receive(struct walker_nodes *nodes, const struct can_msg *message,
                           uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         (void)receive_drive(nodes, (enum side)side, message, now_ns);
-        (void)leg_sensor_node_receive(&nodes->sensor[side], message, now_ns);
+        receive_sensor(nodes, (enum side)side, message, now_ns);
     }
     return message->id == FRAME_SYNC && message->flags == 0;
 }
@@ -190,7 +233,7 @@ void walker_nodes_process(struct walker_nodes *nodes, uint64_t now_ns)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         process_drive(nodes, (enum side)side, now_ns);
-        co_device_process(&nodes->sensor[side].device, now_ns);
+        process_sensor(nodes, (enum side)side, now_ns);
     }
 }
 
@@ -212,7 +255,8 @@ bool walker_nodes_poll(struct walker_nodes *nodes, enum walker_node node, uint64
     struct can_msg message;
     bool sync = false;
     if (node == WALKER_SENSOR_LEFT || node == WALKER_SENSOR_RIGHT) {
-        return leg_sensor_node_poll(&nodes->sensor[side], now_ns);
+        return has_ankle_node(nodes, side) ? poll_sensors(nodes, side, now_ns)
+                                           : leg_sensor_node_poll(&nodes->sensor[side], now_ns);
     }
     if (is_cia402(nodes, side) && !has_board(nodes, side) && nodes->gate[side].refuses == NULL) {
         return drive_node_poll(&nodes->drive[side], now_ns);
@@ -286,6 +330,10 @@ static void measure_leg(struct walker_nodes *nodes, enum side side)
         &nodes->reading[side][(nodes->readings - late) % (ASSEMBLY_LATE_MOST + 1)];
     leg_sensor_node_silence(&nodes->sensor[side], !reading->sent);
     leg_sensor_node_measure(&nodes->sensor[side], reading->leg_angle_rad, reading->ankle);
+    if (has_ankle_node(nodes, side)) {
+        leg_sensor_node_silence(&nodes->ankle[side], !reading->sent);
+        leg_sensor_node_measure(&nodes->ankle[side], reading->leg_angle_rad, reading->ankle);
+    }
     leg_sensor_node_measure_foot(&nodes->sensor[side], nodes->plant.foot[foot]);
 }
 
@@ -365,6 +413,9 @@ unsigned walker_nodes_ids(const struct walker_nodes *nodes, uint16_t *ids)
             count = add_device(ids, count, &nodes->latch[side].device);
         }
         count = add_device(ids, count, &nodes->sensor[side].device);
+        if (has_ankle_node(nodes, (enum side)side)) {
+            count = add_device(ids, count, &nodes->ankle[side].device);
+        }
     }
     return count;
 }
@@ -376,6 +427,7 @@ uint32_t walker_nodes_sdo_requests(const struct walker_nodes *nodes)
         requests += nodes->drive[side].device.counters.sdo_requests;
         requests += nodes->latch[side].device.counters.sdo_requests;
         requests += nodes->sensor[side].device.counters.sdo_requests;
+        requests += nodes->ankle[side].device.counters.sdo_requests;
     }
     return requests;
 }

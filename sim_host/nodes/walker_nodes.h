@@ -24,7 +24,8 @@
 
 enum { WALKER_NODES = 4, WALKER_NODES_IDS_MAX = 64 };
 
-/* Order of node busses: drive left, sensor left, drive right, sensor right. A latch board shares its drive's. */
+/* Order of node busses: drive left, sensor left, drive right, sensor right. A latch board shares its drive's,
+ * an ankle sensor of its own the leg sensor's. */
 enum walker_node {
     WALKER_DRIVE_LEFT = 0,
     WALKER_SENSOR_LEFT = 1,
@@ -48,7 +49,8 @@ struct walker_nodes {
     struct vendor_drive vendor[SIDE_COUNT]; /* of those with another protocol */
     struct latch_node latch[SIDE_COUNT];    /* of those whose latch is on a board */
     struct leg_sensor_node sensor[SIDE_COUNT];
-    struct can_bus drive_bus[SIDE_COUNT];
+    struct leg_sensor_node ankle[SIDE_COUNT]; /* of those whose ankle sensor is a node of its own */
+    struct can_bus drive_bus[SIDE_COUNT], sensor_bus[SIDE_COUNT];
     struct walker_gate gate[SIDE_COUNT]; /* refuses NULL: there is none; set it behind the init */
     struct sensor_sample sample[SIDE_COUNT];
     struct assembly assembly;

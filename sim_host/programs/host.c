@@ -27,7 +27,7 @@ static bool has_numbers_of_the_table(const struct subject *subject)
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         const struct device_leg *own = &subject->device.description.leg[leg];
         same = same && own->drive_node == drives[leg] && own->leg_sensor_node == sensors[leg] &&
-               own->latch != DEVICE_LATCH_BOARD;
+               own->latch != DEVICE_LATCH_BOARD && !device_leg_ankle_is_apart(own);
     }
     return same;
 }

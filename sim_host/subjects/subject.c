@@ -13,28 +13,6 @@ void subject_default(struct subject *subject)
     subject->is_person = false;
 }
 
-/* What a description can say and the controller cannot do. */
-static const char *unsupported(const struct device_file *file)
-{
-    for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        const struct device_leg *own = &file->description.leg[leg];
-        if (own->ankle_sensor_node != 0 && own->ankle_sensor_node != own->leg_sensor_node) {
-            return "one sensor tells leg angle and ankle";
-        }
-    }
-    return NULL;
-}
-
-static int check_supported(const struct device_file *file, const char *path, char *message)
-{
-    const char *reason = unsupported(file);
-    if (reason != NULL) {
-        snprintf(message, SUBJECT_MESSAGE_MAX, "%.300s: not yet: so far %s", path, reason);
-        return -1;
-    }
-    return 0;
-}
-
 int subject_read(struct subject *subject, const char *person_path, const char *device_path,
                  char *message)
 {
@@ -45,8 +23,7 @@ int subject_read(struct subject *subject, const char *person_path, const char *d
     if (device_path == NULL) {
         return 0;
     }
-    return device_file_read(&subject->device, device_path, message) == 0 &&
-                   check_supported(&subject->device, device_path, message) == 0
+    return device_file_read(&subject->device, device_path, message) == 0
                ? actuators_of(&subject->device, device_path, &subject->actuators, message)
                : -1;
 }

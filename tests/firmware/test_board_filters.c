@@ -75,7 +75,7 @@ START_TEST(everything_is_heard_and_the_answers_apart)
         ck_assert_int_ge(queue_of(id), 0);
         first_queue += queue_of(id) == 0 ? 1 : 0;
     }
-    ck_assert_uint_eq(first_queue, 4);
+    ck_assert_uint_eq(first_queue, 6); /* drives, leg sensors, and ankle sensors of their own */
 }
 END_TEST
 

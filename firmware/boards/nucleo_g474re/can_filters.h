@@ -14,6 +14,7 @@
 #define CAN_FILTERS(X)                                               \
     X(FRAME_DRIVE_STATE_LEFT, FRAME_DRIVE_STATE_RIGHT, 0)            \
     X(FRAME_LEG_STATE_LEFT, FRAME_LEG_STATE_RIGHT, 0)                \
+    X(FRAME_ANKLE_STATE_LEFT, FRAME_ANKLE_STATE_RIGHT, 0)            \
     X(FRAME_NMT, FRAME_NMT, 1)                                       \
     X(FRAME_SYNC, FRAME_EMCY_SENSOR_RIGHT, 1)                        \
     X(FRAME_DRIVE_TARGETS, FRAME_DRIVE_TARGETS, 1)                   \

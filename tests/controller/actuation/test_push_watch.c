@@ -98,6 +98,68 @@ START_TEST(a_motor_that_is_behind_is_counted_always)
 }
 END_TEST
 
+/* One release of the left leg, loaded in time; before and while it opens, the latch tells these. */
+static void release(enum latch_state before, enum latch_state then)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, true, false, false, before);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    tick(SIDE_LEFT, true, false, false, then);
+    (void)push_watch_end(&watch, SIDE_LEFT);
+}
+
+static const struct {
+    enum latch_state before, then;
+    bool stuck;
+} reports[] = {{LATCH_CLOSED, LATCH_CLOSED, true},
+               {LATCH_OPEN, LATCH_OPEN, true}, /* the bench loads behind it, too */
+               {LATCH_CLOSED, LATCH_OPEN, false},
+               {LATCH_OPEN, LATCH_CLOSED, false},
+               {LATCH_UNKNOWN, LATCH_UNKNOWN, false}};
+
+/* The other leg's pushes, given in between, do not excuse it. */
+START_TEST(a_report_that_does_not_change_in_three_releases_is_stuck)
+{
+    for (int i = 0; i < PUSH_WATCH_UNCHANGED; i++) {
+        ck_assert(!push_watch_latch_is_stuck(&watch, SIDE_LEFT));
+        release(reports[_i].before, reports[_i].then);
+        push_watch_prescribe(&watch, SIDE_RIGHT);
+        tick(SIDE_RIGHT, true, false, false, LATCH_OPEN);
+        (void)push_watch_end(&watch, SIDE_RIGHT);
+    }
+    ck_assert(push_watch_latch_is_stuck(&watch, SIDE_LEFT) == reports[_i].stuck);
+    ck_assert(!push_watch_latch_is_stuck(&watch, SIDE_RIGHT));
+    for (int i = 0; i < 300; i++) {
+        release(reports[_i].before, reports[_i].then);
+    }
+    ck_assert(push_watch_latch_is_stuck(&watch, SIDE_LEFT) == reports[_i].stuck);
+    release(LATCH_CLOSED, LATCH_OPEN);
+    ck_assert(!push_watch_latch_is_stuck(&watch, SIDE_LEFT));
+}
+END_TEST
+
+/* Not armed, or not loaded in time: nothing should have opened it. And a new walk begins anew. */
+START_TEST(only_what_should_have_opened_it_counts)
+{
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    for (int i = 0; i < 5; i++) {
+        push_watch_prescribe(&watch, SIDE_LEFT);
+        tick(SIDE_LEFT, false, false, false, LATCH_CLOSED);
+        push_watch_strike(&watch, SIDE_LEFT, now);
+        (void)push_watch_end(&watch, SIDE_LEFT);
+        (void)stance(true, false, LATCH_CLOSED, false); /* full behind the strike */
+    }
+    ck_assert(!push_watch_latch_is_stuck(&watch, SIDE_LEFT));
+    push_watch_begin(&watch);
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    ck_assert(!push_watch_latch_is_stuck(&watch, SIDE_LEFT));
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    ck_assert(push_watch_latch_is_stuck(&watch, SIDE_LEFT));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("push_watch");
@@ -108,6 +170,9 @@ int main(void)
     tcase_add_test(tests, three_misses_in_a_row_of_either_leg);
     tcase_add_test(tests, a_stance_that_was_not_seen_to_its_end_says_nothing);
     tcase_add_test(tests, a_motor_that_is_behind_is_counted_always);
+    tcase_add_loop_test(tests, a_report_that_does_not_change_in_three_releases_is_stuck, 0,
+                        (int)(sizeof reports / sizeof reports[0]));
+    tcase_add_test(tests, only_what_should_have_opened_it_counts);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

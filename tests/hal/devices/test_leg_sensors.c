@@ -180,6 +180,65 @@ START_TEST(a_foot_switch_is_read_ages_and_falls_silent)
 }
 END_TEST
 
+static struct can_msg ankle_frame(uint32_t id, int16_t ankle)
+{
+    const uint16_t r = (uint16_t)ankle;
+    return (struct can_msg){
+        .id = id, .length = 2, .data = {(uint8_t)(r & 255u), (uint8_t)(r >> 8)}};
+}
+
+/* Two frames make one reading, as old as the older; of the other leg one frame still does. */
+START_TEST(an_ankle_sensor_of_its_own_has_a_frame_of_its_own)
+{
+    struct leg_sensor_config config[SIDE_COUNT] = {
+        {.angle_direction = 1, .ankle_is_apart = true, .ankle_reversed = true},
+        {.angle_direction = 1}};
+    const struct can_msg right_ankle = ankle_frame(0x288, 1);
+    struct leg_sensors sensors;
+    const struct leg_sensor_reading *left = &sensors.reading[SIDE_LEFT];
+    leg_sensors_init(&sensors, config);
+    struct can_msg angle = leg_frame(0x283, 4194304, 0);
+    ck_assert(leg_sensors_receive(&sensors, &angle)); /* five bytes are not its frame any more */
+    ck_assert_uint_eq(sensors.rx_malformed, 1);
+    angle.length = 3;
+    ck_assert(leg_sensors_receive(&sensors, &angle));
+    assert_close(left->leg_angle_rad, M_PI / 2.0, 0.0, 1e-6);
+    ck_assert_int_eq(left->age_ticks, UINT16_MAX); /* no ankle yet */
+    struct can_msg ankle = ankle_frame(0x287, -250);
+    ck_assert(leg_sensors_receive(&sensors, &ankle));
+    assert_close(left->ankle_extension_m, 2.5e-3, 0.0, 1e-6);
+    ck_assert_int_eq(left->age_ticks, 0);
+    leg_sensors_age(&sensors);
+    ck_assert(leg_sensors_receive(&sensors, &angle));
+    ck_assert_int_eq(left->age_ticks, 1);
+    ck_assert(leg_sensors_receive(&sensors, &ankle));
+    ck_assert_int_eq(left->age_ticks, 0);
+    ankle.length = 5;
+    ck_assert(leg_sensors_receive(&sensors, &ankle));
+    ck_assert_uint_eq(sensors.rx_malformed, 2);
+    ck_assert(!leg_sensors_receive(&sensors, &right_ankle)); /* nobody's on this device */
+}
+END_TEST
+
+/* Another answer in the same cycle, of either: a second node with that number. */
+START_TEST(a_second_ankle_sensor_is_noticed)
+{
+    struct leg_sensor_config config[SIDE_COUNT] = {{.angle_direction = 1, .ankle_is_apart = true},
+                                                   {.angle_direction = 1}};
+    struct leg_sensors sensors;
+    leg_sensors_init(&sensors, config);
+    for (int16_t i = 0; i < 2; i++) {
+        const struct can_msg ankle = ankle_frame(0x287, i);
+        (void)leg_sensors_receive(&sensors, &ankle);
+    }
+    ck_assert_uint_eq(sensors.reading[SIDE_LEFT].duplicate_id_count, 1);
+    const struct can_msg first = leg_frame(0x284, 1, 1), second = leg_frame(0x284, 2, 2);
+    (void)leg_sensors_receive(&sensors, &first);
+    (void)leg_sensors_receive(&sensors, &second); /* both values differ: one frame too many */
+    ck_assert_uint_eq(sensors.reading[SIDE_RIGHT].duplicate_id_count, 1);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("leg_sensors");
@@ -191,6 +250,8 @@ int main(void)
     tcase_add_test(tests, malformed_frames_change_nothing_and_are_counted);
     tcase_add_test(tests, age_grows_and_saturates);
     tcase_add_test(tests, frames_beyond_one_a_cycle_are_counted);
+    tcase_add_test(tests, an_ankle_sensor_of_its_own_has_a_frame_of_its_own);
+    tcase_add_test(tests, a_second_ankle_sensor_is_noticed);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -32,7 +32,7 @@ static void setup(struct bench *bench)
         bench->task.network.node[i].state = NMT_OPERATIONAL;
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        bench->task.sensors.reading[leg].age_ticks = 1;
+        bench->task.sensors.reading[leg].leg_age_ticks = 1;
         bench->drives.axis[leg].age_ticks = 1;
     }
 }
@@ -40,7 +40,7 @@ static void setup(struct bench *bench)
 static void all_answer(struct bench *bench)
 {
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        bench->task.sensors.reading[leg].age_ticks = 0;
+        bench->task.sensors.reading[leg].leg_age_ticks = 0;
         bench->drives.axis[leg].age_ticks = 0;
     }
 }
@@ -107,7 +107,7 @@ START_TEST(a_node_that_boots_meanwhile_is_waited_for_no_longer)
     const struct can_msg boot = {.id = FRAME_HEARTBEAT_SENSOR_LEFT, .length = 1};
     setup(&bench);
     all_answer(&bench);
-    bench.task.sensors.reading[SIDE_LEFT].age_ticks = 1;
+    bench.task.sensors.reading[SIDE_LEFT].leg_age_ticks = 1;
     ck_assert(!lock_step_answered(&bench.task, ALL));
     ck_assert(network_receive(&bench.task.network, &boot));
     ck_assert(lock_step_answered(&bench.task, ALL));
