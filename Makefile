@@ -196,11 +196,12 @@ test-long: ## what takes longer than `make test` may: tests marked long (some te
 	$(Q)$(MAKE) --no-print-directory programs tests $(TEST_NEEDS)
 	$(Q)scripts/run-tests --build build --python --long
 
-bench: ## how fast it is, as ratios measured side by side (some minutes)
+bench: ## how fast it is, as ratios measured side by side; ten minutes of afo view in a browser (some minutes more)
 	$(Q)scripts/setup bench
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)scripts/bench $(BUILD)
 	$(Q)scripts/bench-strides $(BUILD)
+	$(Q)scripts/setup view && scripts/bench-view $(BUILD)
 
 FORMATTED := $(shell find model controller hal firmware sim_host tests -name '*.[ch]' 2>/dev/null)
 format: ## lay out all C sources as .clang-format says

@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -36,11 +37,12 @@ int python_tool_find(struct python_tool *tool, const char *name)
     if (!find_folder(tool, folder)) {
         return program_complain("/proc/self/exe: %s", strerror(errno));
     }
-    snprintf(tool->python, sizeof tool->python, "/usr/bin/python3");
+    const char *chosen = getenv("AFO_PYTHON");
+    snprintf(tool->python, sizeof tool->python, "%s", chosen != NULL ? chosen : "/usr/bin/python3");
     for (size_t i = 0; i < sizeof up / sizeof up[0]; i++) {
         const bool fits = (size_t)snprintf(base, sizeof base, "%s%s", folder, up[i]) < sizeof base;
         if (fits && is_there(tool->script, base, "sim_host/view/", name)) {
-            if (is_there(python, base, "build/venv/bin/", "python")) {
+            if (chosen == NULL && is_there(python, base, "build/venv/bin/", "python")) {
                 memcpy(tool->python, python, sizeof python);
             }
             return 0;

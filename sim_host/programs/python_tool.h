@@ -7,7 +7,7 @@
 struct python_tool {
     char program[PATH_MAX]; /* this program */
     char script[PATH_MAX];
-    char python[PATH_MAX]; /* the tree's own (build/venv) where there is one, else the system's */
+    char python[PATH_MAX]; /* AFO_PYTHON, else the tree's own (build/venv), else the system's */
 };
 
 /* Finds script `name` of sim_host/view: in the tree that this program was built in, or where `make install' puts it.

@@ -15,6 +15,9 @@ FIRST_CLIENT, CLIENTS = 101, 26  # `afo ctl' is client 100
 ANSWER_S, RAMP_S, REQUEST_S, COUNTERS_S = 2.0, 8.0, 6.0, 10.0
 GROUPS = ("commands.desired_apex_speed", "parameters.")
 UNDO_MAX = 200
+# What limits a setting over the bus, beside its range: other parameters (controller/control_params.h).
+BORNE = {"kp_m_s_rad": ("kp_low_m_s_rad", "kp_high_m_s_rad"), "r0_max_m": (None, "r0_ceiling_m"),
+         "r0_change_max_m": (None, "r0_change_ceiling_m")}
 LAW_WORDS = {"kp_m_s_rad": "gain proportional settling", "speed_ramp_rad_s": "ramp settling acceleration",
              "r0_change_max_m": "limit", "r0_max_m": "limit", "r0_min_m": "limit", "law": "controller"}
 # CiA 301 abort codes in words, and what to do: as `afo ctl' says it.
@@ -85,8 +88,14 @@ class Control:
 
     def settings(self):
         chosen = [one for name, one in self.objects.by_name.items() if name.startswith(GROUPS) and one["type"]]
-        return [{**one, "value": self.values.get(one["name"]), "words": LAW_WORDS.get(one["name"].split(".")[-1], "")}
-                for one in chosen]
+        return [{**one, "value": self.values.get(one["name"]), "words": LAW_WORDS.get(one["name"].split(".")[-1], ""),
+                 "bus": self._borne(one["name"])} for one in chosen]
+
+    def _borne(self, name):
+        """[low, high] of what may be written over the bus for this person, None where the range alone counts."""
+        low, high = BORNE.get(name.split(".")[-1], (None, None))
+        value = [self.values.get(f"parameters.{one}") if one else None for one in (low, high)]
+        return value if value[1] else None
 
     async def _look(self):
         """All values once, then the counters again and again; spaced, for others ask, too."""
@@ -120,7 +129,8 @@ class Control:
                 "commissioning": []}
 
     def tell_values(self):
-        self.hub.tell({"type": "values", "values": self.values})
+        borne = {name: self._borne(name) for name in self.values if self._borne(name)}
+        self.hub.tell({"type": "values", "values": self.values, "bus": borne})
         last = self.undo[-1] if self.undo else (None, None)
         self.hub.tell({"type": "undo", "name": last[0], "value": last[1]})
 
@@ -161,6 +171,7 @@ class Control:
         except canopen.SdoAbortedError as error:
             words, remedy = ABORTS.get(error.code, ("unknown reason", "look the code up in the node's manual"))
             client.put({"type": "refused", "do": do, "text": f"Refused: {words} (0x{error.code:08X}); {remedy}."})
+            self.tell_values()
         except (canopen.SdoCommunicationError, OSError) as error:
             client.put({"type": "refused", "do": do, "text": f"The controller does not answer ({error}). Is it running?"})
 

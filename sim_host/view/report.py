@@ -13,7 +13,7 @@ from serve import EXIT_USAGE, missing_packages  # noqa: E402
 STYLE = """:root{color-scheme:light dark}body{font:15px/1.45 system-ui,sans-serif;max-width:66rem;margin:1rem auto;padding:0 1rem}
 table{border-collapse:collapse;margin:.4rem 0}th,td{text-align:left;padding:.12rem .8rem .12rem 0;border-bottom:1px solid #8884;
 font-variant-numeric:tabular-nums;vertical-align:top}svg{width:100%;max-width:40rem;height:auto;display:inline-block}
-svg .grid{stroke:#8884}svg .mark{stroke:#b3261e;stroke-dasharray:3 3}svg text{font:11px system-ui;fill:currentColor}
+svg .grid{stroke:#8884}svg .mark{stroke:#b3261e;stroke-dasharray:3 3}svg text{font:11px system-ui}svg text:not(.name){fill:currentColor}
 svg .title{font-weight:600;font-size:13px}.bad{color:#b3261e;font-weight:600}details{margin:.4rem 0}"""
 CURVES = (("leg_angle", "Leg angle", "rad"), ("ankle", "Ankle extension", "m"), ("motor", "Precompression", "m"),
           ("spring_force", "Spring force", "N"))

@@ -22,7 +22,7 @@ def missing_packages():
         try:
             __import__(module)
         except ImportError as error:
-            command = f"sudo apt-get install {debian}" if debian else f"python3 -m pip install {pypi}"
+            command = f"sudo apt-get install {debian}" if debian else f"VENV/bin/pip install {pypi}, with AFO_PYTHON=VENV/bin/python"
             missing.append(f"the Python package {module} is missing ({error}): scripts/setup view, or {command}")
     return missing
 

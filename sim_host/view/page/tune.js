@@ -25,9 +25,9 @@ export class Tune {
   offer(settings, told) {
     this.settings = new Map(settings.map((one) => [one.name, one]));
     const speed = $("speed");
-    speed.min = told.subject.lowest_speed_rad_s ?? 0;
-    speed.max = told.subject.highest_speed_rad_s ?? 2;
     speed.step = 0.005;
+    speed.min = Math.ceil((told.subject.lowest_speed_rad_s ?? 0) / 0.005) * 0.005;
+    speed.max = told.subject.highest_speed_rad_s ?? 2;
     $("settings").replaceChildren(...settings.map((one) => this.setting(one)));
     this.show();
     this.commissioning(told.commissioning || []);
@@ -54,6 +54,7 @@ export class Tune {
     row.className = "row";
     row.append(input, button);
     box.append(label, row, help);
+    one.help = help;
     one.box = box;
     one.input = input;
     return box;
@@ -122,6 +123,10 @@ export class Tune {
   message(told) {
     if (told.type === "values") {
       for (const [name, value] of Object.entries(told.values)) if (this.settings?.has(name)) this.settings.get(name).value = value;
+      for (const [name, [low, high]] of Object.entries(told.bus || {})) {
+        const one = this.settings?.get(name);
+        if (one) one.help.textContent = `${one.meaning}; this walker bears ${low === null ? "at most" : `${number(low)} to`} ${number(high)}`;
+      }
       if (this.settings) this.show();
     } else if (told.type === "written") {
       this.say(`${told.name}: ${number(told.before)} → ${number(told.value)} ${told.unit || ""}, read back ${number(told.read)}${told.note ? `. ${told.note}` : ""}`);
