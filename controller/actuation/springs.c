@@ -4,11 +4,14 @@
 
 /* The ankle comes back, and its push is over, when it is so far from its farthest; of the leg. */
 #define COMES_BACK_RATIO REAL(0.003)
-/* Of the mean time from release to toe-off, for each new one. */
-#define PUSH_MEAN_GAIN REAL(0.3)
+/* Of the mean time from release to toe-off, for each new one; a shorter one counts more. */
+#define PUSH_MEAN_GAIN REAL(0.2)
+#define PUSH_SHORTER_GAIN REAL(0.7)
 /* Going back after a push there is no load to move against; of the references' limits. */
 #define BACK_SPEED_RATIO REAL(1.2)
 #define BACK_ACCELERATION_RATIO REAL(2.0)
+/* So much compression may be left as the foot leaves, of the prescribed one: 1.4 % of its energy. */
+#define HARMLESS_RATIO REAL(0.12)
 /* A motor so far from its reference is at a limit of its own; of the leg. */
 #define BEHIND_RATIO REAL(0.006)
 
@@ -29,6 +32,9 @@ void springs_begin(struct springs *springs, const struct control_params *params,
         springs->waits[side] = false;
         springs->open[side] = false;
         springs->push_s[side] = REAL(0.0);
+        springs->left_m[side] = REAL(0.0);
+        springs->reach_m[side] = REAL_LARGEST;
+        springs->left[side] = true;
         springs->swings[side] = false;
     }
     springs->drags = false;
@@ -50,6 +56,11 @@ void springs_place(struct springs *springs, enum side side, real reference_m)
     sea_reference_begin_loading(&springs->sea[side], reference_m);
 }
 
+static real within_reach_m(const struct springs *springs, enum side side, real load_m)
+{
+    return load_m > springs->reach_m[side] ? springs->reach_m[side] : load_m;
+}
+
 /* A person's spring is loaded behind a closed latch only: open, it would push the foot while it is loaded. */
 static void begin_loading(struct springs *springs, const struct step_decision *decision,
                           const struct controller_input *input, enum side side)
@@ -57,17 +68,19 @@ static void begin_loading(struct springs *springs, const struct step_decision *d
     if (!decision->assists || input->sea[side].absent) {
         return;
     }
+    const real load_m = within_reach_m(springs, side, decision->load_m);
     springs->waits[side] = !springs->may_load[side];
     if (springs->waits[side]) {
         springs->waits_final[side] = false;
-        springs->waiting_m[side] = decision->load_m;
+        springs->waiting_m[side] = load_m;
     } else {
-        sea_reference_begin_loading(&springs->sea[side], decision->load_m);
+        sea_reference_begin_loading(&springs->sea[side], load_m);
     }
 }
 
-static void decide_load(struct springs *springs, enum side side, real load_m)
+static void decide_load(struct springs *springs, enum side side, real decided_m)
 {
+    const real load_m = within_reach_m(springs, side, decided_m);
     if (springs->waits[side]) {
         springs->waits_final[side] = true;
         springs->waiting_m[side] = load_m;
@@ -79,12 +92,32 @@ static void decide_load(struct springs *springs, enum side side, real load_m)
 static void learn_push(struct springs *springs, const struct gait_event *lift_off)
 {
     const enum side side = lift_off->side;
-    if (springs->watch.leg[side].opened && lift_off->tick > springs->open_tick[side]) {
-        const real lasted_s = real_clamp(seconds_since(lift_off->tick, springs->open_tick[side]) -
-                                             lift_off->before_tick_s,
-                                         PUSH_LEAST_S, PUSH_MOST_S);
+    const uint32_t open_tick = springs->open_tick[side], up_tick = springs->up_tick[side];
+    if (springs->watch.leg[side].opened && lift_off->tick > open_tick) {
+        /* The switch's opening is a sign, too, and late if it is wrong: the earlier one counts. */
+        const real found_s = seconds_since(lift_off->tick, open_tick) - lift_off->before_tick_s;
+        const real up_s = up_tick > open_tick ? seconds_since(up_tick, open_tick) : found_s;
+        const real lasted_s =
+            real_clamp(up_s < found_s ? up_s : found_s, PUSH_LEAST_S, PUSH_MOST_S);
         real *mean_s = &springs->push_s[side];
-        *mean_s = *mean_s > REAL(0.0) ? *mean_s + PUSH_MEAN_GAIN * (lasted_s - *mean_s) : lasted_s;
+        const real gain = lasted_s < *mean_s ? PUSH_SHORTER_GAIN : PUSH_MEAN_GAIN;
+        *mean_s = *mean_s > REAL(0.0) ? *mean_s + gain * (lasted_s - *mean_s) : lasted_s;
+    }
+}
+
+static real time_to_toe_off_s(const struct springs *springs, enum side side, uint32_t tick)
+{
+    const real push_s = springs->push_s[side] > REAL(0.0) ? springs->push_s[side] : PUSH_FIRST_S;
+    return push_s - seconds_since(tick, springs->open_tick[side]);
+}
+
+/* How far the ankle is extended as the foot leaves: at the time at which it usually does. */
+static void learn_extension(struct springs *springs, enum side side, real extension_m,
+                            uint32_t tick)
+{
+    if (!springs->left[side] && time_to_toe_off_s(springs, side, tick) <= REAL(0.0)) {
+        springs->left[side] = true;
+        springs->left_m[side] += PUSH_MEAN_GAIN * (extension_m - springs->left_m[side]);
     }
 }
 
@@ -163,13 +196,51 @@ static bool ankle_has_had_it(struct springs *springs, const struct control_param
            extension_m < springs->farthest_m[side] - COMES_BACK_RATIO * params->leg_length_m;
 }
 
+static real lead_s(const struct control_params *params, enum side side)
+{
+    const real bias_s =
+        side == SIDE_LEFT ? params->toe_off_bias_left_s : params->toe_off_bias_right_s;
+    return bias_s != REAL(0.0) ? PUSH_LEAD_S : PUSH_LEAD_UNFITTED_S;
+}
+
+/* How far a motor comes back within a time, and what may be left. */
+static real way_back_m(const struct control_params *params, real time_s)
+{
+    return HARMLESS_RATIO * params->start_r0_m +
+           REAL(0.5) * BACK_ACCELERATION_RATIO * params->sea_acceleration_m_s2 * time_s * time_s;
+}
+
+/* From here on the motor needs all of the time that is left to be back with the ankle. */
+static bool must_set_off(const struct springs *springs, const struct control_params *params,
+                         enum side side, real motor_m, real extension_m, uint32_t tick)
+{
+    const real left_s = time_to_toe_off_s(springs, side, tick) - lead_s(params, side);
+    const real ankle_m = extension_m > springs->left_m[side] ? extension_m : springs->left_m[side];
+    return left_s <= REAL(0.0) || motor_m - ankle_m >= way_back_m(params, left_s);
+}
+
+/* A push is over, and its latch has closed. */
+static void learn_reach(struct springs *springs, const struct control_params *params,
+                        enum side side)
+{
+    const real back_s = springs->push_s[side] - lead_s(params, side);
+    if (springs->push_s[side] > REAL(0.0) && !body_of(params->body)->ankle_is_held) {
+        springs->reach_m[side] =
+            springs->left_m[side] + way_back_m(params, back_s > REAL(0.0) ? back_s : REAL(0.0));
+    }
+}
+
 static bool push_is_over(struct springs *springs, const struct control_params *params,
                          enum side side, const struct controller_input *input)
 {
     const struct sea_measurement *sea = &input->sea[side];
     const real extension_m = input->leg[side].ankle_extension_m;
-    const real push_s = springs->push_s[side] > REAL(0.0) ? springs->push_s[side] : PUSH_FIRST_S;
+    const real motor_m = sea->precompression_m;
+    learn_extension(springs, side, extension_m, input->tick);
     if (sea->latch != LATCH_OPEN) {
+        if (springs->open[side]) {
+            learn_reach(springs, params, side);
+        }
         springs->open[side] = false;
         return false;
     }
@@ -177,9 +248,15 @@ static bool push_is_over(struct springs *springs, const struct control_params *p
         springs->open[side] = true;
         springs->open_tick[side] = input->tick;
         springs->farthest_m[side] = extension_m;
+        springs->left[side] = false;
+        springs->up_tick[side] = 0;
     }
-    return ankle_has_had_it(springs, params, side, sea->precompression_m, extension_m) ||
-           seconds_since(input->tick, springs->open_tick[side]) + PUSH_LEAD_S >= push_s;
+    if (input->leg[side].foot == FOOT_UP && springs->up_tick[side] == 0) {
+        springs->up_tick[side] = input->tick;
+    }
+    return springs->up_tick[side] != 0 ||
+           ankle_has_had_it(springs, params, side, motor_m, extension_m) ||
+           must_set_off(springs, params, side, motor_m, extension_m, input->tick);
 }
 
 /* What is left of a push drags at the foot in swing: back as soon as there is nothing to give. A

@@ -4,9 +4,10 @@
  * sea_reference.h moves one leg's motor; here the gait's events and the step's decision reach both
  * legs, and the latch is armed only while the other foot may land. A person's spring is loaded only
  * behind a latch that reports closed. It is taken back as soon as its push is over, so that what is left
- * of it does not drag at the foot in swing: when the ankle has reached the motor or comes back, and at
- * the latest PUSH_LEAD_S before the foot leaves. That time is learned, leg by leg: a toe-off is known
- * too late for its own step. What was prescribed and not given is known (push_watch.h).
+ * of it does not drag at the foot in swing: when the ankle has reached the motor or comes back, when the
+ * own foot's switch opens, and early enough that next to nothing of the spring is left as the foot
+ * leaves. That time, and how far the ankle is extended then, are learned, leg by leg: a toe-off is known
+ * too late for its own step. A spring is loaded no further than its motor is back in that time. What was prescribed and not given is known (push_watch.h).
  */
 #ifndef CONTROLLER_ACTUATION_SPRINGS_H
 #define CONTROLLER_ACTUATION_SPRINGS_H
@@ -25,12 +26,14 @@
 
 /* The time from the latch's opening to toe-off: before any was seen, and its limits. */
 #define PUSH_FIRST_S REAL(0.1)
-#define PUSH_LEAST_S REAL(0.05)
+#define PUSH_LEAST_S REAL(0.001)
 #define PUSH_MOST_S REAL(0.4)
 /* So long after toe-off the foot is free. */
 #define SWING_FREE_S REAL(0.05)
-/* The motor sets off so long before: it needs some 50 ms, and the foot is to be free 50 ms behind. */
-#define PUSH_LEAD_S REAL(0.025)
+/* The motor is to be back so long before: toe-offs scatter, and are found late by up to 30 ms in a person
+ * who was not fitted. */
+#define PUSH_LEAD_S REAL(0.01)
+#define PUSH_LEAD_UNFITTED_S REAL(0.03)
 
 struct springs {
     struct sea_reference sea[SIDE_COUNT];
@@ -44,8 +47,12 @@ struct springs {
     bool open[SIDE_COUNT];             /* the latch, as of the last tick */
     uint32_t open_tick[SIDE_COUNT];    /* since when */
     real push_s[SIDE_COUNT];           /* mean time from there to toe-off; 0 = none seen */
+    real left_m[SIDE_COUNT];           /* mean extension of the ankle then */
+    bool left[SIDE_COUNT];             /* that time has passed in this push */
+    uint32_t up_tick[SIDE_COUNT];      /* the own foot's switch opened in this push; 0 = not yet */
     bool swings[SIDE_COUNT];           /* the foot has left, */
     uint32_t toe_off_tick[SIDE_COUNT]; /* then */
+    real reach_m[SIDE_COUNT];          /* from further out a motor is not back in time */
     bool drags;                        /* a spring was found to push at a foot in swing */
 };
 
