@@ -1,7 +1,8 @@
 # The fault campaign. Results stay in build/faults: an interrupted one goes on.
 FAULT_RUNS ?= 10000
 FAULT_SEED ?= 1
-.PHONY: faults faults-short soak
+PEOPLE_RUNS ?= 10200
+.PHONY: faults faults-short faults-people soak
 faults: ## fault campaign (FAULT_RUNS=10000 FAULT_SEED=1): the table of all classes in build/faults (4 min of processor time; goes on)
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)mkdir -p $(BUILD)/faults/$(BUILD_ID)
@@ -14,6 +15,15 @@ faults: ## fault campaign (FAULT_RUNS=10000 FAULT_SEED=1): the table of all clas
 faults-short: ## four hundred runs of it (10 s of processor time)
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)$(BUILD)/afo faults --runs 400 --seed $(FAULT_SEED) --jobs $(JOBS)
+
+faults-people: ## fault campaign with people, made ones and those of AFO_DATA (PEOPLE_RUNS=10200 FAULT_SEED=1): the table in build/faults-people (6 min of processor time; goes on)
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)mkdir -p $(BUILD)/faults-people/$(BUILD_ID)
+	$(Q)$(BUILD)/afo faults --people --runs $(PEOPLE_RUNS) --seed $(FAULT_SEED) --jobs $(JOBS) \
+	    --out $(BUILD)/faults-people/$(BUILD_ID) --markdown >$(BUILD)/faults-people/table.md.new; status=$$?; \
+	mv $(BUILD)/faults-people/table.md.new $(BUILD)/faults-people/table.md; cat $(BUILD)/faults-people/table.md; \
+	scripts/results-page --title 'What faults do to people' --made-by 'make faults-people' --out $(BUILD)/faults-people/index.html \
+	    $(BUILD)/faults-people/table.md; exit $$status
 
 SOAK_TICKS ?= 100000000
 soak: ## walks 100 million control ticks (28 hours simulated) with disturbances; watches counters and memory (9 min)
