@@ -196,11 +196,13 @@ static bool ankle_has_had_it(struct springs *springs, const struct control_param
            extension_m < springs->farthest_m[side] - COMES_BACK_RATIO * params->leg_length_m;
 }
 
-static real lead_s(const struct control_params *params, enum side side)
+static real lead_s(const struct springs *springs, const struct control_params *params,
+                   enum side side)
 {
     const real bias_s =
         side == SIDE_LEFT ? params->toe_off_bias_left_s : params->toe_off_bias_right_s;
-    return bias_s != REAL(0.0) ? PUSH_LEAD_S : PUSH_LEAD_UNFITTED_S;
+    return PUSH_SCATTER_RATIO * springs->push_s[side] +
+           (bias_s != REAL(0.0) ? PUSH_LEAD_S : PUSH_LEAD_UNFITTED_S);
 }
 
 /* How far a motor comes back within a time, and what may be left. */
@@ -214,7 +216,7 @@ static real way_back_m(const struct control_params *params, real time_s)
 static bool must_set_off(const struct springs *springs, const struct control_params *params,
                          enum side side, real motor_m, real extension_m, uint32_t tick)
 {
-    const real left_s = time_to_toe_off_s(springs, side, tick) - lead_s(params, side);
+    const real left_s = time_to_toe_off_s(springs, side, tick) - lead_s(springs, params, side);
     const real ankle_m = extension_m > springs->left_m[side] ? extension_m : springs->left_m[side];
     return left_s <= REAL(0.0) || motor_m - ankle_m >= way_back_m(params, left_s);
 }
@@ -223,7 +225,7 @@ static bool must_set_off(const struct springs *springs, const struct control_par
 static void learn_reach(struct springs *springs, const struct control_params *params,
                         enum side side)
 {
-    const real back_s = springs->push_s[side] - lead_s(params, side);
+    const real back_s = springs->push_s[side] - lead_s(springs, params, side);
     if (springs->push_s[side] > REAL(0.0) && !body_of(params->body)->ankle_is_held) {
         springs->reach_m[side] =
             springs->left_m[side] + way_back_m(params, back_s > REAL(0.0) ? back_s : REAL(0.0));

@@ -30,10 +30,11 @@
 #define PUSH_MOST_S REAL(0.4)
 /* So long after toe-off the foot is free. */
 #define SWING_FREE_S REAL(0.05)
-/* The motor is to be back so long before: toe-offs scatter, and are found late by up to 30 ms in a person
- * who was not fitted. */
+/* The motor is to be back so long before: toe-offs scatter, the more the slower somebody walks, and are
+ * found late by up to 30 ms in a person who was not fitted. */
 #define PUSH_LEAD_S REAL(0.01)
 #define PUSH_LEAD_UNFITTED_S REAL(0.03)
+#define PUSH_SCATTER_RATIO REAL(0.06)
 
 struct springs {
     struct sea_reference sea[SIDE_COUNT];

@@ -28,7 +28,7 @@ static void teardown(void)
 static const struct {
     double share, thigh, knee, ankle;
 } positions[] = {
-    {0.00, 20, 5, 0}, {0.12, 20, 15, -5}, {0.31, 0, 5, 5},   {0.50, -20, 10, 10},
+    {0.00, 20, 5, 0},     {0.12, 20, 15, -5}, {0.31, 0, 5, 5},   {0.50, -20, 10, 10},
     {0.62, -10, 40, -15}, {0.75, 15, 60, -5}, {0.87, 25, 25, 0},
 };
 
@@ -126,14 +126,18 @@ START_TEST(slow_short_and_limping_are_scaled)
     struct copy_truth truth;
     const struct recording_sample *was = &walk.samples[1000];
     copy_of(COPY_SLOW, 0.0, &copy, &truth);
-    assert_close(copy.samples[1000].leg_angle_rad[SIDE_LEFT], 0.6 * was->leg_angle_rad[SIDE_LEFT], 1e-12, 0.0);
+    assert_close(copy.samples[1000].leg_angle_rad[SIDE_LEFT], 0.6 * was->leg_angle_rad[SIDE_LEFT],
+                 1e-12, 0.0);
     assert_close(copy.samples[1000].time_s, 1.8 * was->time_s, 1e-9, 0.0);
     recording_free(&copy);
     copy_of(COPY_LIMP, 0.0, &copy, &truth);
-    assert_close(copy.samples[1000].leg_angle_rad[SIDE_LEFT], 0.7 * was->leg_angle_rad[SIDE_LEFT], 1e-12, 0.0);
-    assert_close(copy.samples[1000].leg_angle_rad[SIDE_RIGHT], was->leg_angle_rad[SIDE_RIGHT], 1e-12, 0.0);
+    assert_close(copy.samples[1000].leg_angle_rad[SIDE_LEFT], 0.7 * was->leg_angle_rad[SIDE_LEFT],
+                 1e-12, 0.0);
+    assert_close(copy.samples[1000].leg_angle_rad[SIDE_RIGHT], was->leg_angle_rad[SIDE_RIGHT],
+                 1e-12, 0.0);
     /* Strides keep about their length. */
-    assert_close(copy.samples[copy.count - 1].time_s, walk.samples[walk.count - 1].time_s, 0.3, 0.0);
+    assert_close(copy.samples[copy.count - 1].time_s, walk.samples[walk.count - 1].time_s, 0.3,
+                 0.0);
     recording_free(&copy);
 }
 END_TEST
@@ -144,7 +148,8 @@ START_TEST(a_stop_stands_still_from_its_phase_on)
     struct copy_truth truth;
     for (double phase = 0.0; phase < 1.0; phase += 0.25) {
         copy_of(COPY_STOP, phase, &copy, &truth);
-        const double from_s = first_edge_s(&walk, SIDE_LEFT, true, walk.samples[2 * walk.count / 3].time_s - 0.01);
+        const double from_s =
+            first_edge_s(&walk, SIDE_LEFT, true, walk.samples[2 * walk.count / 3].time_s - 0.01);
         assert_close(truth.stands_s, from_s + phase * 1.12, 0.06, 0.0);
         for (size_t i = 0; i + 1 < copy.count; i++) {
             if (copy.samples[i].time_s > truth.stands_s) {
