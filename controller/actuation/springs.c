@@ -33,7 +33,10 @@ void springs_begin(struct springs *springs, const struct control_params *params,
         springs->open[side] = false;
         springs->push_s[side] = REAL(0.0);
         springs->left_m[side] = REAL(0.0);
-        springs->reach_m[side] = REAL_LARGEST;
+        /* Nothing is known of this leg's pushes: a harmless one shows how they go. */
+        springs->reach_m[side] = body_of(params->body)->ankle_is_held
+                                     ? REAL_LARGEST
+                                     : HARMLESS_RATIO * params->start_r0_m;
         springs->left[side] = true;
         springs->swings[side] = false;
     }
@@ -116,8 +119,9 @@ static void learn_extension(struct springs *springs, enum side side, real extens
                             uint32_t tick)
 {
     if (!springs->left[side] && time_to_toe_off_s(springs, side, tick) <= REAL(0.0)) {
+        const real gain = extension_m < springs->left_m[side] ? PUSH_SHORTER_GAIN : PUSH_MEAN_GAIN;
         springs->left[side] = true;
-        springs->left_m[side] += PUSH_MEAN_GAIN * (extension_m - springs->left_m[side]);
+        springs->left_m[side] += gain * (extension_m - springs->left_m[side]);
     }
 }
 
@@ -288,6 +292,12 @@ static void watch_swing(struct springs *springs, const struct control_params *pa
     }
 }
 
+/* A motor that has run past its target has more energy than was prescribed: 1.1 times at r0_max. */
+static bool is_overloaded(const struct control_params *params, real motor_m)
+{
+    return motor_m > params->r0_max_m && !body_of(params->body)->ankle_is_held;
+}
+
 static bool is_behind(const struct springs *springs, const struct control_params *params,
                       enum side side, real measured_m)
 {
@@ -310,7 +320,8 @@ void springs_command(struct springs *springs, const struct control_params *param
         const bool silent = state == SUPERVISOR_UNLOADING &&
                             sea->age_ticks > ticks_from_seconds(params->sensor_age_max_s);
         request[side].enable = !silent;
-        if (!assists || !may_release(gait, (enum side)side)) {
+        if (!assists || !may_release(gait, (enum side)side) ||
+            is_overloaded(params, sea->precompression_m)) {
             request[side].latch_armed = false;
         }
         /*@ assert armed_near_strike: request[side].latch_armed == 0 ||

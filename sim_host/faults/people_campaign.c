@@ -16,7 +16,7 @@ enum { SAVED_PUSHES = 10 };
 static const double SAVED_SHARE = 0.55;
 static const double BEFORE_STOP_S = 0.8;
 /* A run ends so long behind its last fault's end, or behind the scene's. */
-enum { TAIL_TICKS = 2500, LAST_TICKS = 1200 };
+enum { TAIL_TICKS = 2500, LAST_TICKS = 1200, SETTLED_MS = 1100 };
 
 /* Recordings whose contacts are not true to the millisecond, and those that are no walking. */
 static const char *const coarse[] = {"circuit"};
@@ -390,18 +390,42 @@ static bool has_false_contact(const struct people_plan *plan)
     return false;
 }
 
+static uint32_t shots_end(const struct people_plan *plan)
+{
+    uint32_t end = 0;
+    for (unsigned i = 0; i < plan->count; i++) {
+        const uint32_t last = plan->shot[i].start_tick + plan->shot[i].duration_ticks;
+        end = last > end ? last : end;
+    }
+    return end;
+}
+
 static uint32_t run_ticks(const struct people_campaign *campaign, const struct people_plan *plan)
 {
     const uint32_t scene_end = tick_at(campaign, recorded_s(campaign)) + LAST_TICKS;
     const uint32_t now = (uint32_t)campaign->loop.tick;
     const uint32_t left = scene_end > now ? scene_end - now : 1;
-    uint32_t end = 0;
-    for (unsigned i = 0; i < plan->count; i++) {
-        const uint32_t last = plan->shot[i].start_tick + plan->shot[i].duration_ticks + TAIL_TICKS;
-        end = last > end ? last : end;
-    }
+    const uint32_t end = shots_end(plan) + TAIL_TICKS;
     const bool stands = fault_kinds[plan->shot[0].kind].group == FAULT_GROUP_PERSON;
     return end < left || stands ? end : left;
+}
+
+/* A fault is latched, both drives are without torque and the springs slack: nothing happens any more. */
+static bool is_settled(const struct loop *loop, const struct person_judge *judge)
+{
+    if (loop->rig.task.output.state != SUPERVISOR_FAULT ||
+        judge->noticed_tick == PERSON_JUDGE_NEVER ||
+        judge->tick < judge->noticed_tick + TICKS_OF_MS(SETTLED_MS)) {
+        return false;
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct sea_output output;
+        plant_sea_output(&loop->nodes.plant, (enum side)side, &output);
+        if (loop->nodes.plant.sea[side].command.mode != SEA_TORQUE_OFF || !output.unloaded) {
+            return false;
+        }
+    }
+    return true;
 }
 
 bool people_campaign_run(struct people_campaign *campaign, const struct people_plan *plan,
@@ -431,7 +455,8 @@ bool people_campaign_run(struct people_campaign *campaign, const struct people_p
         sim_tick_header(ticks);
     }
     const uint32_t end = run_ticks(campaign, plan);
-    for (uint32_t tick = 0; tick < end; tick++) {
+    const uint32_t over = shots_end(plan);
+    for (uint32_t tick = 0; tick < end && !(tick > over && is_settled(loop, &judge)); tick++) {
         injector_tick(&injector);
         result->assisted = result->assisted || is_assisting(loop);
         const bool begun = injector.tick > plan->shot[0].start_tick;

@@ -19,6 +19,7 @@ static void setup(void)
                                      .sensor_age_max_s = 0.01f,
                                      .leg_length_m = 0.9f,
                                      .start_r0_m = 0.04f,
+                                     .r0_max_m = 0.042f,
                                      .body = (float)BODY_PERSON};
     input = (struct controller_input){.tick = 1000};
     gait = (struct gait_state){.phase = PHASE_SINGLE_SUPPORT, .strike_near = true};
@@ -89,6 +90,13 @@ static void push_left(int toe_off_ticks)
     swing_left();
 }
 
+/* Pushes that lasted long: the spring may be loaded to the full. */
+static void know_long_pushes(void)
+{
+    push_left(250);
+    push_left(250);
+}
+
 START_TEST(a_stance_is_loaded_armed_and_given)
 {
     push_left(120);
@@ -99,6 +107,7 @@ END_TEST
 
 START_TEST(behind_an_open_latch_nothing_is_loaded)
 {
+    know_long_pushes();
     input.sea[SIDE_LEFT].latch = LATCH_OPEN;
     tick();
     load_left();
@@ -206,8 +215,37 @@ START_TEST(a_shorter_push_counts_at_once)
 }
 END_TEST
 
+START_TEST(a_leg_s_first_push_is_harmless)
+{
+    load_left();
+    ck_assert(request[SIDE_LEFT].latch_armed);
+    /* Of 7.6 J at 40 mm less than 0.2 J. */
+    ck_assert_double_le((double)request[SIDE_LEFT].precompression_m, 0.0064);
+    params.body = (float)BODY_COMPASS;
+    springs_begin(&springs, &params, &input);
+    load_left();
+    assert_close(request[SIDE_LEFT].precompression_m, 0.04, 1e-6, 0.0);
+}
+END_TEST
+
+START_TEST(a_motor_that_has_run_past_its_target_is_not_let_go)
+{
+    know_long_pushes();
+    load_left();
+    tick();
+    ck_assert(request[SIDE_LEFT].latch_armed);
+    input.sea[SIDE_LEFT].precompression_m = 1.001f * params.r0_max_m;
+    springs_command(&springs, &params, &input, SUPERVISOR_WALKING, &gait, request);
+    ck_assert(!request[SIDE_LEFT].latch_armed);
+    input.sea[SIDE_LEFT].precompression_m = params.r0_max_m;
+    springs_command(&springs, &params, &input, SUPERVISOR_WALKING, &gait, request);
+    ck_assert(request[SIDE_LEFT].latch_armed);
+}
+END_TEST
+
 START_TEST(the_own_switch_ends_the_push)
 {
+    know_long_pushes();
     load_left();
     event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
     input.sea[SIDE_LEFT].latch = LATCH_OPEN;
@@ -223,6 +261,7 @@ END_TEST
 
 START_TEST(an_ankle_that_comes_back_or_has_it_all_ends_the_push)
 {
+    know_long_pushes();
     load_left();
     event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
     input.sea[SIDE_LEFT].latch = LATCH_OPEN;
@@ -285,6 +324,8 @@ int main(void)
     tcase_add_test(tests, a_spring_is_loaded_no_further_than_its_motor_comes_back_in_time);
     tcase_add_test(tests, a_shorter_push_counts_at_once);
     tcase_add_test(tests, the_own_switch_ends_the_push);
+    tcase_add_test(tests, a_leg_s_first_push_is_harmless);
+    tcase_add_test(tests, a_motor_that_has_run_past_its_target_is_not_let_go);
     tcase_add_test(tests, a_push_that_drags_is_seen);
     tcase_add_test(tests, an_ankle_that_comes_back_or_has_it_all_ends_the_push);
     suite_add_tcase(suite, tests);
