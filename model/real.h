@@ -50,6 +50,8 @@ static inline real real_clamp(real x, real low, real high)
 
 /* 1 when x is from low to high, 0 when it is outside or NaN. The analyser of `make prove` leaves NaN
  * out where x equals itself, and not by the other comparisons. */
+/*@ assigns \nothing;
+    ensures wp_is_within: \result != 0 <==> \ge_float(x, low) && \le_float(x, high); */
 static inline int real_is_within(real x, real low, real high)
 {
     return x == x && x >= low && x <= high;

@@ -20,18 +20,28 @@ void command_guard_begin_motions(struct command_guard *guard, const struct contr
     guard->command_limit_m = share * params->r0_max_m + params->sea_tolerance_m;
 }
 
+/*@ requires \valid_read(guard) && \valid_read(last) && \valid(request);
+    requires \separated(request, guard) && \separated(request, last);
+    assigns *request; */
 static void limit(const struct command_guard *guard, const struct sea_request *last,
                   struct sea_request *request)
 {
+    const real lowest_m = -guard->command_limit_m;
     const real highest_m = last->precompression_m + guard->slew_limit_m;
     if (last->enable && request->precompression_m > highest_m) {
         request->precompression_m = highest_m;
     }
     /* Outside, or not a number. */
-    if (!real_is_within(request->precompression_m, -guard->command_limit_m,
-                        guard->command_limit_m)) {
-        *request = (struct sea_request){REAL(0.0), false, false};
+    if (!real_is_within(request->precompression_m, lowest_m, guard->command_limit_m)) {
+        request->precompression_m = REAL(0.0);
+        request->enable = false;
+        request->latch_armed = false;
     }
+    /*@ assert wp_within_limit: request->enable ==>
+          \ge_float(request->precompression_m, lowest_m) &&
+          \le_float(request->precompression_m, guard->command_limit_m); */
+    /*@ assert wp_rises_slowly: request->enable && last->enable ==>
+          !\gt_float(request->precompression_m, highest_m); */
 }
 
 void command_guard_limit(struct command_guard *guard, bool powered,
