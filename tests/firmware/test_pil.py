@@ -61,6 +61,21 @@ def test_the_predictive_law_within_its_budget_bit_for_bit(speed, steps):
     assert walk["stack_unused_bytes"] >= 64
 
 
+def test_the_stack_that_a_walk_touches_is_within_the_call_graphs_bound():
+    """The longest path of the graph is the predictive law's, which is walked."""
+    walk = pil("--steps", "20", "--speed", "0.3", "--law", "predictive")
+    objects = ROOT / "build/arm/obj/cortex_m4f"
+    bound = json.loads(subprocess.run([ROOT / "scripts/stack-depth", objects, "--json"], cwd=ROOT, capture_output=True, text=True,
+                                      check=True).stdout)["mps2_an386"]["thread"]["bytes"]
+    names = subprocess.run(["arm-none-eabi-nm", ROOT / "build/arm/afo-mps2-an386.elf"], capture_output=True, text=True,
+                           check=True).stdout
+    at = {name: int(re.search(rf"^(\w+) \w thread_stack_{name}$", names, re.MULTILINE).group(1), 16) for name in ("bottom", "top")}
+    touched = at["top"] - at["bottom"] - walk["stack_unused_bytes"]
+    print(f"stack: {touched} bytes touched, {bound} by the call graph")
+    # Touched more than half of the bound, the walk says something of it.
+    assert bound / 2 < touched <= bound
+
+
 def test_the_adult_too():
     walk = pil("--steps", "20", "--person", "sim_host/persons/adult70.ini", "--device", "sim_host/devices/virtual-adult.ini")
     assert walk["steps"] >= 20 and walk["differences"] == 0
