@@ -87,6 +87,24 @@ START_TEST(a_stance_that_was_not_seen_to_its_end_says_nothing)
 }
 END_TEST
 
+START_TEST(a_walk_begins_without_the_pushes_of_the_last)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        push_watch_prescribe(&watch, (enum side)side);
+        tick((enum side)side, true, false, false, LATCH_OPEN);
+        push_watch_strike(&watch, (enum side)side, now);
+        (void)push_watch_drag(&watch, (enum side)side);
+    }
+    watch.missed_in_row = watch.dragged_in_row = PUSH_WATCH_MISSES;
+    push_watch_begin(&watch);
+    ck_assert(!push_watch_fails(&watch));
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        ck_assert_int_eq(push_watch_end(&watch, (enum side)side), PUSH_NONE);
+        ck_assert(push_watch_drag(&watch, (enum side)side)); /* anew */
+    }
+}
+END_TEST
+
 START_TEST(a_motor_that_is_behind_is_counted_always)
 {
     tick(SIDE_RIGHT, false, false, true, LATCH_CLOSED);
@@ -169,6 +187,7 @@ int main(void)
     tcase_add_test(tests, an_open_latch_that_nobody_armed_is_no_push);
     tcase_add_test(tests, three_misses_in_a_row_of_either_leg);
     tcase_add_test(tests, a_stance_that_was_not_seen_to_its_end_says_nothing);
+    tcase_add_test(tests, a_walk_begins_without_the_pushes_of_the_last);
     tcase_add_test(tests, a_motor_that_is_behind_is_counted_always);
     tcase_add_loop_test(tests, a_report_that_does_not_change_in_three_releases_is_stuck, 0,
                         (int)(sizeof reports / sizeof reports[0]));

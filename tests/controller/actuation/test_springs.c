@@ -126,6 +126,44 @@ START_TEST(behind_an_open_latch_nothing_is_loaded)
 }
 END_TEST
 
+/* Whatever waited for the latch is given up at toe-off: it must not load in swing. */
+START_TEST(a_latch_that_closes_in_swing_loads_nothing)
+{
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    tick();
+    load_left();
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    ticks(100);
+    event(GAIT_LIFT_OFF, SIDE_LEFT);
+    input.sea[SIDE_LEFT].latch = LATCH_CLOSED;
+    for (int i = 0; i < 300; i++) {
+        tick();
+        assert_close(request[SIDE_LEFT].precompression_m, 0.0, 0.0, 0.0);
+    }
+}
+END_TEST
+
+/* A walk knows nothing of the one before: neither its pushes nor where its legs were. */
+START_TEST(a_new_walk_begins_afresh)
+{
+    push_left(120);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        springs.waits[side] = springs.open[side] = springs.swings[side] = true;
+        springs.push_s[side] = 0.2f;
+    }
+    springs.drags = true;
+    input.sea[SIDE_RIGHT].precompression_m = 0.01f;
+    springs_begin(&springs, &params, &input);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        ck_assert(!springs.waits[side] && !springs.open[side] && !springs.swings[side]);
+        assert_close(springs.push_s[side], 0.0, 0.0, 0.0);
+        ck_assert(springs.may_load[side]);
+    }
+    ck_assert(!springs.drags);
+    assert_close(springs.sea[SIDE_RIGHT].position_m, 0.01, 1e-9, 0.0);
+}
+END_TEST
+
 START_TEST(a_compass_loads_whatever_its_latch_says)
 {
     params.body = (float)BODY_COMPASS;
@@ -318,6 +356,8 @@ int main(void)
     tcase_add_test(tests, a_stance_is_loaded_armed_and_given);
     tcase_add_test(tests, behind_an_open_latch_nothing_is_loaded);
     tcase_add_test(tests, a_compass_loads_whatever_its_latch_says);
+    tcase_add_test(tests, a_latch_that_closes_in_swing_loads_nothing);
+    tcase_add_test(tests, a_new_walk_begins_afresh);
     tcase_add_test(tests, a_slow_motor_is_seen_not_to_have_loaded);
     tcase_add_test(tests, the_motor_is_on_its_way_back_before_the_foot_leaves);
     tcase_add_test(tests, a_fitted_person_gets_more_of_the_push);

@@ -130,6 +130,12 @@ START_TEST(wrong_at_once)
         AT_ONCE(rig.input.sea[side].state = DRIVE_STOPPING, SUPERVISOR_FAULT_DRIVE);
     }
 #undef AT_ONCE
+    /* A drive that reports a fault is one, whether it has torque or not. */
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        warm_up(&rig, SUPERVISOR_STANDBY);
+        rig.input.sea[side].state = DRIVE_FAULT;
+        ck_assert_int_eq(tick(&rig), SUPERVISOR_FAULT_DRIVE);
+    }
 }
 END_TEST
 

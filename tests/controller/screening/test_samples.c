@@ -99,6 +99,37 @@ START_TEST(a_lost_angle_does_not_run_away)
 }
 END_TEST
 
+/* What was bridged counts in the rate, too: a leg at 1 rad/s that was lost for five ticks is bridged at
+ * 1 rad/s again. */
+START_TEST(a_leg_that_comes_back_has_kept_its_rate)
+{
+    swing();
+    for (int round = 0; round < 3; round++) {
+        for (uint16_t age = 1; age <= 5; age++) {
+            input.leg[SIDE_LEFT].leg_angle_rad += REAL(0.001);
+            input.leg[SIDE_LEFT].age_ticks = age;
+            const struct controller_input values = screened();
+            assert_close((double)values.leg[SIDE_LEFT].leg_angle_rad,
+                         (double)input.leg[SIDE_LEFT].leg_angle_rad, 1e-6, 0.0);
+        }
+        input.leg[SIDE_LEFT].leg_angle_rad += REAL(0.001);
+        input.leg[SIDE_LEFT].age_ticks = 0;
+        (void)screened();
+    }
+    /* And where it came back elsewhere, at the mean rate of the ticks since: 1 rad/s up to here, then
+     * five ticks to 0.01 rad farther than bridged: (0.01 + 5 * 0.001) / 6 a tick. */
+    for (uint16_t age = 1; age <= 5; age++) {
+        input.leg[SIDE_LEFT].age_ticks = age;
+        (void)screened();
+    }
+    input.leg[SIDE_LEFT].age_ticks = 0;
+    input.leg[SIDE_LEFT].leg_angle_rad += REAL(0.015);
+    const real back = screened().leg[SIDE_LEFT].leg_angle_rad;
+    input.leg[SIDE_LEFT].age_ticks = 1;
+    assert_close((double)(screened().leg[SIDE_LEFT].leg_angle_rad - back), 0.015 / 6.0, 1e-6, 0.0);
+}
+END_TEST
+
 /* Whether a jump of the left angle is accepted after so many lost samples. */
 static bool angle_is_accepted(double jump_rad, int lost)
 {
@@ -156,6 +187,7 @@ int main(void)
     tcase_add_test(tests, one_wild_sample_is_bridged_at_the_last_rate);
     tcase_add_loop_test(tests, what_is_not_finite_is_replaced, 0, 2);
     tcase_add_test(tests, a_lost_angle_does_not_run_away);
+    tcase_add_test(tests, a_leg_that_comes_back_has_kept_its_rate);
     tcase_add_test(tests, an_angle_may_change_so_much_and_no_more);
     tcase_add_test(tests, an_ankle_and_a_motor_may_move_so_much_and_no_more);
     suite_add_tcase(suite, tests);

@@ -157,7 +157,12 @@ END_TEST
 START_TEST(every_fault_has_a_name)
 {
     for (int fault = 0; fault < SUPERVISOR_FAULTS; fault++) {
-        ck_assert_str_ne(supervisor_fault_name((enum supervisor_fault)fault), "unknown");
+        const char *name = supervisor_fault_name((enum supervisor_fault)fault);
+        ck_assert_str_ne(name, "unknown");
+        ck_assert_str_ne(name, "");
+        for (int other = 0; other < fault; other++) {
+            ck_assert_str_ne(name, supervisor_fault_name((enum supervisor_fault)other));
+        }
     }
     ck_assert_str_eq(supervisor_fault_name((enum supervisor_fault)99), "unknown");
     ck_assert_str_eq(supervisor_fault_name(SUPERVISOR_FAULT_EMERGENCY_STOP), "emergency stop");
@@ -186,6 +191,7 @@ START_TEST(the_time_in_init_begins_with_the_nodes)
 {
     struct supervisor supervisor;
     supervisor_init(&supervisor);
+    ck_assert_uint_eq(supervisor.since_tick, 0);
     for (uint32_t tick = 1; tick <= 100; tick++) {
         (void)supervisor_update(&supervisor, tick, SUPERVISOR_IF_FAULT, SUPERVISOR_FAULT_NODE_LOST);
     }

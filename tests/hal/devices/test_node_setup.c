@@ -229,9 +229,12 @@ START_TEST(another_scaling_is_refused_with_both_values)
 END_TEST
 
 /* A drive without the object says so (0x06020000, CiA 301 table 22): not asked again. */
+static unsigned refused_6060;
+
 static void knows_no_6060(struct can_msg *answer)
 {
     if (answer->data[1] == 0x60 && answer->data[2] == 0x60) {
+        refused_6060++;
         const uint8_t no_such_object[8] = {0x80, 0x60, 0x60, 0x00, 0x00, 0x00, 0x02, 0x06};
         memcpy(answer->data, no_such_object, sizeof no_such_object);
     }
@@ -239,6 +242,7 @@ static void knows_no_6060(struct can_msg *answer)
 
 START_TEST(a_drive_without_an_object_is_refused_with_its_abort_code)
 {
+    refused_6060 = 0;
     start();
     ck_assert(!node_setup_is_waiting(&b.setup)); /* nothing is asked yet */
     ck_assert_int_eq(node_setup_poll(&b.setup, &b.master, 0), SETUP_BUSY);
@@ -251,6 +255,7 @@ START_TEST(a_drive_without_an_object_is_refused_with_its_abort_code)
     ck_assert_int_eq(finish(true), SETUP_ABORTED);
     ck_assert_uint_eq(b.setup.failure.index, 0x6060);
     ck_assert_uint_eq(b.setup.failure.found, 0x06020000);
+    ck_assert_uint_eq(refused_6060, 1); /* final: only a PDO's COB-ID is tried once more */
     ck_assert_uint_eq(b.setup.timeouts, 0);
     ck_assert(!node_setup_is_waiting(&b.setup));
 }
@@ -334,12 +339,33 @@ START_TEST(another_rated_torque_is_refused_with_both_values)
     ck_assert_uint_eq(b.setup.failure.expected, 40);
     ck_assert_uint_eq(b.setup.failure.found, 42);
     start();
+    b.drive.objects.rated_torque_mNm = 42; /* however small the force that is made of it */
+    b.config.rated_force_N[SIDE_LEFT] = 0.05f;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x6076);
+    start();
     b.drive.objects.rated_torque_mNm = 0; /* a drive that does not know */
     ck_assert_int_eq(finish(true), SETUP_DIFFERS);
     start();
     b.drive.objects.rated_torque_mNm = 42;
     b.config.rated_force_N[SIDE_LEFT] = 0.0f; /* no force is made of it: not compared */
     ck_assert_int_eq(finish(true), SETUP_DONE);
+}
+END_TEST
+
+/* Whose steps a node gets, its number says: as configured, else as the standard numbers go. */
+START_TEST(a_number_says_what_a_node_is)
+{
+    static const uint8_t numbers[NETWORK_NODES] = {21, 22, 23, 24, 25, 26};
+    for (uint8_t role = 0; role < NETWORK_NODES; role++) {
+        struct node_setup setup;
+        struct node_setup_config config = as_the_drive_is;
+        node_setup_start(&setup, &config, (uint8_t)(role + 1), 0);
+        ck_assert_uint_eq(setup.role, role < 4 ? role : (uint8_t)NETWORK_LATCH_LEFT);
+        memcpy(config.node, numbers, sizeof config.node);
+        node_setup_start(&setup, &config, numbers[role], 0);
+        ck_assert_uint_eq(setup.role, role);
+    }
 }
 END_TEST
 
@@ -422,6 +448,7 @@ int main(void)
     tcase_add_loop_test(tests, a_scaling_of_nothing_is_refused, 0, 6);
     tcase_add_test(tests, another_rated_torque_is_refused_with_both_values);
     tcase_add_test(tests, another_kind_of_device_is_refused);
+    tcase_add_test(tests, a_number_says_what_a_node_is);
     tcase_add_test(tests, a_silent_node_is_named);
     tcase_add_test(tests, lost_frames_delay_but_do_not_refuse);
     tcase_add_test(tests, late_answers_delay_but_do_not_refuse);

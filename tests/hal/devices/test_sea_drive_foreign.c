@@ -215,6 +215,46 @@ START_TEST(cansimple_off_and_on_again_between_two_heartbeats_is_no_fault)
 }
 END_TEST
 
+/* Every other state than closed loop (8) is none, also those behind it in the maker's list: 9 to 11 are
+ * lock-in spin, the encoder's search and homing. */
+START_TEST(cansimple_a_drive_that_went_to_another_state_is_a_fault)
+{
+    static const uint8_t others[] = {1, 3, 7, 9, 10, 11};
+    const uint8_t heartbeat[8] = {0, 0, 0, 0, others[_i]};
+    struct odrive_bench b;
+    struct sea_drive_reading reading;
+    start_odrive(&b);
+    b.command[SIDE_LEFT] = (struct sea_drive_command){
+        .precompression_m = 0.1f, .enable = true, .latch_armed = true, .clear_fault = false};
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8));
+    command_ticks(&b, 1);
+    ck_assert(give(&b.drives, 0x021, heartbeat, 8));
+    command_ticks(&b, 1);
+    ck_assert(give(&b.drives, 0x021, heartbeat_closed_loop, 8)); /* and back by itself */
+    sea_drives_read(&b.drives, SIDE_LEFT, &reading);
+    ck_assert_int_eq(reading.state, DRIVE_FAULT);
+}
+END_TEST
+
+/* A request goes out in the tick that asks for it, however long nothing was asked for. */
+START_TEST(cansimple_a_request_is_not_late)
+{
+    struct odrive_bench b;
+    start_odrive(&b);
+    ck_assert(give(&b.drives, 0x029, at_10_5_turns, 8));
+    ck_assert(give(&b.drives, 0x021, heartbeat_idle, 8));
+    command_ticks(&b, _i);
+    ck_assert_ptr_null(fake_bus_last(&b.fake, 0x027));
+    b.command[SIDE_LEFT].enable = true;
+    command_ticks(&b, 1);
+    ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x027));
+    ck_assert_uint_eq(fake_bus_last(&b.fake, 0x027)->length, 4);
+    ck_assert_uint_eq(fake_bus_last(&b.fake, 0x02B)->length, 8);
+    ck_assert_uint_eq(fake_bus_last(&b.fake, 0x02C)->length, 8);
+}
+END_TEST
+
 /* The operator's reset lasts one tick, and may come while another request is waited for. */
 START_TEST(cansimple_a_reset_of_one_tick_clears_the_errors)
 {
@@ -311,6 +351,7 @@ START_TEST(mit_enters_after_an_answer_and_commands_bytes_in_order)
      * half up); kp 500 -> 0xFFF; kd 5 -> 0xFFF; torque 100 * 0.25 / 50 = 0.5 Nm -> 2104 = 0x838 */
     static const uint8_t expected[8] = {0x85, 0x1E, 0x80, 0x0F, 0xFF, 0xFF, 0xF8, 0x38};
     ck_assert_mem_eq(fake_bus_last(&b.fake, 1)->data, expected, 8);
+    ck_assert_uint_eq(fake_bus_last(&b.fake, 1)->length, 8);
 }
 END_TEST
 
@@ -399,6 +440,8 @@ int main(void)
     tcase_add_test(tests, cansimple_short_heartbeats_have_no_flags);
     tcase_add_test(tests, cansimple_a_drive_that_disarmed_itself_is_a_fault);
     tcase_add_test(tests, cansimple_off_and_on_again_between_two_heartbeats_is_no_fault);
+    tcase_add_loop_test(tests, cansimple_a_drive_that_went_to_another_state_is_a_fault, 0, 6);
+    tcase_add_loop_test(tests, cansimple_a_request_is_not_late, 1, 4);
     tcase_add_test(tests, cansimple_a_reset_of_one_tick_clears_the_errors);
     tcase_add_test(tests, mit_fields_at_their_ends_and_in_the_middle);
     tcase_add_test(tests, mit_enters_after_an_answer_and_commands_bytes_in_order);

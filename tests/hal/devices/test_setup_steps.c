@@ -3,8 +3,6 @@
 #include "hal/devices/setup_steps.h"
 #include "tests/support/assert_close.h"
 
-#include <stdlib.h>
-
 enum { LEFT = 0, RIGHT = 1 };
 /* Roles as hal/canopen/network.h counts them. */
 enum { DRIVE_LEFT, DRIVE_RIGHT, SENSOR_LEFT, SENSOR_RIGHT, BOARD_LEFT, BOARD_RIGHT };
@@ -361,9 +359,5 @@ int main(void)
     tcase_add_test(tests, a_latch_board_hears_the_latch_and_tells_where_it_can);
     Suite *suite = suite_create("setup_steps");
     suite_add_tcase(suite, tests);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite);
 }
