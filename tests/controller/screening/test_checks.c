@@ -354,6 +354,10 @@ START_TEST(a_latch_opens_only_when_armed)
     ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
     rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
     expect(&rig, SUPERVISOR_FAULT_SPRING, 1, 1, true);
+    for (int i = 0; i < 5; i++) { /* and it stays one while the latch is open */
+        swing(&rig);
+        ck_assert_int_eq(tick(&rig), SUPERVISOR_FAULT_SPRING);
+    }
     start(&rig, SUPERVISOR_WALKING); /* as it was disarmed: the release was under way */
     load(&rig, REAL(0.1), REAL(10.0));
     rig.command[SIDE_LEFT].latch_armed = true;

@@ -71,6 +71,23 @@ START_TEST(only_the_states_that_there_are_make_an_image)
 }
 END_TEST
 
+/* A flipped bit of what the sum guards, or of the sum itself, makes it none. */
+START_TEST(a_damaged_header_is_no_image)
+{
+    uint32_t *const guarded[] = {&box.header.magic, &box.header.build_id, &box.header.parameter_crc,
+                                 &box.header.check};
+    ck_assert(black_box_is_valid(&box));
+    for (size_t i = 0; i < sizeof guarded / sizeof guarded[0]; i++) {
+        for (unsigned bit = 0; bit < 32; bit++) {
+            *guarded[i] ^= 1u << bit;
+            ck_assert(!black_box_is_valid(&box));
+            *guarded[i] ^= 1u << bit;
+        }
+    }
+    ck_assert(black_box_is_valid(&box));
+}
+END_TEST
+
 START_TEST(the_first_reason_to_freeze_stays)
 {
     black_box_freeze(&box, 5);
@@ -164,6 +181,7 @@ int main(void)
     tcase_add_checked_fixture(tests, setup, NULL);
     tcase_add_test(tests, every_frame_of_the_bus_has_its_row);
     tcase_add_test(tests, only_the_states_that_there_are_make_an_image);
+    tcase_add_test(tests, a_damaged_header_is_no_image);
     tcase_add_test(tests, the_first_reason_to_freeze_stays);
     tcase_add_test(tests, the_count_of_lost_frames_stays_at_its_end);
     tcase_add_test(tests, a_snapshot_larger_than_its_room_is_none);
