@@ -7,3 +7,12 @@ mutants: ## 300 small faults in the code, one at a time: how many the C tests no
 	$(MUTANTS_BUILD) BUILD=build/mutants/asan $(variant_asan) CFLAGS=-g0 tests
 	$(MUTANTS_BUILD) BUILD=build/coverage $(variant_coverage) tests
 	$(Q)scripts/mutation-score $(if $(SEED),--seed $(SEED))
+
+# ThreadSanitizer on whatever runs in threads.
+THREADED := $(addprefix build/tsan/tests/sim_host/,batch/test_chunks batch/test_batch_f64 batch/test_ground_f64 \
+        study/laws/test_laws_walks study/paper/test_walks_f64)
+.PHONY: threads
+threads: ## ThreadSanitizer on the batch engine and the studies that run in threads (some minutes)
+	$(Q)scripts/setup test
+	$(Q)$(MAKE) --no-print-directory BUILD=build/tsan $(variant_tsan) $(THREADED) build/tsan/afo
+	$(Q)scripts/check-threads build/tsan
