@@ -8,8 +8,18 @@ void proof_leg_sensors(void)
 {
     struct leg_sensor_config config[SIDE_COUNT];
     for (int side = 0; side < SIDE_COUNT; side++) {
-        config[side] = (struct leg_sensor_config){any_float, (int8_t)any_int, any_bool(), any_float,
-                                                  any_float};
+        config[side] = (struct leg_sensor_config){.angle_zero_rad = any_float,
+                                                  .angle_direction = (int8_t)any_int,
+                                                  .ankle_is_lever = any_bool(),
+                                                  .ankle_lever_m = any_float,
+                                                  .ankle_neutral_rad = any_float,
+                                                  .leg_counts_per_turn = any_float,
+                                                  .ankle_counts_per_unit = any_float,
+                                                  .ankle_zero_m = any_float,
+                                                  .leg_bytes = (uint8_t)Frama_C_interval(2, 4),
+                                                  .ankle_bytes = (uint8_t)Frama_C_interval(2, 4),
+                                                  .ankle_reversed = any_bool(),
+                                                  .ankle_is_apart = any_bool()};
     }
     leg_sensors_init(&sensors, config);
     for (;;) {
