@@ -58,6 +58,28 @@ START_TEST(where_it_is_put_makes_no_difference)
 }
 END_TEST
 
+/* What was saved is there again in another task, and what was read from stays as it is. */
+START_TEST(what_was_saved_comes_back)
+{
+    const size_t size = snapshot_size(&source);
+    fill();
+    task.node.objects.params.leg_length_m = 0.125f;
+    task.node.objects.params.r0_max_m = 0.0625f;
+    memset(&drives.state, 0x5A, sizeof drives.state);
+    ck_assert_uint_eq(snapshot_save(&source, first, size), size);
+    memcpy(second, first, size);
+    memset(&task, 0, sizeof task);
+    memset(&drives.state, 0, sizeof drives.state);
+    ck_assert_int_eq(snapshot_restore(&source, first, size), 0);
+    ck_assert_mem_eq(first, second, size);
+    assert_close(task.node.objects.params.leg_length_m, 0.125, 0.0, 0.0);
+    assert_close(task.node.objects.params.r0_max_m, 0.0625, 0.0, 0.0);
+    memset(second, 0, sizeof second);
+    ck_assert_uint_eq(snapshot_save(&source, second, size), size);
+    ck_assert_mem_eq(second, first, size);
+}
+END_TEST
+
 START_TEST(the_recorder_hands_on_what_the_bus_says_and_is_asked)
 {
     static struct black_box box;
@@ -144,6 +166,7 @@ int main(void)
     TCase *tests = tcase_create("all");
     tcase_add_test(tests, a_size_that_does_not_fit_changes_nothing);
     tcase_add_test(tests, where_it_is_put_makes_no_difference);
+    tcase_add_test(tests, what_was_saved_comes_back);
     tcase_add_test(tests, the_recorder_hands_on_what_the_bus_says_and_is_asked);
     tcase_add_test(tests, only_the_own_sync_begins_a_tick);
     tcase_add_test(tests, only_a_fault_that_comes_freezes_the_recording);
