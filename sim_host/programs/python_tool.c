@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,7 +60,10 @@ void python_tool_become(const struct python_tool *tool, const char **arguments)
     arguments[0] = tool->python;
     arguments[1] = tool->script;
     fflush(stdout);
-    execv(tool->python, (char *const *)(uintptr_t)arguments);
+    char *const *words;
+    memcpy(&words, &arguments,
+           sizeof words); /* execv() changes none of them, and its type cannot say so */
+    execv(tool->python, words);
     program_complain("%s: %s; install it: sudo apt-get install python3", tool->python,
                      strerror(errno));
 }

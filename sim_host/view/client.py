@@ -30,11 +30,21 @@ class Client:
 
     async def write(self):
         """Sends what waits, until the browser is gone or takes nothing for too long."""
-        while True:
-            data = await self.waiting.get()
-            self.bytes -= len(data)
-            send = self.socket.send_bytes if isinstance(data, bytes) else self.socket.send_str
-            await asyncio.wait_for(send(data), SEND_LIMIT_S)
+        try:
+            while True:
+                data = await self.waiting.get()
+                send = self.socket.send_bytes if isinstance(data, bytes) else self.socket.send_str
+                await asyncio.wait_for(send(data), SEND_LIMIT_S)
+                self.bytes -= len(data)
+        except (ConnectionError, asyncio.TimeoutError):
+            pass
+
+    async def drained(self):
+        """Waits until nothing waits, two seconds at most."""
+        for _ in range(100):
+            if self.bytes == 0:
+                break
+            await asyncio.sleep(0.02)
 
     def may_ask(self):
         """False when it asks faster than a person can."""

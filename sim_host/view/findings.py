@@ -3,10 +3,11 @@ import numpy as np
 
 BEFORE_S, MISSING_S = 12.0, 1.8
 SPEED_OFF, R0_JUMP = 0.1, 0.3
+KNOCK_S, KNOCK_RAD_S = 0.016, 0.1
 
 
 def before_fault(walk, tick):
-    """Findings in order of time; walk: rows, events, steps, tick_s, column()."""
+    """Findings in order of time; walk: events, tick_s, rows_of()."""
     first = tick - BEFORE_S / walk.tick_s
     near = [event for event in walk.events if first <= event["tick"] <= tick]
     notes = []
@@ -14,6 +15,7 @@ def before_fault(walk, tick):
               if e["kind"] == "write" and e["done"] and isinstance(e["value"], (int, float)) and "unlock" not in e["name"]]
     notes += [(e["tick"], f"an emergency: {e['text']}") for e in near if e["kind"] == "emergency" and not e["over"]]
     notes += _pushes(walk, near, tick) + _steps(walk, near) + _bus(walk, int(max(first, 0)), tick)
+    notes += _knock(walk, near, int(max(first, 0)), tick)
     return [f"{at * walk.tick_s:.2f} s: {text}" for at, text in sorted(notes)]
 
 
@@ -46,6 +48,30 @@ def _steps(walk, near):
     return notes
 
 
+def _knock(walk, near, first, tick):
+    """The leg that stands changes its rate by a jerk, away from heel strikes, pushes and toe-offs: somebody pushed."""
+    span = int(KNOCK_S / walk.tick_s)
+    first, stance = walk.rows_of("stance", first, tick)
+    rates = [walk.rows_of(f"leg_rate_{side}", first, tick)[1] for side in ("left", "right")]
+    rate = np.where(stance == 1, rates[1], rates[0])
+    if len(rate) < 3 * span:
+        return []
+    jump = rate[span:] - rate[:-span]
+    usual = np.nanmedian(np.abs(jump))
+    for event in near:  # what walking itself does
+        if event["kind"] in ("strike", "push", "toe_off"):
+            at = event["tick"] - first
+            jump[max(at - 3 * span, 0):max(at + 2 * span, 0)] = 0.0
+    beyond = np.flatnonzero(np.abs(jump) > max(KNOCK_RAD_S, 4 * usual))
+    if len(beyond) == 0:
+        return []
+    place = int(beyond[0] + np.nanargmax(np.abs(jump[beyond[0]:beyond[0] + 2 * span])))  # the first one: others follow from it
+    word = "backwards" if jump[place] > 0 else "forwards"
+    return [(first + int(beyond[0]) + span, f"the body was jerked {word}: the leg that stands changed its rate by {abs(jump[place]):.2f} rad/s "
+                            f"within {1000 * KNOCK_S:.0f} ms, without a heel strike or push-off of its own")]
+
+
 def _bus(walk, first, tick):
-    lost = np.flatnonzero(walk.column("period")[first:tick] > 1500 * walk.tick_s)
+    first, period = walk.rows_of("period", first, tick)
+    lost = np.flatnonzero(period > 1500 * walk.tick_s)
     return [(first + int(lost[0]), f"{len(lost)} SYNCs came late or not at all")] if len(lost) else []

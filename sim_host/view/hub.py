@@ -8,6 +8,7 @@ import numpy as np
 import frames
 import signals
 import words
+from findings import before_fault
 from gait import Gait
 from places import dbc_path
 from settling import Settling
@@ -41,26 +42,38 @@ class History:
         return first, self.rows[np.arange(first, max(last, first)) % len(self.rows)]
 
 
+class Past:
+    """The newest events and rows, as findings.py wants them."""
+
+    def __init__(self, hub):
+        self.hub, self.tick_s = hub, hub.subject["tick_s"]
+        self.events = list(hub.events)[-200:]
+
+    def rows_of(self, name, first, last):
+        """(first tick that is there, values)."""
+        at, rows = self.hub.history.get(first, last)
+        return at, rows[:, signals.INDEX[name]]
+
+
 class SdoWatch:
     """Who wrote what to the controller, whatever tool it was: read off the bus."""
 
     def __init__(self, objects):
         self.objects = objects
-        self.asked = None
+        self.asked = {}  # (index, sub) -> value, of writes without an answer so far; tools take turns
         self.client = 0
 
     def take(self, identifier, data):
         """Returns an event for an answered write, else None."""
         command, index, sub = data[0], int.from_bytes(data[1:3], "little"), data[3]
         if identifier == SDO_REQUEST:
-            self.asked = None
             if command >> 5 == 1 and command & 2:  # expedited download
                 size = 4 - (command >> 2 & 3) if command & 1 else 4
-                self.asked = (index, sub, data[4:4 + size])
+                self.asked[index, sub] = data[4:4 + size]
             return None
-        if self.asked is None or (index, sub) != self.asked[:2] or command not in (0x60, 0x80):
+        if (index, sub) not in self.asked or command not in (0x60, 0x80):
             return None
-        (index, sub, value), self.asked = self.asked, None
+        value = self.asked.pop((index, sub))
         done = command == 0x60
         if (index, sub) == (0x2000, 5):
             self.client = value[3] if done and value[:3] == b"set" else self.client
@@ -89,7 +102,7 @@ class Hub:
         self.history = History()
         self.events = collections.deque(maxlen=self.events_kept)
         self.changes = collections.deque(maxlen=CHANGES_KEPT)
-        self.state, self.fault_number = None, None
+        self.state, self.fault_number, self.was_fault = None, None, False
         self.first_us = self.newest_us = None
         self.sdo, self.marks = SdoWatch(self.objects), MarkReader()
         self.settling = Settling(self.subject)
@@ -153,10 +166,16 @@ class Hub:
         self.gait.follow(event)
         if event["kind"] == "record":
             event = self.gait.step(event["tick"], event["record"])
-        if event is not None:
-            self.event(event)
-            for finding in self.settling.take(event):
-                self.event(finding)
+        if event is None:
+            return
+        self.event(event)
+        for finding in self.settling.take(event):
+            self.event(finding)
+        if event["kind"] == "state" and event["fault_number"] and not self.was_fault:
+            self.event({"kind": "finding", "tick": event["tick"], "fault": event["fault"]["name"],
+                        "notes": before_fault(Past(self), event["tick"])})
+        if event["kind"] == "state":
+            self.was_fault = bool(event["fault_number"])
 
     # ---- what frames say -----------------------------------------------------------
 

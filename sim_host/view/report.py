@@ -81,7 +81,6 @@ def curves(walks):
 
 def findings(walk):
     """What the seconds before a fault show, in words."""
-    from findings import before_fault
     parts = []
     for event in walk.of_kind("state"):
         if not event["fault_number"]:
@@ -89,7 +88,7 @@ def findings(walk):
         fault = event["fault"]
         parts.append(f"<h3>{event['tick'] * walk.tick_s:.2f} s: {esc(fault['name'])}</h3><p class=bad>{esc(fault['what'])}</p>"
                      f"<p>What to do: {esc(fault['todo'])}</p>")
-        notes = before_fault(walk, event["tick"])
+        notes = next((e["notes"] for e in walk.of_kind("finding") if e["tick"] == event["tick"]), [])
         parts.append("<ul>" + "".join(f"<li>{esc(text)}</li>" for text in notes) + "</ul>" if notes else "")
         parts.append(around(walk, event["tick"], fault["name"]))
         if len(parts) > 80:

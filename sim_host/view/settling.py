@@ -1,6 +1,6 @@
 """How long the speed takes to settle after it was asked to change: by step, from the controller's own records."""
 
-WITHIN, STEPS = 0.02, 3  # of the speed asked for; so many steps in a row
+WITHIN, STEPS, RAMP_LEFT_RAD_S = 0.02, 3, 0.0005  # of the speed asked for; so many steps in a row
 
 
 class Settling:
@@ -12,7 +12,8 @@ class Settling:
 
     def take(self, event):
         if event["kind"] == "write" and event.get("done") and event["name"] == "commands.desired_apex_speed":
-            self.asked = {"tick": event["tick"], "speed": event["value"], "steps": 0, "good": [], "from": None}
+            self.asked = {"tick": event["tick"], "speed": event["value"], "steps": 0, "good": [], "from": None,
+                          "ramp": 0}
             return []
         if event["kind"] == "state" and event["state"] != "walking":
             self.asked = None
@@ -23,6 +24,7 @@ class Settling:
     def _step(self, step, asked):
         asked["steps"] += 1
         asked["from"] = asked["from"] or step["speed_rad_s"]
+        asked["ramp"] += abs(step["command_rad_s"] - asked["speed"]) > RAMP_LEFT_RAD_S
         off = abs(step["speed_rad_s"] - asked["speed"]) / asked["speed"] if asked["speed"] else 1.0
         asked["good"] = asked["good"] + [(asked["steps"], step["tick"])] if off <= WITHIN else []
         if len(asked["good"]) < STEPS:
@@ -32,5 +34,10 @@ class Settling:
         seconds = (tick - asked["tick"]) * self.tick_s
         text = (f"the speed settled at {asked['speed']:.3f} rad/s (within 2 %) {steps} steps, {seconds:.1f} s after it was "
                 f"asked for; from {asked['from']:.3f} rad/s")
+        if 2 * asked["ramp"] > steps:
+            text += (f". In {min(asked['ramp'], steps)} of these steps the command itself was still on its way: "
+                     "speed_ramp_rad_s is its change a step")
+        else:
+            text += ". The command was there soon: kp_m_s_rad and r0_change_max_m are what corrects the rest"
         return [{"kind": "settled", "tick": step["tick"], "steps": steps, "seconds": seconds, "speed": asked["speed"],
                  "from": asked["from"], "text": text}]

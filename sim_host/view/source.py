@@ -64,23 +64,34 @@ class CanSource:
     """A CAN interface of Linux. Sends only when asked to; the own frames come back at their place."""
 
     can_snapshot = False
-    FRAME = struct.Struct("=IB3x8s")
+    FRAME, STAMP = struct.Struct("=IB3x8s"), struct.Struct("=qq")
+    # CAN_RAW_ERR_FILTER, SO_TIMESTAMP, SO_RCVBUFFORCE, SO_RXQ_OVFL: Python has no names for them
+    ERROR_FILTER, TIMESTAMP, BUFFER, LOST = 2, 29, 33, 40
+    BUFFER_BYTES = 64 << 20  # a frame takes nearly a kilobyte there
     ERRORS_ALL = 0x1FFFFFFF
 
     def __init__(self, interface):
         self.name = f"the bus {interface}"
         self.interface = interface
         self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
-        self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_ERR_FILTER, self.ERRORS_ALL)
+        self.socket.setsockopt(socket.SOL_CAN_RAW, self.ERROR_FILTER, self.ERRORS_ALL)
         self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_RECV_OWN_MSGS, 1)
-        self.socket.setsockopt(socket.SOL_SOCKET, getattr(socket, "SO_RCVBUFFORCE", 33), 8 << 20)
-        self.socket.setsockopt(socket.SOL_SOCKET, 29, 1)  # SO_TIMESTAMP
+        self._enlarge()
+        self.socket.setsockopt(socket.SOL_SOCKET, self.LOST, 1)
+        self.socket.setsockopt(socket.SOL_SOCKET, self.TIMESTAMP, 1)
         self.socket.bind((interface,))
         self.socket.setblocking(False)
 
+    def _enlarge(self):
+        """As far as this user may."""
+        try:
+            self.socket.setsockopt(socket.SOL_SOCKET, self.BUFFER, self.BUFFER_BYTES)
+        except PermissionError:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self.BUFFER_BYTES)
+
     def start(self, hub):
-        self.hub = hub
-        asyncio.get_running_loop().create_task(self._poll())
+        self.hub, self.lost = hub, 0
+        self.task = asyncio.get_running_loop().create_task(self._poll())
 
     async def _poll(self):
         while True:
@@ -88,15 +99,20 @@ class CanSource:
             self._read()
 
     def _read(self):
-        rows = []
+        rows, lost = [], self.lost
         receive, unpack = self.socket.recvmsg, self.FRAME.unpack
         try:
             while len(rows) < 20000:
-                data, ancillary, _, _ = receive(16, 64)
+                data, ancillary, _, _ = receive(16, 128)
                 identifier, length, payload = unpack(data)
-                stamp = ancillary[0][2] if ancillary else b""
-                seconds, micro = struct.unpack("=qq", stamp) if len(stamp) == 16 else divmod(time.time_ns() // 1000, 10**6)
-                rows.append((seconds * 1000000 + micro, identifier, length, (0, 0, 0), tuple(payload)))
+                time_us = None
+                for _, kind, value in ancillary:
+                    if kind == self.TIMESTAMP:
+                        seconds, micro = self.STAMP.unpack(value)
+                        time_us = seconds * 1000000 + micro
+                    elif kind == self.LOST:
+                        lost = int.from_bytes(value, "little")
+                rows.append((time_us or time.time_ns() // 1000, identifier, length, (0, 0, 0), tuple(payload)))
         except BlockingIOError:
             pass
         except OSError as error:
@@ -104,6 +120,9 @@ class CanSource:
             return
         if rows:
             self.hub.take(np.array(rows, frames.RECORD))
+        if lost != self.lost:
+            self.hub.lost(lost - self.lost)
+            self.lost = lost
 
     def send(self, identifier, data):
         self.socket.send(self.FRAME.pack(identifier, len(data), data.ljust(8, b"\0")))

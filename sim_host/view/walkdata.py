@@ -44,6 +44,10 @@ class Walk:
     def column(self, name):
         return self.rows[:, signals.INDEX[name]]
 
+    def rows_of(self, name, first, last):
+        """(first tick, values), for findings.py."""
+        return first, self.column(name)[first:last]
+
     def of_kind(self, *kinds):
         return [event for event in self.events if event["kind"] in kinds]
 

@@ -179,14 +179,17 @@ class Site:
         watch.cancel()
         telegrams.close()
         server.close()
-        for client in list(self.hub.clients):
-            await client.socket.close(code=1001)
+        clients = list(self.hub.clients)
+        await asyncio.gather(*(client.drained() for client in clients))
+        await asyncio.gather(*(client.socket.close(code=1001) for client in clients), return_exceptions=True)
         await runner.cleanup()
 
     async def until_over(self, loop):
         done = asyncio.Event()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, done.set)
+        if isinstance(self.source, WalkSource):
+            loop.add_signal_handler(signal.SIGINT, lambda: None)  # a terminal's goes to the walk, too: its end is ours
         if self.source:
             self.source.start(self.hub)
         if self.control:

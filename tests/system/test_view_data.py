@@ -145,3 +145,42 @@ def test_a_missing_package_is_named_with_its_command(tmp_path):
                           env={"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin:/bin"}, timeout=60)
     assert done.returncode == 2
     assert "aiohttp is missing" in done.stderr and "scripts/setup view" in done.stderr and "apt-get install" in done.stderr
+
+
+def test_writes_of_tools_that_take_turns_are_told_apart(tmp_path):
+    """One tool's read between another's write and its answer; an answer of abort; the client of the key."""
+    import hub
+    from objects import Objects
+    watch = hub.SdoWatch(Objects(str(AFO), ROOT / "hal/canopen/eds/controller.eds"))
+    key, write = bytes.fromhex("2300200573657407"), bytes.fromhex("23102007")
+    assert watch.take(0x610, key) is None
+    assert watch.take(0x590, bytes.fromhex("6000200500000000"))["client"] == 7
+    assert watch.take(0x610, write + np.float32(0.045).tobytes()) is None
+    assert watch.take(0x610, bytes.fromhex("4020200100000000")) is None  # a read of another tool
+    assert watch.take(0x590, bytes.fromhex("4320200100000000")) is None
+    event = watch.take(0x590, bytes.fromhex("6010200700000000"))
+    assert (event["name"], event["value"], event["client"], event["done"]) == ("parameters.kp_m_s_rad", 0.045, 7, True)
+    assert watch.take(0x590, bytes.fromhex("6010200700000000")) is None
+    watch.take(0x610, write + np.float32(9).tobytes())
+    refused = watch.take(0x590, bytes.fromhex("8010200731000906"))
+    assert (refused["done"], refused["abort"], refused["value"]) == (False, 0x06090031, 9)
+
+
+def test_a_push_by_somebody_is_found_before_the_fault():
+    """Made rows: the standing leg is jerked at 1.8 s, and no push follows."""
+    class Past:
+        tick_s = 0.001
+
+        def __init__(self):
+            rate = np.full(3000, -0.5)
+            rate[1800:] += 0.3
+            self.columns = {"stance": np.zeros(3000), "leg_rate_left": rate, "leg_rate_right": rate, "period": np.ones(3000)}
+            self.events = [{"kind": "push", "tick": 100, "side": 0}]
+
+        def rows_of(self, name, first, last):
+            return first, self.columns[name][first:last].copy()
+    from findings import before_fault
+    notes = before_fault(Past(), 2900)
+    jerk = [note for note in notes if "jerked backwards" in note]
+    assert jerk and abs(float(jerk[0].split(" s:")[0]) - 1.8) < 0.02
+    assert any("last push" in note for note in notes)

@@ -5,7 +5,7 @@ import { Keep } from "./keep.js";
 import { Link } from "./link.js";
 import { Store } from "./store.js";
 import { Tune } from "./tune.js";
-import { EventList, showFacts, showState, showValues } from "./words.js";
+import { EventList, showFacts, showFinding, showState, showValues } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const DRAW_MS = 30, AHEAD = 1500, BACK_S = 12;
@@ -60,6 +60,7 @@ function begin(walk) {
   steps.clear();
   list.clear();
   page.states = [];
+  page.findings = [];
   page.zoom = null;
 }
 
@@ -69,6 +70,10 @@ function take(event, isOld) {
   if (event.kind === "state") {
     page.states.push(event);
     if (!isOld && page.hello.mode === "live") showState(event);
+  }
+  if (event.kind === "finding") {
+    page.findings.push(event);
+    if (page.hello.mode === "live") showFinding(event, lookAt);
   }
   list.add(event, tickS());
   tune.event(event, tickS(), isOld);
@@ -117,6 +122,8 @@ function goTo(tick) {
   pressed();
   page.dirty = true;
 }
+
+const lookAt = (seconds) => goTo(seconds / tickS());
 
 // Replay: asks for the ticks around the head that are not here.
 function need() {
@@ -196,7 +203,9 @@ function frame(now) {
 function stateAt(tick) {
   let state = null;
   for (const one of page.states) if (one.tick <= tick) state = one;
-  if (state && state !== page.shown) showState(page.shown = state);
+  if (!state || state === page.shown) return;
+  showState(page.shown = state);
+  if (state.fault_number) showFinding(page.findings.filter((one) => one.tick <= tick).pop(), lookAt);
 }
 
 // Live the newest tick is at the right edge; in a replay what follows is seen, too.

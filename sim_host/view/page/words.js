@@ -12,6 +12,18 @@ export function showState(told) {
   $("fault-name").textContent = isFault ? `Fault: ${told.fault.name}.` : "";
   $("fault-what").textContent = isFault ? told.fault.what : "";
   $("fault-todo").textContent = isFault ? told.fault.todo : "";
+  if (!isFault) $("fault-before").replaceChildren();
+}
+
+// onChoose: gets the seconds that a finding begins with.
+export function showFinding(told, onChoose) {
+  $("fault-before").replaceChildren(...(told?.notes || []).map((note) => {
+    const item = document.createElement("li"), button = document.createElement("button");
+    button.textContent = note;
+    button.onclick = () => onChoose(parseFloat(note));
+    item.append(button);
+    return item;
+  }));
 }
 
 function phase(store, tick, side) {
@@ -107,7 +119,7 @@ const TEXT = {
   mark: (e) => `mark ${e.number}${e.text ? `: ${e.text}` : ""}`,
   settled: (e) => e.text,
   write: (e) => `${e.name} = ${typeof e.value === "number" ? Number(e.value.toPrecision(6)) : e.value}, client ${e.client}${e.done ? "" : ": refused"}`,
-  finding: (e) => e.text,
+  finding: (e) => `before the fault "${e.fault}": ${e.notes.length ? e.notes.join("; ") : "nothing unusual was seen"}`,
 };
 
 export class EventList {

@@ -24,8 +24,7 @@ static void set_up(void)
     char message[LOOP_MESSAGE_MAX] = "";
     subject_default(&subject);
     ck_assert_int_eq(subject_control_params(&subject, &params, message), 0);
-    ck_assert_int_eq(
-        loop_configure(&config, &subject, &params, 0.5, SENSORS_17BIT, 1, message), 0);
+    ck_assert_int_eq(loop_configure(&config, &subject, &params, 0.5, SENSORS_17BIT, 1, message), 0);
     ck_assert_int_eq(loop_init(&loop, &config, NULL, message), 0);
     ck_assert_int_eq(socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
     frame_stream_init(&stream, ends[0]);
