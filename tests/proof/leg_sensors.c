@@ -10,6 +10,12 @@ void proof_leg_sensors(void)
     for (int side = 0; side < SIDE_COUNT; side++) {
         config[side] = (struct leg_sensor_config){any_float, (int8_t)any_int, any_bool(), any_float,
                                                   any_float};
+        config[side].ankle_is_apart = any_bool();
+        config[side].ankle_reversed = any_bool();
+        config[side].ankle_table_rad = any_float;
+        for (int i = 0; i < LEG_SENSOR_LEVERS; i++) {
+            config[side].ankle_table_m[i] = any_float;
+        }
     }
     leg_sensors_init(&sensors, config);
     for (;;) {
