@@ -12,6 +12,7 @@ enum { CANOPEN_NUMBER_MAX = 127, CANSIMPLE_NUMBER_MAX = 63, MIT_NUMBER_MAX = 31 
 #define SUPPLY_LOW_WARN 1.05f
 #define SUPPLY_HIGH_WARN 0.95f
 #define WARN_LEAST_K 1.0f
+#define LEVER_LEAST_M 0.01f
 #define TWO_PI 6.28318530717958647692f
 
 enum device_verdict device_key_check(const struct device_key *row, float value)
@@ -190,6 +191,23 @@ static enum device_verdict check_drive(const struct device_description *device, 
     return verdict == DEVICE_OK ? check_limits(device, leg, refusal) : verdict;
 }
 
+/* A table is whole, or there is none. */
+static enum device_verdict check_lever(const struct device_description *device, int leg,
+                                       struct device_refusal *refusal)
+{
+    const struct device_leg *own = &device->leg[leg];
+    const float lever[] = {own->ankle_table_1_m, own->ankle_table_2_m, own->ankle_table_3_m,
+                           own->ankle_table_4_m};
+    for (unsigned i = 0; i < sizeof lever / sizeof lever[0]; i++) {
+        if (own->ankle == DEVICE_ANKLE_LEVER && own->ankle_table_rad > 0.0f &&
+            lever[i] < LEVER_LEAST_M) {
+            return refuse(refusal, DEVICE_BAD_LEVER_TABLE, device, leg,
+                          (unsigned)DEVICE_LEG_ankle_table_1_m + i, 0.0f);
+        }
+    }
+    return DEVICE_OK;
+}
+
 static enum device_verdict check_sensors(const struct device_description *device, int leg,
                                          struct device_refusal *refusal)
 {
@@ -209,7 +227,7 @@ static enum device_verdict check_sensors(const struct device_description *device
     if (own->ankle_side == DEVICE_AT_MOTOR) {
         return refuse(refusal, DEVICE_BAD_MOTOR_SIDE, device, leg, DEVICE_LEG_ankle_side, 0.0f);
     }
-    return DEVICE_OK;
+    return check_lever(device, leg, refusal);
 }
 
 /* What the controller has one number for. */

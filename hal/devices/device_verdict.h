@@ -32,7 +32,8 @@
     X(NOT_TOLD, 23, "is a limit of what this drive does not tell")                                                    \
     X(UNLOAD_PERSON, 24,                                                                                              \
       "leaves the spring loaded when the link is lost: for the bench only, not for a person; `afo commission' shows " \
-      "whether the drive unloads it")
+      "whether the drive unloads it")                                                                                 \
+    X(LEVER_TABLE, 25, "is no lever: a table needs one at each of its four steps, 0.01 m at least")
 
 #define DEVICE_VERDICT_ENTRY(code, number, text) DEVICE_BAD_##code = number,
 enum device_verdict { DEVICE_VERDICTS(DEVICE_VERDICT_ENTRY) DEVICE_OK = DEVICE_BAD_NOTHING };

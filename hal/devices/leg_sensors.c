@@ -53,6 +53,23 @@ static float wrap_turn(float angle_rad)
     return angle_rad;
 }
 
+/* The way of the spring's end from neutral to this plantarflexion: the lever is a broken line, so the
+ * trapezium is exact. Not below 0. */
+static float table_way_m(const struct leg_sensor_config *config, float angle_rad)
+{
+    const float step_rad = config->ankle_table_rad;
+    float way_m = 0.0f, lever_m = config->ankle_lever_m, left_rad = angle_rad;
+    for (int i = 0; i < LEG_SENSOR_LEVERS && left_rad > 0.0f; i++) {
+        const float next_m = config->ankle_table_m[i];
+        const float part = left_rad < step_rad ? left_rad / step_rad : 1.0f;
+        const float end_m = lever_m + part * (next_m - lever_m);
+        way_m += 0.5f * part * step_rad * (lever_m + end_m);
+        left_rad -= step_rad;
+        lever_m = next_m;
+    }
+    return left_rad > 0.0f ? way_m + left_rad * lever_m : way_m;
+}
+
 static float ankle_extension_m(const struct leg_sensor_config *config, int32_t counts)
 {
     const float sign = config->ankle_reversed ? -1.0f : 1.0f;
@@ -62,8 +79,10 @@ static float ankle_extension_m(const struct leg_sensor_config *config, int32_t c
     }
     const float plantarflexion_rad =
         (float)counts * (TWO_PI / config->ankle_counts_per_unit) * sign;
-    const float extension =
-        config->ankle_lever_m * small_sin(plantarflexion_rad - config->ankle_neutral_rad);
+    const float bent_rad = plantarflexion_rad - config->ankle_neutral_rad;
+    const float extension = config->ankle_table_rad > 0.0f
+                                ? table_way_m(config, bent_rad)
+                                : config->ankle_lever_m * small_sin(bent_rad);
     return extension > 0.0f ? extension : 0.0f;
 }
 

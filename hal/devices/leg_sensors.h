@@ -17,12 +17,18 @@
 #include "model/foot_contact.h"
 #include "model/side.h"
 
+enum { LEG_SENSOR_LEVERS = 4 };
+
 /* How one leg's counts become a leg angle and an ankle extension. */
 struct leg_sensor_config {
-    float angle_zero_rad;    /* reading when the leg is vertical: mounting offset */
-    int8_t angle_direction;  /* +1 when the count rises with the foot going ahead, else -1 */
-    bool ankle_is_lever;     /* ankle counts are an angle; extension = lever * sin(...) */
-    float ankle_lever_m;     /* lever only, > 0 */
+    float angle_zero_rad;   /* reading when the leg is vertical: mounting offset */
+    int8_t angle_direction; /* +1 when the count rises with the foot going ahead, else -1 */
+    bool ankle_is_lever;    /* ankle counts are an angle; extension = lever * sin(...) */
+    float ankle_lever_m;    /* lever only, > 0; with a table, at the neutral angle */
+    /* A lever by a table: at so many steps of this plantarflexion beyond neutral. Between two it is straight,
+     * beyond the last constant; the extension is its integral over the angle. Step 0: lever * sin(...). */
+    float ankle_table_rad;
+    float ankle_table_m[LEG_SENSOR_LEVERS];
     float ankle_neutral_rad; /* lever only: plantarflexion at extension 0 */
     float leg_counts_per_turn, ankle_counts_per_unit; /* of a metre, or with a lever of a turn */
     float ankle_zero_m;                               /* linear only: reading at extension 0 */

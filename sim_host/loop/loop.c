@@ -23,6 +23,24 @@ const char *loop_fault_name(enum loop_fault fault)
 
 /* ---- configuration -------------------------------------------------------- */
 
+/* The lever that a leg of the device has at the ankle: its plant's own table, else the description's. */
+static void lever_of(const struct subject *subject, int side, struct sea_table *table)
+{
+    const double *number = subject->device.number[side];
+    const double step_rad = number[DEVICE_LEG_ankle_table_rad];
+    *table = (struct sea_table){0};
+    if (subject->actuators.as_built && subject->actuators.config[side].lever_table.count > 0) {
+        *table = subject->actuators.config[side].lever_table;
+    } else if (step_rad > 0.0) {
+        table->count = 1 + LEG_SENSOR_LEVERS;
+        table->y[0] = number[DEVICE_LEG_ankle_lever_m];
+        for (int i = 1; i <= LEG_SENSOR_LEVERS; i++) {
+            table->x[i] = i * step_rad;
+            table->y[i] = number[DEVICE_LEG_ankle_table_1_m + i - 1];
+        }
+    }
+}
+
 static void configure_actuators(struct plant_config *plant, const struct subject *subject)
 {
     const double leg_length_m = subject->person.leg_length_m;
@@ -33,6 +51,7 @@ static void configure_actuators(struct plant_config *plant, const struct subject
         sensors->ankle_is_lever = subject->device.description.leg[side].ankle == DEVICE_ANKLE_LEVER;
         sensors->ankle_lever_m = number[DEVICE_LEG_ankle_lever_m];
         sensors->ankle_neutral_rad = number[DEVICE_LEG_ankle_neutral_rad];
+        lever_of(subject, side, &sensors->ankle_table);
         if (subject->actuators.as_built) {
             sea_params_as_built(&subject->actuators.config[side], sea);
         }
@@ -211,8 +230,8 @@ static void wear(struct loop_config *config)
         }
         if (actuators->as_built) {
             ankle->lever_m = actuators->config[side].lever_m;
-            ankle->lever_table = actuators->config[side].lever_table;
         }
+        lever_of(subject, side, &ankle->lever_table);
     }
 }
 

@@ -123,5 +123,7 @@ double sea_config_way_at_m(const struct sea_config *config, double angle_rad);
 double sea_lever_at_m(const struct sea_table *table, double lever_m, double angle_rad);
 double sea_lever_way_m(const struct sea_table *table, double lever_m, double angle_rad);
 double sea_lever_at_way_m(const struct sea_table *table, double lever_m, double way_m);
+/* The plantarflexion from neutral at that way, -1.5 to 1.5 rad. */
+double sea_lever_angle_rad(const struct sea_table *table, double lever_m, double way_m);
 
 #endif

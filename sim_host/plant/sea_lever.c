@@ -40,7 +40,7 @@ double sea_lever_way_m(const struct sea_table *table, double lever_m, double ang
     return angle_rad < 0.0 ? -way_m : way_m;
 }
 
-double sea_lever_at_way_m(const struct sea_table *table, double lever_m, double way_m)
+double sea_lever_angle_rad(const struct sea_table *table, double lever_m, double way_m)
 {
     double low_rad = -1.5, high_rad = 1.5;
     for (int i = 0; i < 60; i++) {
@@ -51,7 +51,12 @@ double sea_lever_at_way_m(const struct sea_table *table, double lever_m, double 
             high_rad = middle_rad;
         }
     }
-    return sea_lever_at_m(table, lever_m, 0.5 * (low_rad + high_rad));
+    return 0.5 * (low_rad + high_rad);
+}
+
+double sea_lever_at_way_m(const struct sea_table *table, double lever_m, double way_m)
+{
+    return sea_lever_at_m(table, lever_m, sea_lever_angle_rad(table, lever_m, way_m));
 }
 
 double sea_config_lever_at_m(const struct sea_config *config, double angle_rad)

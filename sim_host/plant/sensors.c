@@ -180,7 +180,10 @@ static void measure_ankle(struct sensor *sensor, double ankle_m)
     double unit = 1.0 / (double)ANKLE_COUNTS_PER_METRE;
     if (p->ankle_is_lever) {
         resolution = p->ankle_resolution_rad;
-        value = p->ankle_neutral_rad + arcsine(ankle_m / p->ankle_lever_m);
+        value = p->ankle_neutral_rad +
+                (p->ankle_table.count > 0
+                     ? sea_lever_angle_rad(&p->ankle_table, p->ankle_lever_m, ankle_m)
+                     : arcsine(ankle_m / p->ankle_lever_m));
         unit = TURN_RAD / (double)ANKLE_COUNTS_PER_TURN;
     }
     const double counts = counts_of(sensor, value, resolution, p->ankle_noise_counts);
@@ -189,7 +192,7 @@ static void measure_ankle(struct sensor *sensor, double ankle_m)
     sensor->last.ankle_extension_m = frame * unit;
     if (p->ankle_is_lever) {
         const double lifted_m =
-            p->ankle_lever_m * trig_sin_f64(frame * unit - p->ankle_neutral_rad);
+            sea_lever_way_m(&p->ankle_table, p->ankle_lever_m, frame * unit - p->ankle_neutral_rad);
         sensor->last.ankle_extension_m = lifted_m > 0.0 ? lifted_m : 0.0;
     }
 }

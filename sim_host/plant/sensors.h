@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "sim_host/plant/rng.h"
+#include "sim_host/plant/sea_config.h"
 
 struct sensor_params {
     double angle_resolution_rad; /* > 0 */
@@ -31,6 +32,7 @@ struct sensor_params {
     bool ankle_is_lever;     /* r = lever sin(plantarflexion - neutral), not below 0 */
     double ankle_lever_m;
     double ankle_neutral_rad;
+    struct sea_table ankle_table; /* in ankle_lever_m's place; count 0: none */
 };
 
 enum sensor_preset_kind {

@@ -20,6 +20,10 @@ void proof_leg_sensors(void)
                                                   .ankle_bytes = (uint8_t)Frama_C_interval(2, 4),
                                                   .ankle_reversed = any_bool(),
                                                   .ankle_is_apart = any_bool()};
+        config[side].ankle_table_rad = any_float;
+        for (int i = 0; i < LEG_SENSOR_LEVERS; i++) {
+            config[side].ankle_table_m[i] = any_float;
+        }
     }
     leg_sensors_init(&sensors, config);
     for (;;) {

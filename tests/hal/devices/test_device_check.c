@@ -277,6 +277,20 @@ START_TEST(without_a_spring_that_is_safe_on_link_loss_a_person_is_refused)
 }
 END_TEST
 
+START_TEST(a_lever_s_table_is_whole)
+{
+    left()->ankle_table_rad = 0.1f;
+    FITS(); /* a linear ankle has none */
+    left()->ankle = DEVICE_ANKLE_LEVER;
+    REFUSED(DEVICE_BAD_LEVER_TABLE, SIDE_LEFT, ankle_table_1_m);
+    left()->ankle_table_1_m = left()->ankle_table_2_m = left()->ankle_table_3_m = 0.1f;
+    left()->ankle_table_4_m = 0.009f;
+    REFUSED(DEVICE_BAD_LEVER_TABLE, SIDE_LEFT, ankle_table_4_m);
+    left()->ankle_table_4_m = 0.01f;
+    FITS();
+}
+END_TEST
+
 /* A limit has a counterpart, and room between them; the margins are those that device_keys.h names. */
 START_TEST(limits_leave_room_between_them)
 {
@@ -365,6 +379,7 @@ int main(void)
     tcase_add_test(tcase, a_latch_tells_where_it_can);
     tcase_add_test(tcase, without_a_latch_that_reports_a_person_is_refused);
     tcase_add_test(tcase, without_a_spring_that_is_safe_on_link_loss_a_person_is_refused);
+    tcase_add_test(tcase, a_lever_s_table_is_whole);
     tcase_add_test(tcase, limits_leave_room_between_them);
     tcase_add_test(tcase, only_what_is_told_has_limits);
     tcase_add_test(tcase, other_whole_reasons);

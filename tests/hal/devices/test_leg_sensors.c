@@ -78,6 +78,42 @@ START_TEST(lever_ankle_is_the_sine_and_never_negative)
 }
 END_TEST
 
+/* The lever's corners, and its integral by many small steps. */
+static double way_of(double angle, double step, const double lever[5])
+{
+    enum { PARTS = 20000 };
+    double way = 0.0;
+    for (int i = 0; i < PARTS && angle > 0.0; i++) {
+        const double at = angle * (i + 0.5) / PARTS / step;
+        const int corner = at < 4.0 ? (int)at : 4;
+        const double next = corner < 4 ? lever[corner + 1] : lever[4];
+        way += (lever[corner] + (at - corner) * (next - lever[corner])) * angle / PARTS;
+    }
+    return way;
+}
+
+START_TEST(a_lever_by_a_table_is_integrated)
+{
+    static const double lever[5] = {0.12, 0.13, 0.11, 0.08, 0.05};
+    struct leg_sensor_config config[SIDE_COUNT] = {{.angle_direction = 1,
+                                                    .ankle_is_lever = true,
+                                                    .ankle_lever_m = 0.12f,
+                                                    .ankle_neutral_rad = -0.05f,
+                                                    .ankle_table_rad = 0.15f,
+                                                    .ankle_table_m = {0.13f, 0.11f, 0.08f, 0.05f}},
+                                                   {.angle_direction = 1}};
+    struct leg_sensors sensors;
+    leg_sensors_init(&sensors, config);
+    for (int counts = -4000; counts <= 10000; counts += 250) {
+        const struct can_msg frame = leg_frame(0x283, 0, (int16_t)counts);
+        ck_assert(leg_sensors_receive(&sensors, &frame));
+        const double angle = counts * 2.0 * M_PI / 65536.0 + 0.05;
+        assert_close(sensors.reading[SIDE_LEFT].ankle_extension_m, way_of(angle, 0.15, lever), 2e-6,
+                     0.0);
+    }
+}
+END_TEST
+
 START_TEST(malformed_frames_change_nothing_and_are_counted)
 {
     struct leg_sensors sensors;
@@ -247,6 +283,7 @@ int main(void)
     tcase_add_test(tests, counts_become_radians_and_metres);
     tcase_add_test(tests, offset_and_direction_of_the_mounting);
     tcase_add_test(tests, lever_ankle_is_the_sine_and_never_negative);
+    tcase_add_test(tests, a_lever_by_a_table_is_integrated);
     tcase_add_test(tests, malformed_frames_change_nothing_and_are_counted);
     tcase_add_test(tests, age_grows_and_saturates);
     tcase_add_test(tests, frames_beyond_one_a_cycle_are_counted);

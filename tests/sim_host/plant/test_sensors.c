@@ -1,4 +1,5 @@
 /* Sensors against arithmetic of their own: resolution, noise statistics, latency, saturation. */
+#include "hal/devices/leg_sensors.h"
 #include <math.h>
 #include <string.h>
 
@@ -169,6 +170,45 @@ START_TEST(a_lever_ankle_measures_its_angle)
 }
 END_TEST
 
+/* The device's own reading of such an angle is the extension again: plant and device agree on the lever. */
+START_TEST(a_lever_by_a_table_measures_its_angle)
+{
+    struct sensor_params params;
+    struct sensor sensor;
+    struct sensor_sample sample;
+    struct leg_sensors device;
+    const struct leg_sensor_config config[SIDE_COUNT] = {
+        {.angle_direction = 1,
+         .ankle_is_lever = true,
+         .ankle_lever_m = 0.1f,
+         .ankle_neutral_rad = 0.05f,
+         .ankle_table_rad = 0.2f,
+         .ankle_table_m = {0.12f, 0.08f, 0.07f, 0.06f}},
+        {.angle_direction = 1}};
+    sensor_preset(SENSORS_IDEAL, &params);
+    params.ankle_is_lever = true;
+    params.ankle_lever_m = 0.1;
+    params.ankle_neutral_rad = 0.05;
+    params.ankle_table =
+        (struct sea_table){5, {0.0, 0.2, 0.4, 0.6, 0.8}, {0.1, 0.12, 0.08, 0.07, 0.06}};
+    sensor_init(&sensor, &params, 1, 0);
+    leg_sensors_init(&device, config);
+    for (int i = 0; i <= 60; i++) {
+        const struct sensor_truth truth = still(0.0, i * 1e-3);
+        sensor_sample(&sensor, &truth, TICK_S, &sample);
+        const uint16_t counts = (uint16_t)sample.ankle_counts;
+        const struct can_msg frame = {
+            .id = 0x283,
+            .length = 5,
+            .data = {0, 0, 0, (uint8_t)(counts & 255u), (uint8_t)(counts >> 8)}};
+        (void)leg_sensors_receive(&device, &frame);
+        assert_close((double)device.reading[SIDE_LEFT].ankle_extension_m, i * 1e-3,
+                     0.13 * 0.51 * TURN / 65536.0, 0.0);
+        assert_close(sample.ankle_extension_m, i * 1e-3, 0.13 * 0.51 * TURN / 65536.0, 0.0);
+    }
+}
+END_TEST
+
 START_TEST(dropped_samples_repeat_the_last)
 {
     struct sensor_params params;
@@ -300,6 +340,7 @@ int main(void)
     tcase_add_test(tcase, before_history_the_oldest_truth_is_seen);
     tcase_add_test(tcase, offsets_shift_and_values_saturate);
     tcase_add_test(tcase, a_lever_ankle_measures_its_angle);
+    tcase_add_test(tcase, a_lever_by_a_table_measures_its_angle);
     tcase_add_test(tcase, dropped_samples_repeat_the_last);
     tcase_add_test(tcase, coloured_noise_has_its_power_and_corner);
     tcase_add_test(tcase, same_seed_same_samples);
