@@ -44,8 +44,8 @@ double subject_stroke_m(const struct subject *subject);
 double subject_speed_max_m_s(const struct subject *subject);
 double subject_force_max_N(const struct subject *subject);
 
-/* What the laws allow for of the latches' delay, s: the mean of the legs'. 0 for a person, whose law knows no
- * compass' gaits: their ankle is still flexed when the latch opens, and a late push gives the same energy. */
+/* What the laws allow for of the latches' delay, s: the mean of the legs'. 0 for a person: their law knows no
+ * compass' gaits, and gives the prescribed precompression whatever a late latch takes of its work. */
 double subject_latch_delay_s(const struct subject *subject);
 
 /* The drives as the virtual nodes are to play them. */
