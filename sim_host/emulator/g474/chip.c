@@ -48,11 +48,12 @@ static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint3
     if (offset >= CHIP_FLASH_BYTES || bytes > CHIP_FLASH_BYTES - offset) {
         return bytes / 2;
     }
-    if (chip->block_bytes[offset / 2] != bytes) {
-        chip->block_bytes[offset / 2] = (uint16_t)bytes;
-        chip->block_instructions[offset / 2] = (uint8_t)count_instructions(chip, offset, bytes);
+    struct chip_block *block = &chip->block[offset / 2];
+    if (block->bytes != bytes) {
+        *block = (struct chip_block){(uint16_t)bytes,
+                                     (uint16_t)count_instructions(chip, offset, bytes)};
     }
-    return chip->block_instructions[offset / 2];
+    return block->instructions;
 }
 
 /* Something is due before the next block; true when the core must stop. */
@@ -71,7 +72,9 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
 {
     struct chip *chip = context;
 
-    chip_flash_copy(chip);
+    if (chip->changed_from != chip->changed_to) {
+        chip_flash_copy(chip);
+    }
     if (chip->stuck_bit != 0) {
         *(uint32_t *)(void *)(chip->ram + chip->stuck_at) |= chip->stuck_bit;
     }
@@ -293,10 +296,8 @@ int chip_start(struct chip *chip, const char *core_path, const char *image_path,
     memset(chip, 0, sizeof *chip);
     chip->flash = aligned_alloc(PAGE, CHIP_FLASH_BYTES);
     chip->ram = aligned_alloc(PAGE, CHIP_RAM_BYTES);
-    chip->block_instructions = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block_instructions);
-    chip->block_bytes = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block_bytes);
-    if (chip->flash == NULL || chip->ram == NULL || chip->block_instructions == NULL ||
-        chip->block_bytes == NULL) {
+    chip->block = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block);
+    if (chip->flash == NULL || chip->ram == NULL || chip->block == NULL) {
         snprintf(chip->message, sizeof chip->message, "out of memory");
         return -1;
     }
@@ -334,10 +335,9 @@ void chip_free(struct chip *chip)
     model_on_misuse(NULL, NULL);
     free(chip->flash);
     free(chip->ram);
-    free(chip->block_instructions);
-    free(chip->block_bytes);
-    chip->flash = chip->ram = chip->block_instructions = NULL;
-    chip->block_bytes = NULL;
+    free(chip->block);
+    chip->flash = chip->ram = NULL;
+    chip->block = NULL;
 }
 
 uint32_t chip_ram_word(const struct chip *chip, uint32_t address)

@@ -90,12 +90,16 @@ struct chip_port {
     uint32_t driven, level; /* pins held from outside, and at what */
 };
 
+/* Instructions up to a branch. */
+struct chip_block {
+    uint16_t bytes, instructions;
+};
+
 struct chip {
     struct core core;
     uint8_t *flash, *ram;              /* of flash, what the core fetches: the first bank */
     uint32_t changed_from, changed_to; /* of it, by the flash model, and not copied yet */
-    uint8_t *block_instructions;       /* by half-word of flash: of the block that begins there */
-    uint16_t *block_bytes;
+    struct chip_block *block;          /* by half-word of flash: that which begins there */
     /* Time. */
     uint64_t cycles, instructions;
     uint64_t base_cycles, base_ns; /* the last change of the clock */

@@ -36,6 +36,6 @@ void chip_flash_copy(struct chip *chip)
         chip->changed_from = chip->changed_to = 0;
         core_write(&chip->core, 0x08000000u + from,
                    (const uint8_t *)chip->flash_registers.word + from, count);
-        memset(chip->block_bytes + from / 2, 0, count / 2 * sizeof *chip->block_bytes);
+        memset(chip->block + from / 2, 0, count / 2 * sizeof *chip->block);
     }
 }

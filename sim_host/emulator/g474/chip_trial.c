@@ -26,7 +26,7 @@ enum {
     COUNTERS_CYCLES = 28,
     IDENTITY = 0x2030,
     IDENTITY_PARAMS = 3,
-    AFTER_CUT_TICKS = 700,
+    AFTER_CUT_TICKS = 20, /* behind its first word about its state */
     INSTALL_TICKS = 4000,
     SCAN_TICKS = 10000 /* the program looks through all of itself */
 };
@@ -280,10 +280,14 @@ void chip_trial_run(struct chip_session *session)
 {
     session->reached = false;
     bring_fault(session);
-    chip_session_pass(session,
-                      chip_fault_is_cut(session->fault) ? AFTER_CUT_TICKS : AFTER_FAULT_TICKS);
+    if (!chip_fault_is_cut(session->fault)) {
+        chip_session_pass(session, AFTER_FAULT_TICKS);
+    }
     for (unsigned i = 0; i < INSTALL_TICKS && session->bridge.state == UINT8_MAX; i++) {
-        chip_session_pass(session, 1); /* a program is being put into its place */
+        chip_session_pass(session, 1); /* it starts; a program may be put into its place before */
+    }
+    if (chip_fault_is_cut(session->fault)) {
+        chip_session_pass(session, AFTER_CUT_TICKS);
     }
     if (chip_faults[session->fault].says != NULL) {
         judge_silent(session, chip_faults[session->fault].says);

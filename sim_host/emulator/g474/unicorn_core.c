@@ -19,7 +19,6 @@ enum {
     PERMIT_EXECUTE = 4,
     HOOK_INTERRUPT = 1 << 0,
     HOOK_BLOCK = 1 << 3,
-    HOOK_STORE = 1 << 11,
     HOOK_BAD_MEMORY = 0x3F << 4, /* read, write, fetch: unmapped and forbidden */
     HOOK_BAD_INSTRUCTION = 1 << 14,
     ERROR_NONE = 0,
@@ -44,6 +43,7 @@ struct core_functions {
                          void (*write)(void *, uint64_t, unsigned, uint64_t, void *),
                          void *write_context);
     int (*write_memory)(void *engine, uint64_t address, const void *bytes, uint64_t size);
+    int (*protect)(void *engine, uint64_t address, uint64_t size, uint32_t permits);
     int (*read_register)(void *engine, int which, void *value);
     int (*write_register)(void *engine, int which, const void *value);
     int (*add_hook)(void *engine, size_t *handle, int kind, void *function, void *context,
@@ -104,6 +104,7 @@ static int find_functions(struct core *core)
         {"uc_mem_map_ptr", &functions.map_memory},
         {"uc_mmio_map", &functions.map_registers},
         {"uc_mem_write", &functions.write_memory},
+        {"uc_mem_protect", &functions.protect},
         {"uc_reg_read", &functions.read_register},
         {"uc_reg_write", &functions.write_register},
         {"uc_hook_add", &functions.add_hook},
@@ -127,10 +128,21 @@ static int find_functions(struct core *core)
 
 /* ---- Callbacks ----------------------------------------------------------------------- */
 
+static void permit_stores(struct core *core, bool permitted)
+{
+    core->stores_permitted = permitted;
+    (void)functions.protect(core->engine, core->watched_base, core->watched_bytes,
+                            (uint32_t)PERMIT_READ | (uint32_t)PERMIT_EXECUTE |
+                                (permitted ? (uint32_t)PERMIT_WRITE : 0u));
+}
+
 static void on_block(void *engine, uint64_t address, uint32_t bytes, void *context)
 {
     struct core *core = context;
     (void)engine;
+    if (core->stores_permitted) {
+        permit_stores(core, false);
+    }
     core->callbacks.block(core->callbacks.context, (uint32_t)address, bytes);
 }
 
@@ -147,8 +159,12 @@ static bool on_bad_memory(void *engine, int kind, uint64_t address, int bytes, i
 {
     struct core *core = context;
     (void)engine;
-    (void)bytes;
-    (void)value;
+    if (kind == MEMORY_WRITE_FORBIDDEN && address - core->watched_base < core->watched_bytes) {
+        core->callbacks.store(core->callbacks.context, (uint32_t)address, (uint32_t)bytes,
+                              (uint32_t)value);
+        permit_stores(core, true);
+        return true;
+    }
     core->bad_address = (uint32_t)address;
     core->exception = (uint32_t)kind;
     return false;
@@ -237,29 +253,13 @@ int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memo
     return check(core, functions.map_memory(core->engine, base, bytes, permits, memory));
 }
 
-static void on_store(void *engine, int kind, uint64_t address, int bytes, int64_t value,
-                     void *context)
-{
-    struct core *core = context;
-    (void)engine;
-    (void)kind;
-    core->callbacks.store(core->callbacks.context, (uint32_t)address, (uint32_t)bytes,
-                          (uint32_t)value);
-}
-
+/* A hook on every store would make the engine slow: the memory is closed, and a store into it is an
+ * access that is forbidden first and permitted after it was told. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory)
 {
-    const uint32_t permits =
-        (uint32_t)PERMIT_READ | (uint32_t)PERMIT_WRITE | (uint32_t)PERMIT_EXECUTE;
-    void (*const store)(void *, int, uint64_t, int, int64_t, void *) = on_store;
-    size_t handle;
-    void *function;
-
-    memcpy(&function, &store, sizeof function);
-    return check(core, functions.map_memory(core->engine, base, bytes, permits, memory)) != 0
-               ? -1
-               : check(core, functions.add_hook(core->engine, &handle, HOOK_STORE, function, core,
-                                                base, (uint64_t)base + bytes - 1));
+    core->watched_base = base;
+    core->watched_bytes = bytes;
+    return core_map_memory(core, base, bytes, memory, false);
 }
 
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count)

@@ -76,6 +76,8 @@ struct core {
     struct core_callbacks callbacks;
     struct core_window window[CORE_MAP_MAX];
     unsigned windows;
+    uint32_t watched_base, watched_bytes;
+    bool stores_permitted; /* into what is watched, until the next block */
     /* Of the last stop by a bad access. */
     uint32_t bad_address;
     uint32_t exception; /* the engine's number of what it did not execute */
@@ -91,11 +93,11 @@ void core_close(struct core *core);
 
 /* `bytes` of memory at `base`, which stay the caller's. Both multiples of 4096. */
 int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable);
-/* Every access in the range calls read or write. */
-/* Memory that is read, fetched and written; each store is told first. */
+/* Memory that is read, fetched and written; each store is told first. One such range. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory);
 /* Changes memory from outside; what was translated from it is translated anew. */
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count);
+/* Every access in the range calls read or write. */
 int core_map_registers(struct core *core, uint32_t base, uint32_t bytes);
 
 uint32_t core_get(struct core *core, enum core_register which);
