@@ -98,7 +98,7 @@ struct chip_block {
 struct chip {
     struct core core;
     uint8_t *flash, *ram;              /* of flash, what the core fetches: the first bank */
-    uint32_t changed_from, changed_to; /* of it, by the flash model, and not copied yet */
+    uint32_t changed_from, changed_to; /* of it, that may be translated as it was before */
     struct chip_block *block;          /* by half-word of flash: that which begins there */
     /* Time. */
     uint64_t cycles, instructions;
@@ -184,10 +184,11 @@ void chip_find(struct chip *chip, const char *format, ...) __attribute__((format
 void chip_fire(struct chip *chip);
 /* For the core: accesses to registers and to the parameter memory; context is the chip. */
 uint32_t chip_read(void *context, uint32_t address, uint32_t bytes);
-/* A store into the first bank of flash. */
-/* The flash model changed: noted, and copied before the next block. context is the chip. */
+/* The flash model changed. context is the chip. */
 void chip_flash_changed(void *context, uint32_t offset, uint32_t bytes);
-void chip_flash_copy(struct chip *chip);
+/* Another program begins: what was translated of changed flash is forgotten. */
+void chip_flash_forget(struct chip *chip);
+/* A store into the first bank of flash. */
 void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 /* A register changed: interrupts and due times are looked at again before the next block. */

@@ -29,6 +29,7 @@ enum {
     MEMORY_READ_FORBIDDEN = 23,
     /* Numbers of exceptions that the hook is told, QEMU's own. */
     EXCEPTION_RETURN = 8,
+    STORE_TOLD = 1000, /* none of its */
     REGISTER_D0 = 14
 };
 
@@ -43,7 +44,6 @@ struct core_functions {
                          void (*write)(void *, uint64_t, unsigned, uint64_t, void *),
                          void *write_context);
     int (*write_memory)(void *engine, uint64_t address, const void *bytes, uint64_t size);
-    int (*protect)(void *engine, uint64_t address, uint64_t size, uint32_t permits);
     int (*read_register)(void *engine, int which, void *value);
     int (*write_register)(void *engine, int which, const void *value);
     int (*add_hook)(void *engine, size_t *handle, int kind, void *function, void *context,
@@ -104,7 +104,6 @@ static int find_functions(struct core *core)
         {"uc_mem_map_ptr", &functions.map_memory},
         {"uc_mmio_map", &functions.map_registers},
         {"uc_mem_write", &functions.write_memory},
-        {"uc_mem_protect", &functions.protect},
         {"uc_reg_read", &functions.read_register},
         {"uc_reg_write", &functions.write_register},
         {"uc_hook_add", &functions.add_hook},
@@ -128,21 +127,10 @@ static int find_functions(struct core *core)
 
 /* ---- Callbacks ----------------------------------------------------------------------- */
 
-static void permit_stores(struct core *core, bool permitted)
-{
-    core->stores_permitted = permitted;
-    (void)functions.protect(core->engine, core->watched_base, core->watched_bytes,
-                            (uint32_t)PERMIT_READ | (uint32_t)PERMIT_EXECUTE |
-                                (permitted ? (uint32_t)PERMIT_WRITE : 0u));
-}
-
 static void on_block(void *engine, uint64_t address, uint32_t bytes, void *context)
 {
     struct core *core = context;
     (void)engine;
-    if (core->stores_permitted) {
-        permit_stores(core, false);
-    }
     core->callbacks.block(core->callbacks.context, (uint32_t)address, bytes);
 }
 
@@ -162,8 +150,8 @@ static bool on_bad_memory(void *engine, int kind, uint64_t address, int bytes, i
     if (kind == MEMORY_WRITE_FORBIDDEN && address - core->watched_base < core->watched_bytes) {
         core->callbacks.store(core->callbacks.context, (uint32_t)address, (uint32_t)bytes,
                               (uint32_t)value);
-        permit_stores(core, true);
-        return true;
+        core->exception = STORE_TOLD;
+        return false;
     }
     core->bad_address = (uint32_t)address;
     core->exception = (uint32_t)kind;
@@ -253,8 +241,7 @@ int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memo
     return check(core, functions.map_memory(core->engine, base, bytes, permits, memory));
 }
 
-/* A hook on every store would make the engine slow: the memory is closed, and a store into it is an
- * access that is forbidden first and permitted after it was told. */
+/* A hook on every store would make the engine slow: the memory is closed, and a store into it stops. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory)
 {
     core->watched_base = base;
@@ -326,6 +313,8 @@ static enum core_stop stop_of(struct core *core, int error)
         return CORE_BAD_WRITE;
     case EXCEPTION_RETURN:
         return CORE_EXCEPTION_RETURN;
+    case STORE_TOLD:
+        return CORE_STORED;
     default:
         return error >= 6 && error <= 18 && error != ERROR_NO_INSTRUCTION ? CORE_BAD_FETCH
                                                                           : CORE_UNDEFINED;

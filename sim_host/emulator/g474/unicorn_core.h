@@ -41,6 +41,7 @@ enum core_stop {
     CORE_ASKED,            /* core_stop */
     CORE_WAITS,            /* the processor waits for an interrupt */
     CORE_EXCEPTION_RETURN, /* a branch to an EXC_RETURN value */
+    CORE_STORED,           /* a store was told; go on behind its instruction */
     CORE_UNDEFINED,        /* an instruction that does not exist, or SVC, BKPT */
     CORE_BAD_READ,
     CORE_BAD_WRITE,
@@ -56,7 +57,7 @@ struct core_callbacks {
     /* Accesses to what core_map_registers mapped. 1, 2 or 4 bytes. */
     uint32_t (*read)(void *context, uint32_t address, uint32_t bytes);
     void (*write)(void *context, uint32_t address, uint32_t bytes, uint32_t value);
-    /* Before a store into what core_map_watched mapped; the store then happens all the same. */
+    /* A store into what core_map_watched mapped, which the core itself does not make. */
     void (*store)(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 };
 
@@ -77,7 +78,6 @@ struct core {
     struct core_window window[CORE_MAP_MAX];
     unsigned windows;
     uint32_t watched_base, watched_bytes;
-    bool stores_permitted; /* into what is watched, until the next block */
     /* Of the last stop by a bad access. */
     uint32_t bad_address;
     uint32_t exception; /* the engine's number of what it did not execute */
@@ -93,7 +93,7 @@ void core_close(struct core *core);
 
 /* `bytes` of memory at `base`, which stay the caller's. Both multiples of 4096. */
 int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable);
-/* Memory that is read, fetched and written; each store is told first. One such range. */
+/* Memory that is read and fetched; each store is told, and nothing else done. One such range. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory);
 /* Changes memory from outside; what was translated from it is translated anew. */
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count);
