@@ -193,29 +193,33 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     }
 }
 
-/* Once through the program, again and again, in ticks that have little else to do. */
-static void look_after_program(struct orthosis *orthosis)
+static bool was_quiet(struct orthosis *orthosis)
 {
-    struct program_scan *scan = &orthosis->program_scan;
-
     const uint32_t block = orthosis->recorder.box->header.next_sequence;
     const bool opened = block != orthosis->seen_block;
 
     orthosis->seen_block = block;
-    if (opened || orthosis->recorder.frames > (uint32_t)ORTHOSIS_QUIET_FRAMES ||
-        control_task_was_busy(&orthosis->task)) {
-        return;
-    }
+    return !opened && orthosis->recorder.frames <= (uint32_t)ORTHOSIS_QUIET_FRAMES &&
+           !control_task_was_busy(&orthosis->task);
+}
+
+/* Once through the program, again and again. */
+static void look_after_program(struct orthosis *orthosis)
+{
+    struct program_scan *scan = &orthosis->program_scan;
+
     program_scan_go_on(scan, &orthosis->program->memory, ORTHOSIS_PROGRAM_WORDS);
     if (scan->done) {
         orthosis->program_damaged = orthosis->program_damaged || scan->verdict != PROGRAM_GOOD;
+        orthosis->program_rounds += orthosis->program_rounds < UINT32_MAX ? 1u : 0u;
         begin_scan(orthosis);
     }
 }
 
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
-    if (orthosis->program != NULL) {
+    orthosis->quiet = was_quiet(orthosis);
+    if (orthosis->program != NULL && orthosis->quiet) {
         look_after_program(orthosis);
     }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),

@@ -60,7 +60,9 @@ struct orthosis {
     const struct program_slots *program;
     struct program_scan program_scan;
     bool program_damaged;
+    uint32_t program_rounds; /* that found it whole; saturates */
     uint32_t seen_block; /* of the black box: a tick that opened one has done enough */
+    bool quiet;          /* the last tick had little to do */
     struct program_update update;
     uint64_t fed_ns;                    /* the watchdog, while settings are saved or forgotten */
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */
@@ -86,6 +88,12 @@ void orthosis_start_cycle(struct orthosis *orthosis);
 static inline bool orthosis_program_is_damaged(const struct orthosis *orthosis)
 {
     return orthosis->program_damaged;
+}
+
+/* True when the last tick had little to do: what can wait goes on now. O(1). */
+static inline bool orthosis_is_quiet(const struct orthosis *orthosis)
+{
+    return orthosis->quiet;
 }
 
 /* True once a new program was ordered and its answer has left: the main resets. O(1). */
