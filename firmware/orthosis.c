@@ -170,6 +170,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     orthosis->walk_at_start = settings->walk_at_start;
     init_black_box(config, settings);
     orthosis->program = config->program;
+    orthosis->in_quiet_ticks = config->in_quiet_ticks;
     program_update_init(&orthosis->update, config->program);
     init_task(orthosis, settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
@@ -218,9 +219,13 @@ static void look_after_program(struct orthosis *orthosis)
 
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
-    orthosis->quiet = was_quiet(orthosis);
-    if (orthosis->program != NULL && orthosis->quiet) {
-        look_after_program(orthosis);
+    if (was_quiet(orthosis)) {
+        if (orthosis->program != NULL) {
+            look_after_program(orthosis);
+        }
+        if (orthosis->in_quiet_ticks != NULL) {
+            orthosis->in_quiet_ticks();
+        }
     }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),
                         &orthosis->recorder.inner);

@@ -308,6 +308,7 @@ int main(void)
         .drive_power = &pc1_drive_power_enable,
         .nv = &nv,
         .program = &program,
+        .in_quiet_ticks = test_board,
         .black_box = &black_box,
         .crash = &crash_record,
         .streak = &crash_streak,
@@ -335,9 +336,6 @@ int main(void)
             control_task_show_missed(&orthosis.task, clock_missed_ticks(&clock));
             orthosis_start_cycle(&orthosis);
             show_state(&line, &told_fault);
-            if (orthosis_is_quiet(&orthosis)) {
-                test_board();
-            }
             if (orthosis_program_is_damaged(&orthosis)) {
                 cortex_m4_crash(CRASH_PROGRAM, 0);
             }
@@ -346,7 +344,7 @@ int main(void)
                 cortex_m4_reset();
             }
         }
-        if (ticked || fdcan_has_received(&can)) { /* a frame that left needs nobody */
+        if (ticked || fdcan_is_due(&can)) {
             (void)orthosis_poll(&orthosis);
         }
         slept += idle_until_interrupt(&can, &timer);

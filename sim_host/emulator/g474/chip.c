@@ -75,6 +75,9 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
     if (chip->stuck_bit != 0) {
         *(uint32_t *)(void *)(chip->ram + chip->stuck_at) |= chip->stuck_bit;
     }
+    if (chip->stuck_register_bits != 0) {
+        core_stick(&chip->core, chip->stuck_register, chip->stuck_register_bits);
+    }
     if (chip->cycles >= chip->due && look_around(chip)) {
         core_stop(&chip->core);
         return;
@@ -149,7 +152,7 @@ static uint32_t run_core(struct chip *chip, uint32_t pc)
 
 /* ---- Reset ---------------------------------------------------------------------------------------------- */
 
-static void reset(struct chip *chip, bool power_on)
+void chip_reset(struct chip *chip, bool power_on)
 {
     struct core *core = &chip->core;
     const uint64_t now_ns = chip_now_ns(chip);
@@ -160,6 +163,10 @@ static void reset(struct chip *chip, bool power_on)
     chip_clocks_reset(chip, power_on);
     chip_scs_reset(chip);
     chip_io_reset(chip);
+    chip_supply_reset(chip);
+    if (power_on || chip->flash_registers.options_wanted) {
+        flash_model_load_options(&chip->flash_registers);
+    }
     fdcan_model_reset(&chip->can);
     flash_model_power_up(&chip->flash_registers);
     chip->flash_done_ns = CHIP_NEVER;
@@ -195,7 +202,7 @@ void chip_power_cycle(struct chip *chip)
 {
     scramble(chip);
     chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
-    reset(chip, true);
+    chip_reset(chip, true);
 }
 
 void chip_run(struct chip *chip, uint64_t until_ns)
@@ -205,7 +212,7 @@ void chip_run(struct chip *chip, uint64_t until_ns)
     chip_refresh(chip);
     while (!chip->stop_asked) {
         if (chip->reset_asked) {
-            reset(chip, false);
+            chip_reset(chip, false);
             return;
         }
         chip_check_guards(chip);
@@ -278,6 +285,7 @@ static int map_all(struct chip *chip)
                                           {0x40003000u, PAGE},
                                           {0x40006000u, 3 * PAGE},
                                           {0x4000A000u, PAGE},
+                                          {0x40010000u, PAGE},
                                           {0x40021000u, 2 * PAGE},
                                           {0x48000000u, 2 * PAGE},
                                           {0xE0001000u, PAGE},
@@ -336,6 +344,10 @@ int chip_start(struct chip *chip, const char *core_path, const char *image_path,
     chip_scs_map(chip);
     chip_clocks_map(chip);
     chip_io_map(chip);
+    chip_supply_map(chip);
+    chip->supply.vdd_mV = 3300;
+    chip->supply.lsi_hz = 32000;
+    chip->flash_registers.optr_stored = MODEL_OPTIONS_SET;
     chip->clocks.crystal_works = true;
     chip->clocks.core_khz = chip->clocks.timer_khz = 1;
     chip_power_cycle(chip);

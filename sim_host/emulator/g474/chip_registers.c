@@ -115,6 +115,10 @@ void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value)
         value = (mmio_model_load(word) & ~mask) | (value << shift & mask);
     }
     mmio_model_store(word, value);
+    if (chip->flash_registers.options_wanted && !chip->reset_asked) {
+        chip->reset_asked = true;
+        chip->reset_cause = (uint32_t)CHIP_RESET_OPTIONS | (uint32_t)CHIP_RESET_PIN;
+    }
     if (in_store(word) || word - 0x40022000u < 0x400u) {
         time_flash(chip, in_store(word));
         chip_clocks_apply(chip);

@@ -78,6 +78,8 @@ struct core {
     struct core_window window[CORE_MAP_MAX];
     unsigned windows;
     uint32_t watched_base, watched_bytes;
+    size_t read_hook;
+    void (*watched_read)(void *context); /* gets callbacks.context */
     /* Of the last stop by a bad access. */
     uint32_t bad_address;
     uint32_t exception; /* the engine's number of what it did not execute */
@@ -106,6 +108,14 @@ void core_set(struct core *core, enum core_register which, uint32_t value);
 /* The floating-point registers S0 to S15. */
 void core_get_float(struct core *core, uint32_t s[16]);
 void core_set_float(struct core *core, const uint32_t s[16]);
+
+/* Sets bits of a register: R0 to R12 by their number, S0 to S31 by CORE_STICK_S0 and theirs. */
+enum { CORE_STICK_S0 = 32 };
+void core_stick(struct core *core, uint32_t number, uint32_t bits);
+
+/* Calls `function` before each read of the word at `address`, of one at a time; NULL: no more. Not from
+ * a callback. */
+void core_watch_reads(struct core *core, uint32_t address, void (*function)(void *context));
 
 /* Executes from `pc` (bit 0 is ignored) on. */
 enum core_stop core_run(struct core *core, uint32_t pc);

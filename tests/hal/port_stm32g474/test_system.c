@@ -422,7 +422,7 @@ START_TEST(the_loop_does_not_sleep_over_what_has_come)
     mmio_model_on_sleep(asleep);
     mmio_model_map_memory(0xE0001000, sizeof counter, counter);
     counter[1] = 0xFFFFFFF0;
-    can.ring_in = 1; /* an interrupt between the poll and here */
+    can.ring_in = can.ring_due = 1; /* an interrupt between the poll and here */
     idle_until_interrupt(&can, &timer);
     ck_assert_int_eq(sleeps, 0);
     can.ring_out = 1;
