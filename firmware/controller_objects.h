@@ -34,7 +34,7 @@ struct controller_counters {
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
     uint32_t flash_corrected; /* single-bit errors that the flash's error correction mended */
-    uint32_t worst_cycles; /* of the processor in a tick; 0 where nobody counts them */
+    uint32_t worst_cycles;    /* of the processor in a tick; 0 where nobody counts them */
     /* The controller's: pushes by what became of them (enum push_outcome; [0] is not used), and ticks
      * in which a motor was far behind its reference. */
     uint32_t pushes[SIDE_COUNT][PUSH_OUTCOMES];

@@ -63,7 +63,7 @@ struct orthosis {
     void (*in_quiet_ticks)(void);
     bool program_damaged;
     uint32_t program_rounds; /* that found it whole; saturates */
-    uint32_t seen_block; /* of the black box: a tick that opened one has done enough */
+    uint32_t seen_block;     /* of the black box: a tick that opened one has done enough */
     struct program_update update;
     uint64_t fed_ns;                    /* the watchdog, while settings are saved or forgotten */
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */

@@ -162,9 +162,8 @@ static void wait_for_watchdog(void)
 
 uint32_t iwdg_start(void)
 {
-    static const struct mmio_expected expected[] = {{IWDG_PR, 7U, IWDG_PR_DIV4},
-                                                    {IWDG_RLR, 0xFFFU, RELOAD},
-                                                    {IWDG_WINR, 0xFFFU, WINDOW}};
+    static const struct mmio_expected expected[] = {
+        {IWDG_PR, 7U, IWDG_PR_DIV4}, {IWDG_RLR, 0xFFFU, RELOAD}, {IWDG_WINR, 0xFFFU, WINDOW}};
 
     mmio_write(IWDG_KR, IWDG_KEY_START);
     mmio_write(IWDG_KR, IWDG_KEY_UNLOCK);

@@ -1,12 +1,14 @@
 /* afo g474: the walk with the very image that is flashed, in an emulated STM32G474. */
 #include <time.h>
 
+#include "hal/bus/frame_table.h"
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/g474_options.h"
 #include "sim_host/cli/g474_report.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/progress.h"
+#include "sim_host/ctl/ctl.h"
 #include "sim_host/emulator/g474/chip_trial.h"
 #include "sim_host/programs/commands.h"
 
@@ -71,6 +73,36 @@ static int prepare(struct g474 *g474)
     return 0;
 }
 
+enum { SDO_PATIENCE_TICKS = 500 };
+
+static bool let_it_run(void *context, unsigned waits)
+{
+    struct chip_session *session = context;
+
+    chip_bridge_tick(&session->bridge);
+    return waits < SDO_PATIENCE_TICKS;
+}
+
+/* What `afo ctl board' says of this board. */
+static void ask_board(struct chip_session *session, bool json)
+{
+    static char verb[] = "board";
+    static struct ctl ctl;
+    char *words[] = {verb};
+
+    chip_bridge_stop_comparing(&session->bridge);
+    session->crash_known = true; /* the tool's queue is read from here on */
+    ctl = (struct ctl){.link = {.bus = session->tool,
+                                .wait = let_it_run,
+                                .context = session,
+                                .node = NODE_CONTROLLER},
+                       .json = json,
+                       .out = stdout,
+                       .complaints = stderr};
+    ctl_open(&ctl);
+    (void)ctl_run(&ctl, 1, words);
+}
+
 static double now_s(void)
 {
     struct timespec now;
@@ -101,6 +133,9 @@ static int run(struct g474 *g474)
         g474_report_json(session, wall_s);
     } else if (!g474->options.emulator.quiet) {
         g474_report_text(session, wall_s);
+    }
+    if (g474->options.board) {
+        ask_board(session, g474->options.emulator.json);
     }
     return chip_session_is_good(session) ? EXIT_GOOD : EXIT_BAD;
 }

@@ -245,10 +245,10 @@ static void show_board(struct controller_board *board)
     static uint32_t looked_at_tick;
     const uint32_t tick = orthosis.task.tick;
     const bool permit_is_high = board_io_permit_is_high();
-    uint32_t bits = (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
-                    (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
-                    (emergency_stop_is_pressed(&pc0_emergency_stop) ? 0u
-                                                                    : (uint32_t)BOARD_STOP_CLOSED);
+    uint32_t bits =
+        (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
+        (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
+        (emergency_stop_is_pressed(&pc0_emergency_stop) ? 0u : (uint32_t)BOARD_STOP_CLOSED);
 
     /* It toggles in each tick: after an odd number of them it is the other way round. */
     if ((tick - looked_at_tick) % 2u == 1u) {
@@ -279,8 +279,7 @@ static void test_board(void)
     struct controller_objects *objects = &orthosis.task.node.objects;
     static uint32_t turns;
     uint32_t detail = 0;
-    const enum crash_cause failed =
-        self_tests_go_on(&tests, tim2_clock_now_us(&timer), &detail);
+    const enum crash_cause failed = self_tests_go_on(&tests, tim2_clock_now_us(&timer), &detail);
 
     if (failed != CRASH_NONE) {
         cortex_m4_crash(failed, detail);

@@ -50,8 +50,8 @@ static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint3
     }
     struct chip_block *block = &chip->block[offset / 2];
     if (block->bytes != bytes) {
-        *block = (struct chip_block){(uint16_t)bytes,
-                                     (uint16_t)count_instructions(chip, offset, bytes)};
+        *block =
+            (struct chip_block){(uint16_t)bytes, (uint16_t)count_instructions(chip, offset, bytes)};
     }
     return block->instructions;
 }
@@ -112,8 +112,8 @@ static uint32_t behind_store(struct chip *chip, uint32_t pc)
 {
     const uint16_t *code = (const uint16_t *)(const void *)(chip->flash + (pc - FLASH_BASE));
     const bool is_short = (code[0] & 0xF800) == 0x6000 || (code[0] & 0xFE00) == 0x5000;
-    const bool is_long = (code[0] & 0xFFF0) == 0xF8C0 ||
-                         ((code[0] & 0xFFF0) == 0xF840 && (code[1] & 0x0FC0) == 0);
+    const bool is_long =
+        (code[0] & 0xFFF0) == 0xF8C0 || ((code[0] & 0xFFF0) == 0xF840 && (code[1] & 0x0FC0) == 0);
 
     if (pc - FLASH_BASE >= (uint32_t)CHIP_BANK_BYTES || (!is_short && !is_long)) {
         chip_find(chip, "a store into flash by an instruction that is not modelled");

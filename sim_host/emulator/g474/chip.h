@@ -144,7 +144,7 @@ struct chip {
     uint32_t stuck_at, stuck_bit; /* offset into RAM and bits that stay 1; no bits: none */
     uint32_t weak_at;             /* address of a word that is read wrong; 0: none */
     uint32_t weak_reads;
-    bool weak_is_ram;             /* its parity fails; else flash, which mends it */
+    bool weak_is_ram;                             /* its parity fails; else flash, which mends it */
     uint32_t stuck_register, stuck_register_bits; /* core_stick's number, and bits that stay 1 */
     bool hang; /* for tests: the program loops for ever from now on, interrupts go on */
     /* Findings. */

@@ -53,10 +53,14 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_BROWN_OUT] = {"brown-out", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_SUPPLY, NULL},
     [CHIP_FAULT_RAM_SLICE] = {.name = "ram-slice", .says = "the RAM has failed"},
     [CHIP_FAULT_RAM_PARITY] = {"ram-parity", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_RAM_PARITY, NULL},
-    [CHIP_FAULT_CORE_REGISTER] = {"core-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER, NULL},
-    [CHIP_FAULT_FLOAT_REGISTER] = {"float-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER, NULL},
-    [CHIP_FAULT_SLOW_OSCILLATOR] = {"slow-oscillator", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_OSCILLATOR, NULL},
-    [CHIP_FAULT_FAST_OSCILLATOR] = {"fast-oscillator", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_OSCILLATOR, NULL},
+    [CHIP_FAULT_CORE_REGISTER] = {"core-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER,
+                                  NULL},
+    [CHIP_FAULT_FLOAT_REGISTER] = {"float-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER,
+                                   NULL},
+    [CHIP_FAULT_SLOW_OSCILLATOR] = {"slow-oscillator", SUPERVISOR_FAULT_RESTARTED, 0,
+                                    CRASH_OSCILLATOR, NULL},
+    [CHIP_FAULT_FAST_OSCILLATOR] = {"fast-oscillator", SUPERVISOR_FAULT_RESTARTED, 0,
+                                    CRASH_OSCILLATOR, NULL},
     [CHIP_FAULT_DEEP_STACK] = {"deep-stack", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_STACK, NULL},
     [CHIP_FAULT_FLASH_CORRECTED] = {.name = "flash-corrected"},
     [CHIP_FAULT_EARLY_FEED] = {"early-feed", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_WATCHDOG, NULL},
@@ -141,8 +145,7 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
         session->chip.flash_registers.optr_stored = MODEL_OPTIONS_DELIVERED;
         chip_power_cycle(&session->chip);
         if (session->fault == CHIP_FAULT_OPTIONS_CUT) {
-            session->chip.flash_registers.power_fails_at =
-                session->chip.flash_registers.operations;
+            session->chip.flash_registers.power_fails_at = session->chip.flash_registers.operations;
         }
     }
     if (session->fault == CHIP_FAULT_STUCK_RAM) {
@@ -216,11 +219,11 @@ static bool has_walked(const struct chip_session *session, uint64_t last_progres
 
 void chip_session_walk(struct chip_session *session)
 {
-    const bool never =
-        session->fault == CHIP_FAULT_NO_CRYSTAL || session->fault == CHIP_FAULT_TORN_SETTINGS ||
-        stands(session->fault) || session->fault == CHIP_FAULT_LOST_WRITE ||
-        session->fault == CHIP_FAULT_HALF_WRITTEN || session->fault == CHIP_FAULT_STUCK_RAM ||
-        is_first_start(session->fault);
+    const bool never = session->fault == CHIP_FAULT_NO_CRYSTAL ||
+                       session->fault == CHIP_FAULT_TORN_SETTINGS || stands(session->fault) ||
+                       session->fault == CHIP_FAULT_LOST_WRITE ||
+                       session->fault == CHIP_FAULT_HALF_WRITTEN ||
+                       session->fault == CHIP_FAULT_STUCK_RAM || is_first_start(session->fault);
     uint64_t last_progress = 0;
     uint32_t seen = 0, waited = 0;
 

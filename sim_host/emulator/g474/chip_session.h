@@ -81,10 +81,10 @@ struct chip_session {
     struct walk_record record;
     struct can_bus tool; /* a port of its own, to ask the image over SDO */
     /* Results. */
-    struct crash_record crash; /* as fetched over SDO at the end of a fault */
+    struct crash_record crash;       /* as fetched over SDO at the end of a fault */
     uint64_t brought_ns, noticed_ns; /* the fault, and the reset that it led to; 0 = none */
-    uint32_t told_corrected;   /* flash errors, as the image says at 0x2020:29 */
-    uint32_t told_cycles;      /* of the worst tick, as the image says at 0x2020:28 */
+    uint32_t told_corrected;         /* flash errors, as the image says at 0x2020:29 */
+    uint32_t told_cycles;            /* of the worst tick, as the image says at 0x2020:28 */
     bool started, reached, fell, crash_known;
     char trouble[256];
 };

@@ -35,7 +35,7 @@ enum {
     GUARD_BYTES = 32,
     UNUSED_RAM = 0x5A40, /* of the 32 KiB that the program tests, what it has no use for */
     LSI_HZ = 32000,
-    REGISTER_R12 = 12,
+    REGISTER_R10 = 10,
     FLOAT_S29 = CORE_STICK_S0 + 29
 };
 /* CiA 301, clauses 7.5.2.13 and 7.5.2.14. */
@@ -233,8 +233,8 @@ static void break_chip(struct chip_session *session)
         chip_weaken(chip, 0x20000000u + UNUSED_RAM);
         break;
     case CHIP_FAULT_CORE_REGISTER:
-        chip->stuck_register = REGISTER_R12;
-        chip->stuck_register_bits = 1u << 3;
+        chip->stuck_register = REGISTER_R10;
+        chip->stuck_register_bits = 1u;
         break;
     case CHIP_FAULT_FLOAT_REGISTER:
         chip->stuck_register = FLOAT_S29;

@@ -111,8 +111,7 @@ int main(void)
     struct program_header header;
 
     flash_store_init(&flash);
-    if (!option_bytes_are_set() &&
-        option_bytes_set((mmio_read(RCC_CSR) & RCC_CSR_OBLRSTF) != 0u)) {
+    if (!option_bytes_are_set() && option_bytes_set((mmio_read(RCC_CSR) & RCC_CSR_OBLRSTF) != 0u)) {
         for (;;) { /* the chip is being reset */
         }
     }
