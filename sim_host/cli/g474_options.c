@@ -12,7 +12,8 @@ enum {
     KEY_LOSE,
     KEY_LOG,
     KEY_COSTS,
-    KEY_BOARD
+    KEY_BOARD,
+    KEY_TRACE
 };
 
 static const struct argp_option option_list[] = {
@@ -31,6 +32,7 @@ static const struct argp_option option_list[] = {
     {"every", KEY_EVERY, "N", 0, "likewise: in each N-th operation, one after the other", 0},
     {"lose", KEY_LOSE, "ADDRESS", 0, "lost-write: of this register, decimal (TIM2's prescaler)", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 4},
+    {"trace", KEY_TRACE, "FILE", 0, "what a debugger records of an image built with TRACE=swo", 4},
     {"board", KEY_BOARD, 0, 0, "then ask the image what `afo ctl board' asks a board", 4},
     {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 4},
     {0}};
@@ -70,6 +72,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_LOG:
         options->log_path = text;
+        return 0;
+    case KEY_TRACE:
+        options->trace_path = text;
         return 0;
     case KEY_BOARD:
         options->board = true;

@@ -15,7 +15,7 @@
 struct g474 {
     struct g474_options options;
     struct chip_session session;
-    struct output_file log, costs;
+    struct output_file log, costs, trace;
     struct progress progress;
 };
 
@@ -52,7 +52,8 @@ static int prepare(struct g474 *g474)
         return program_complain("%s", message);
     }
     if (open_output(&g474->log, options->log_path) != 0 ||
-        open_output(&g474->costs, options->costs_path) != 0) {
+        open_output(&g474->costs, options->costs_path) != 0 ||
+        open_output(&g474->trace, options->trace_path) != 0) {
         return -1;
     }
     session->steps = options->emulator.steps;
@@ -70,6 +71,7 @@ static int prepare(struct g474 *g474)
     }
     session->bridge.corrupt_frame = options->emulator.corrupt_frame;
     session->bridge.costs = g474->costs.stream;
+    session->chip.trace = g474->trace.stream;
     return 0;
 }
 
@@ -126,7 +128,8 @@ static int run(struct g474 *g474)
         chip_trial_run(session);
     }
     const double wall_s = now_s() - start_s;
-    if (commit_output(&g474->log) != 0 || commit_output(&g474->costs) != 0) {
+    if (commit_output(&g474->log) != 0 || commit_output(&g474->costs) != 0 ||
+        commit_output(&g474->trace) != 0) {
         return EXIT_BAD;
     }
     if (g474->options.emulator.json) {
@@ -148,6 +151,7 @@ int afo_g474(int argc, char **argv)
     const int status = run(&g474);
     output_file_discard(&g474.log);
     output_file_discard(&g474.costs);
+    output_file_discard(&g474.trace);
     chip_session_free(&g474.session);
     return status;
 }

@@ -6,6 +6,7 @@
 #include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
 #include "hal/port_cortex_m/cycle_counter.h"
+#include "hal/port_cortex_m/tick_trace.h"
 #include "hal/port_fdcan/fdcan.h"
 #include "hal/port_stm32g474/board_io.h"
 #include "hal/port_stm32g474/clock_tree.h"
@@ -218,11 +219,13 @@ static void show_state(struct signs_line *line, uint8_t *told)
 static void note_cycles(uint32_t *slept)
 {
     static uint32_t began;
-    const uint32_t now = cycle_counter();
+    const uint32_t now = cycle_counter(), cycles = now - began - *slept;
 
     if (orthosis.task.now_ns != 0u) { /* the start is no tick */
-        control_task_show_cycles(&orthosis.task, now - began - *slept);
+        control_task_show_cycles(&orthosis.task, cycles);
     }
+    tick_trace(orthosis.task.tick, cycles, (uint32_t)orthosis.task.output.state,
+               (uint32_t)orthosis.task.output.fault);
     began = now;
     *slept = 0;
 }

@@ -288,6 +288,7 @@ static int map_all(struct chip *chip)
                                           {0x40010000u, PAGE},
                                           {0x40021000u, 2 * PAGE},
                                           {0x48000000u, 2 * PAGE},
+                                          {0xE0000000u, PAGE},
                                           {0xE0001000u, PAGE},
                                           {0xE000E000u, PAGE},
                                           {0xE0042000u, PAGE}};

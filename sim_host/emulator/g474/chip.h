@@ -20,6 +20,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "sim_host/emulator/g474/fdcan_model.h"
 #include "sim_host/emulator/g474/flash_model.h"
@@ -150,6 +151,7 @@ struct chip {
     /* Findings. */
     char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];
     uint64_t finding_count;
+    FILE *trace; /* what a debugger records of the trace port; NULL = none listens */
     char message[CORE_MESSAGE_MAX];
 };
 
