@@ -42,12 +42,13 @@ static void default_objects(struct controller_objects *objects, const struct con
     objects->change_count = 5;
     objects->log_count = 2;
     objects->param_count = CONTROL_PARAM_COUNT;
-    objects->counter_count = 28;
+    objects->counter_count = 29;
     objects->drive_count = 12;
     objects->tool_count = 3;
     objects->identity_count = 3;
     objects->setup_count = 6;
     objects->crash_count = 3;
+    objects->board_count = 9;
     objects->black_box_count = 3;
     objects->device_common_count = DEVICE_COMMON_COUNT;
     objects->device_leg_count = DEVICE_LEG_COUNT;

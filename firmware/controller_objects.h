@@ -33,11 +33,27 @@ struct controller_counters {
     uint32_t missed_ticks; /* periods that ended while an earlier one waited: the main says so */
     /* Shown when they are asked for: the tick, and what others count. */
     uint32_t ticks, rx_malformed, tx_refused, rx_overflow, bus_off_count;
-    uint32_t worst_cycles; /* of the processor in a tick; 0 where nobody counts them */
+    uint32_t flash_corrected; /* single-bit errors that the flash's error correction mended */
+    uint32_t worst_cycles;    /* of the processor in a tick; 0 where nobody counts them */
     /* The controller's: pushes by what became of them (enum push_outcome; [0] is not used), and ticks
      * in which a motor was far behind its reference. */
     uint32_t pushes[SIDE_COUNT][PUSH_OUTCOMES];
     uint32_t behind_ticks[SIDE_COUNT];
+};
+
+/* 0x2033: the board under the controller, as its main tells; all 0 where there is none. */
+enum controller_board_bits {
+    BOARD_BOOST = 1 << 0,       /* the core's regulator is in its boost mode */
+    BOARD_SUPPLY_LOW = 1 << 1,  /* the chip's supply is below its detector's threshold */
+    BOARD_STOP_CLOSED = 1 << 2, /* the emergency stop's contact feeds its input */
+    BOARD_PERMIT_MOVES = 1 << 3 /* the line that lets the drives have power toggles */
+};
+struct controller_board {
+    uint32_t clock_Hz, watchdog_clock_Hz; /* the latter measured by the former; 0 = not yet */
+    uint32_t option_bytes, wanted_option_bytes;
+    uint32_t reset_flags; /* RCC_CSR, bits 25 to 31 */
+    uint8_t bits;
+    uint32_t supply_dips, ram_rounds, program_rounds; /* tests that went through all of it */
 };
 
 /* Values of the dictionary's entries 0x2000 and above. */
@@ -100,6 +116,9 @@ struct controller_objects {
     uint8_t crash_count, crash_cause; /* enum crash_cause; 0 = none, or seen */
     uint8_t crash_streak; /* crashes since a SYNC last came back, as at the start; saturates */
     struct co_domain crash_image;
+    /* 0x2033: the board */
+    uint8_t board_count;
+    struct controller_board board;
     /* 0x2040: the black box */
     uint8_t black_box_count, black_box_state; /* enum black_box_state, 0 = there is none */
     uint32_t black_box_reason;

@@ -19,7 +19,7 @@ BOARD ?= nucleo_g474re
 
 # Enumerations of 32 bits as on the host, so that snapshots mean the same on both.
 IMAGE_CFLAGS := -std=c11 -g $(WARN) $(BITS) $(BUS_RATES) -fno-short-enums -ffunction-sections -fdata-sections -fno-common \
-        -fstack-usage -fcallgraph-info=su -DCO_WITHOUT_NAMES -DPARAMS_WITHOUT_TEXT -I.
+        $(if $(filter swo,$(TRACE)),-DTICK_TRACE) -fstack-usage -fcallgraph-info=su -DCO_WITHOUT_NAMES -DPARAMS_WITHOUT_TEXT -I.
 IMAGE_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,--fatal-warnings -L.
 
 # How much each room may take of the flash for its speed. What a tick runs through is worth some;

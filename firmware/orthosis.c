@@ -170,6 +170,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     orthosis->walk_at_start = settings->walk_at_start;
     init_black_box(config, settings);
     orthosis->program = config->program;
+    orthosis->in_quiet_ticks = config->in_quiet_ticks;
     program_update_init(&orthosis->update, config->program);
     init_task(orthosis, settings, config);
     watchdog_gate_init(&orthosis->gate, config->watchdog);
@@ -193,30 +194,38 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     }
 }
 
-/* Once through the program, again and again, in ticks that have little else to do. */
-static void look_after_program(struct orthosis *orthosis)
+static bool was_quiet(struct orthosis *orthosis)
 {
-    struct program_scan *scan = &orthosis->program_scan;
-
     const uint32_t block = orthosis->recorder.box->header.next_sequence;
     const bool opened = block != orthosis->seen_block;
 
     orthosis->seen_block = block;
-    if (opened || orthosis->recorder.frames > (uint32_t)ORTHOSIS_QUIET_FRAMES ||
-        control_task_was_busy(&orthosis->task)) {
-        return;
-    }
+    return !opened && orthosis->recorder.frames <= (uint32_t)ORTHOSIS_QUIET_FRAMES &&
+           !control_task_was_busy(&orthosis->task);
+}
+
+/* Once through the program, again and again. */
+static void look_after_program(struct orthosis *orthosis)
+{
+    struct program_scan *scan = &orthosis->program_scan;
+
     program_scan_go_on(scan, &orthosis->program->memory, ORTHOSIS_PROGRAM_WORDS);
     if (scan->done) {
         orthosis->program_damaged = orthosis->program_damaged || scan->verdict != PROGRAM_GOOD;
+        orthosis->program_rounds += orthosis->program_rounds < UINT32_MAX ? 1u : 0u;
         begin_scan(orthosis);
     }
 }
 
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
-    if (orthosis->program != NULL) {
-        look_after_program(orthosis);
+    if (was_quiet(orthosis)) {
+        if (orthosis->program != NULL) {
+            look_after_program(orthosis);
+        }
+        if (orthosis->in_quiet_ticks != NULL) {
+            orthosis->in_quiet_ticks();
+        }
     }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),
                         &orthosis->recorder.inner);

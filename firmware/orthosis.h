@@ -38,6 +38,7 @@ struct orthosis_config {
     const struct drive_power_enable *drive_power; /* NULL: the board has none */
     const struct nv_store *nv;
     const struct program_slots *program; /* where the program lies; NULL: nobody looks after it */
+    void (*in_quiet_ticks)(void);        /* called at the end of ticks with little to do; or NULL */
     struct black_box *black_box;         /* in memory that a reset does not clear */
     struct crash_record *crash;  /* as the last run left it, in such memory too; may be NULL */
     struct crash_streak *streak; /* likewise; NULL: no start is known to be power-on */
@@ -59,8 +60,10 @@ struct orthosis {
     const struct clock *clock;
     const struct program_slots *program;
     struct program_scan program_scan;
+    void (*in_quiet_ticks)(void);
     bool program_damaged;
-    uint32_t seen_block; /* of the black box: a tick that opened one has done enough */
+    uint32_t program_rounds; /* that found it whole; saturates */
+    uint32_t seen_block;     /* of the black box: a tick that opened one has done enough */
     struct program_update update;
     uint64_t fed_ns;                    /* the watchdog, while settings are saved or forgotten */
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */

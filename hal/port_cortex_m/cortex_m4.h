@@ -89,6 +89,11 @@ _Noreturn void cortex_m4_crash(enum crash_cause cause, uint32_t detail);
  * Cost: one read per unused word. */
 uint32_t cortex_m4_stack_unused(void);
 
+/* The bottom of a stack that was ever used up to CORTEX_M4_STACK_MARGIN_WORDS above its guard, 0 when
+ * neither was. 80 instructions. */
+enum { CORTEX_M4_STACK_MARGIN_WORDS = 8 };
+const uint32_t *cortex_m4_stack_too_deep(void);
+
 static inline void cortex_m4_interrupts_on(void)
 {
     __asm volatile("cpsie i" ::: "memory");

@@ -24,6 +24,7 @@ enum {
     MPU_NO_ACCESS_NO_EXECUTE = MPU_NO_EXECUTE
 };
 #define STACK_PATTERN 0xA5A5A5A5u
+enum { GUARD_WORDS = 8 };
 #define AIRCR_RESET 0x05FA0004u
 
 /* 32 bytes at the bottom of a stack that nobody may touch: an overflow faults. */
@@ -71,6 +72,9 @@ __attribute__((used)) static void prepare_memory(void)
     for (volatile uint32_t *to = thread_stack_bottom; to < thread_stack_top; to++) {
         *to = STACK_PATTERN;
     }
+    for (uint32_t i = 0; i < CORTEX_M4_STACK_MARGIN_WORDS; i++) {
+        *(volatile uint32_t *)(handler_stack_bottom + GUARD_WORDS + i) = STACK_PATTERN;
+    }
     protect();
 }
 
@@ -101,6 +105,21 @@ _Noreturn void cortex_m4_reset(void)
     cortex_m4_barrier();
     for (;;) {
     }
+}
+
+const uint32_t *cortex_m4_stack_too_deep(void)
+{
+    static uint32_t *const bottom[] = {thread_stack_bottom, handler_stack_bottom};
+
+    for (uint32_t stack = 0; stack < 2u; stack++) {
+        const volatile uint32_t *word = bottom[stack] + GUARD_WORDS;
+        for (uint32_t i = 0; i < CORTEX_M4_STACK_MARGIN_WORDS; i++) {
+            if (word[i] != STACK_PATTERN) {
+                return bottom[stack];
+            }
+        }
+    }
+    return 0;
 }
 
 uint32_t cortex_m4_stack_unused(void)

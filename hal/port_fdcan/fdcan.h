@@ -17,7 +17,9 @@
 
 enum {
     FDCAN_RX_RING =
-        16, /* a power of two; a frame takes 50 us or more, a tick of the loop as long */
+        16,          /* a power of two; a frame takes 50 us or more, a tick of the loop as long */
+    FDCAN_BATCH = 4, /* so many received frames do not wait for the tick to end */
+    FDCAN_URGENT_ID = 0x580, /* SDO and what is behind it: somebody may wait for the answer */
     FDCAN_TX_QUEUE = 12,
     FDCAN_TX_BUFFERS = 3,
     FDCAN_INIT_POLLS = 100000 /* a few ms: the core needs some bit times */
@@ -49,6 +51,7 @@ struct fdcan {
     struct fdcan_received ring[FDCAN_RX_RING];
     volatile uint32_t ring_in;
     volatile uint32_t ring_out;
+    volatile uint32_t ring_due; /* up to here the loop should not wait */
     /* To send: sorted, the next one last. Under mmio_lock. */
     struct can_msg queue[FDCAN_TX_QUEUE + 1]; /* the last for one that was cancelled */
     uint32_t queued;
@@ -76,10 +79,12 @@ enum fdcan_result fdcan_init(struct fdcan *can, const struct fdcan_config *confi
  * frame. */
 void fdcan_interrupt(struct fdcan *can);
 
-/* True while received frames wait for the loop. Any context; O(1). */
-static inline bool fdcan_has_received(const struct fdcan *can)
+/* True while received frames wait for the loop that are due: the own SYNC's echo, which begins a tick, what
+ * may want an answer, or FDCAN_BATCH of them. Fewer others can wait for the next tick, and each look
+ * costs. Any context; O(1). */
+static inline bool fdcan_is_due(const struct fdcan *can)
 {
-    return can->ring_in != can->ring_out;
+    return (int32_t)(can->ring_due - can->ring_out) > 0;
 }
 
 /* The bus interface on *can. */

@@ -7,6 +7,9 @@
 
 enum { LSI_HZ = 32000, IWDG_DIVISOR = 4, NS_PER_US = 1000 };
 #define RELOAD ((uint32_t)WATCHDOG_TIMEOUT_MS * (LSI_HZ / IWDG_DIVISOR) / 1000U)
+/* It counts down; it may be fed from here on. */
+#define WINDOW \
+    ((uint32_t)(WATCHDOG_TIMEOUT_MS - WATCHDOG_OPENS_MS) * (LSI_HZ / IWDG_DIVISOR) / 1000U)
 /* Setting the compare takes far less than a period: the second turn hits. */
 enum { MARK_TURNS = 3 };
 
@@ -105,6 +108,12 @@ uint64_t tim2_clock_now_ns(void *clock)
     return now_us(clock) * NS_PER_US;
 }
 
+uint32_t tim2_clock_now_us(const struct tim2_clock *clock)
+{
+    (void)clock;
+    return mmio_read(TIM2_CNT);
+}
+
 uint32_t tim2_clock_now_ms(const struct tim2_clock *clock)
 {
     /* 2^32 us are 4,294,967 ms and 296 us: no 64-bit division, which the image does without. */
@@ -142,32 +151,53 @@ struct clock tim2_clock_interface(struct tim2_clock *clock)
 
 /* ---- Watchdog --------------------------------------------------------------- */
 
-uint32_t iwdg_start(void)
+static void wait_for_watchdog(void)
 {
-    static const struct mmio_expected expected[] = {{IWDG_PR, 7U, IWDG_PR_DIV4},
-                                                    {IWDG_RLR, 0xFFFU, RELOAD}};
-
-    mmio_write(IWDG_KR, IWDG_KEY_START);
-    mmio_write(IWDG_KR, IWDG_KEY_UNLOCK);
-    mmio_write(IWDG_PR, IWDG_PR_DIV4);
-    mmio_write(IWDG_RLR, RELOAD);
     for (uint32_t poll = 0; poll < WATCHDOG_POLLS; poll++) {
         if ((mmio_read(IWDG_SR) & IWDG_SR_BUSY) == 0U) {
             break; /* if it never ends, the reset values still stand there */
         }
     }
-    mmio_write(IWDG_KR, IWDG_KEY_FEED);
+}
+
+uint32_t iwdg_start(void)
+{
+    static const struct mmio_expected expected[] = {
+        {IWDG_PR, 7U, IWDG_PR_DIV4}, {IWDG_RLR, 0xFFFU, RELOAD}, {IWDG_WINR, 0xFFFU, WINDOW}};
+
+    mmio_write(IWDG_KR, IWDG_KEY_START);
+    mmio_write(IWDG_KR, IWDG_KEY_UNLOCK);
+    mmio_write(IWDG_PR, IWDG_PR_DIV4);
+    mmio_write(IWDG_RLR, RELOAD);
+    wait_for_watchdog();
+    mmio_write(IWDG_WINR, WINDOW); /* RM0440: feeds, too, once the others are in force */
+    wait_for_watchdog();
     return mmio_first_lost(expected, COUNT_OF(expected));
+}
+
+void iwdg_feed(void)
+{
+    mmio_write(IWDG_KR, IWDG_KEY_FEED);
 }
 
 static void feed(void *context)
 {
-    (void)context;
-    mmio_write(IWDG_KR, IWDG_KEY_FEED);
+    struct iwdg *iwdg = context;
+    const uint32_t now_us = mmio_read(TIM2_CNT);
+
+    if (now_us - iwdg->fed_us >= (uint32_t)WATCHDOG_FEED_MS * 1000U) {
+        iwdg->fed_us = now_us;
+        iwdg_feed();
+    }
 }
 
 static const struct watchdog_ops iwdg_ops = {feed};
-const struct watchdog iwdg_watchdog = {&iwdg_ops, 0};
+
+struct watchdog iwdg_interface(struct iwdg *iwdg)
+{
+    struct watchdog interface = {&iwdg_ops, iwdg};
+    return interface;
+}
 
 /* ---- Pins ------------------------------------------------------------------- */
 
@@ -220,6 +250,11 @@ static void toggle(void *context)
 {
     (void)context;
     mmio_write(GPIOC_BASE + GPIO_ODR, mmio_read(GPIOC_BASE + GPIO_ODR) ^ 2U);
+}
+
+bool board_io_permit_is_high(void)
+{
+    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 2U) != 0U;
 }
 
 static const struct drive_power_enable_ops pc1_ops = {toggle};

@@ -6,6 +6,7 @@
 #ifndef HAL_PORT_STM32G474_BOARD_IO_H
 #define HAL_PORT_STM32G474_BOARD_IO_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "hal/clock.h"
@@ -35,12 +36,22 @@ struct clock tim2_clock_interface(struct tim2_clock *clock);
 /* Time of the clock, ns. Loop or ISR, also with the timer's interrupt pending. */
 uint64_t tim2_clock_now_ns(void *clock);
 
+/* The same in us; wraps after 71 minutes. O(1). */
+uint32_t tim2_clock_now_us(const struct tim2_clock *clock);
+
 /* The same in whole ms; wraps after 49 days. */
 uint32_t tim2_clock_now_ms(const struct tim2_clock *clock);
 
 enum {
     WATCHDOG_TIMEOUT_MS = 120, /* erasing two pages takes 49 ms; the drives wait 250 ms */
+    WATCHDOG_OPENS_MS = 10,    /* fed earlier than that after the last time it bites, too */
+    WATCHDOG_FEED_MS = 20,
     WATCHDOG_POLLS = 2000000
+};
+
+/* When the watchdog was fed last, by TIM2. */
+struct iwdg {
+    uint32_t fed_us;
 };
 
 /* Starts the independent watchdog; nothing but a reset stops it. It runs from the
@@ -48,8 +59,13 @@ enum {
  * hold what was written: its time-out is another then. Start-up only; below 1 ms. */
 uint32_t iwdg_start(void);
 
-/* The independent watchdog; the context is not used. */
-extern const struct watchdog iwdg_watchdog;
+/* The independent watchdog for a loop that feeds it in every period: it passes one feed in
+ * WATCHDOG_FEED_MS on. Code that feeds the watchdog past it, or a timer that runs twice as fast, falls out of
+ * the window. Only once TIM2 counts. */
+struct watchdog iwdg_interface(struct iwdg *iwdg);
+
+/* Feeds it now. Start-up only, not within WATCHDOG_OPENS_MS of the last time. */
+void iwdg_feed(void);
 
 /* Switches the pins and FDCAN1's clock on. Returns 0, or the address of a register that does
  * not hold what was written. Start-up only. */
@@ -57,6 +73,9 @@ uint32_t board_io_init(void);
 
 /* PC1, push-pull: toggles once a tick that feeds the watchdog, while the drives may have power. */
 extern const struct drive_power_enable pc1_drive_power_enable;
+
+/* Whether that line is high now. O(1). */
+bool board_io_permit_is_high(void);
 
 /* PC0, pulled down: high only while the closed contact feeds it. */
 extern const struct emergency_stop pc0_emergency_stop;

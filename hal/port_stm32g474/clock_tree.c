@@ -91,6 +91,11 @@ uint32_t clock_tree_hz(void)
     return source == RCC_CFGR_SW_PLL ? (uint32_t)CORE_HZ : (uint32_t)FALLBACK_HZ;
 }
 
+bool clock_tree_is_boosted(void)
+{
+    return (mmio_read(PWR_CR5) & PWR_CR5_R1MODE) == 0U;
+}
+
 bool clock_tree_crystal_failed(void)
 {
     if ((mmio_read(RCC_CIFR) & RCC_CIFR_CSSF) == 0U) {

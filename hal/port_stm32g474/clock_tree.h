@@ -39,6 +39,9 @@ static inline uint32_t clock_tree_wait_polls(uint32_t clock_hz, uint32_t time_ms
     return clock_hz / 1000u * 10u / 76u * time_ms;
 }
 
+/* True while the core's regulator is in its boost mode. O(1). */
+bool clock_tree_is_boosted(void);
+
 /* From the NMI handler: true when the crystal has stopped (clock security
  * system). The core then runs on the RC oscillator, FDCAN has no clock any more
  * and the drives unload by their own time-out. O(1). */

@@ -14,6 +14,7 @@
 
 #define FLASH_ACR 0x40022000u
 #define FLASH_KEYR 0x40022008u
+#define FLASH_OPTKEYR 0x4002200Cu
 #define FLASH_SR 0x40022010u
 #define FLASH_CR 0x40022014u
 #define FLASH_ECCR 0x40022018u
@@ -27,6 +28,8 @@
 
 #define FLASH_KEY_1 0x45670123u
 #define FLASH_KEY_2 0xCDEF89ABu
+#define FLASH_OPTKEY_1 0x08192A3Bu
+#define FLASH_OPTKEY_2 0x4C5D6E7Fu
 
 #define FLASH_SR_EOP (1u << 0)
 #define FLASH_SR_ERRORS \
@@ -39,12 +42,21 @@
 #define FLASH_CR_PNB_MASK (0x7Fu << 3)
 #define FLASH_CR_BKER (1u << 11)
 #define FLASH_CR_STRT (1u << 16)
+#define FLASH_CR_OPTSTRT (1u << 17)
+#define FLASH_CR_OBL_LAUNCH (1u << 27)
+#define FLASH_CR_OPTLOCK (1u << 30)
 #define FLASH_CR_LOCK (1u << 31)
 
 #define FLASH_ECCR_ECCIE (1u << 24)
+#define FLASH_ECCR_ECCC (1u << 30) /* one error in a word: corrected; written back to clear */
 #define FLASH_ECCR_ECCD (1u << 31) /* two errors in a word: NMI; written back to clear */
 
+#define FLASH_OPTR_RDP_MASK 0xFFu
+#define FLASH_OPTR_RDP_NONE 0xAAu
+#define FLASH_OPTR_BOR_MASK (7u << 8)
+#define FLASH_OPTR_BOR_2V5 (3u << 8)
 #define FLASH_OPTR_DBANK (1u << 22)
+#define FLASH_OPTR_SRAM_PE (1u << 24) /* 0: parity of the first 32 KiB of SRAM1 and of CCM SRAM */
 
 #define FLASH_MEMORY_BASE 0x08000000u
 #define FLASH_BANK_BYTES 0x00040000u

@@ -220,6 +220,17 @@ uint32_t flash_store_option_bytes(void)
     return mmio_read(FLASH_OPTR);
 }
 
+bool flash_store_take_corrected(void)
+{
+    const uint32_t state = mmio_read(FLASH_ECCR);
+
+    if ((state & FLASH_ECCR_ECCC) == 0U) {
+        return false;
+    }
+    mmio_write(FLASH_ECCR, (state & FLASH_ECCR_ECCIE) | FLASH_ECCR_ECCC);
+    return true;
+}
+
 /* ---- Programs ------------------------------------------------------------------- */
 
 static bool program_read(void *context, uint32_t address, uint8_t *out)

@@ -56,6 +56,9 @@ enum nv_result flash_store_write_at(struct flash_store *store, uint32_t address,
 /* The option bytes in force (FLASH_OPTR). O(1). */
 uint32_t flash_store_option_bytes(void);
 
+/* True when the error correction mended a word since the last call (RM0440, ECCR.ECCC). Loop; O(1). */
+bool flash_store_take_corrected(void);
+
 /* The program's slot and the stage for its successor. */
 struct program_slots flash_store_programs(struct flash_store *store);
 

@@ -10,7 +10,7 @@ uint32_t idle_until_interrupt(const struct fdcan *can, const struct tim2_clock *
     const uint32_t state = mmio_lock();
     uint32_t slept = 0;
 
-    if (!fdcan_has_received(can) && clock->waiting == 0U) {
+    if (!fdcan_is_due(can) && clock->waiting == 0U) {
         const uint32_t before = cycle_counter();
         mmio_sleep();
         slept = cycle_counter() - before;

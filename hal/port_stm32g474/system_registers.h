@@ -10,7 +10,9 @@
  * hardware/stm32g4xxxx_pwr.h, has it at 8 like (1) and (3).
  * The crystal (24 MHz), the PLL's factors and FDCAN1 on PA11 and PA12: Zephyr's
  * nucleo_g474re.dts; alternate function 9: stm32g4xx_hal_gpio_ex.h and
- * mikroSDK's pin lists. Behaviour follows RM0440.
+ * mikroSDK's pin lists. LPTIM1, SYSCFG, EXTI, the supply detector and the window: (1), and the values of
+ * their fields from stm32g4xx-hal-driver, Inc/stm32g4xx_hal_{pwr,rcc_ex,flash}.h.
+ * Behaviour follows RM0440.
  */
 #ifndef HAL_PORT_STM32G474_SYSTEM_REGISTERS_H
 #define HAL_PORT_STM32G474_SYSTEM_REGISTERS_H
@@ -25,6 +27,7 @@
 #define RCC_AHB2ENR 0x4002104Cu
 #define RCC_APB1ENR1 0x40021058u
 #define RCC_APB1ENR2 0x4002105Cu
+#define RCC_APB2ENR 0x40021060u
 #define RCC_CCIPR 0x40021088u
 #define RCC_CSR 0x40021094u
 
@@ -55,12 +58,16 @@
 #define RCC_APB1_TIM2 (1u << 0)
 #define RCC_APB1_FDCAN (1u << 25)
 #define RCC_APB1_PWR (1u << 28)
+#define RCC_APB1_LPTIM1 (1u << 31)
+#define RCC_APB2_SYSCFG (1u << 0)
 #define RCC_APB1_LPUART1 (1u << 0) /* of the second enable register */
 #define RCC_AHB2_GPIOA (1u << 0)
 #define RCC_AHB2_GPIOC (1u << 2)
 
 #define RCC_CCIPR_FDCANSEL_MASK (3u << 24)   /* 0 = HSE */
 #define RCC_CCIPR_LPUART1SEL_MASK (3u << 10) /* 0 = PCLK1 */
+#define RCC_CCIPR_LPTIM1SEL_MASK (3u << 18)
+#define RCC_CCIPR_LPTIM1SEL_LSI (1u << 18)
 
 #define RCC_CSR_LSION (1u << 0)
 #define RCC_CSR_LSIRDY (1u << 1)
@@ -74,7 +81,12 @@
 #define RCC_CSR_LPWRRSTF (1u << 31)
 
 /* ---- PWR ---- */
+#define PWR_CR2 0x40007004u
+#define PWR_CR2_PVDE (1u << 0)
+#define PWR_CR2_PLS_MASK (7u << 1)
+#define PWR_CR2_PLS_2V9 (6u << 1)
 #define PWR_SR2 0x40007014u
+#define PWR_SR2_PVDO (1u << 11) /* the supply is below the threshold */
 #define PWR_SR2_VOSF (1u << 10)
 #define PWR_CR5 0x40007080u
 #define PWR_CR5_R1MODE (1u << 8) /* 0 = boost: needed above 150 MHz */
@@ -124,18 +136,41 @@
 #define TIM_SR_CC1IF (1u << 1)
 #define TIM_EGR_UG (1u << 0)
 
+/* ---- LPTIM1, 16 bits ---- */
+#define LPTIM1_ISR 0x40007C00u
+#define LPTIM1_CFGR 0x40007C0Cu
+#define LPTIM1_CR 0x40007C10u
+#define LPTIM1_ARR 0x40007C18u
+#define LPTIM1_CNT 0x40007C1Cu
+#define LPTIM_ISR_ARROK (1u << 4)
+#define LPTIM_CR_ENABLE (1u << 0)
+#define LPTIM_CR_CNTSTRT (1u << 2)
+
+/* ---- SYSCFG ---- */
+#define SYSCFG_CFGR2 0x4001001Cu
+#define SYSCFG_CFGR2_SPF (1u << 8) /* RAM parity error; written back to clear */
+
+/* ---- EXTI; line 16 is the supply's detector ---- */
+#define EXTI_IMR1 0x40010400u
+#define EXTI_RTSR1 0x40010408u
+#define EXTI_FTSR1 0x4001040Cu
+#define EXTI_PR1 0x40010414u
+#define EXTI_LINE_PVD (1u << 16)
+
 /* ---- IWDG ---- */
 #define IWDG_KR 0x40003000u
 #define IWDG_PR 0x40003004u
 #define IWDG_RLR 0x40003008u
 #define IWDG_SR 0x4000300Cu
+#define IWDG_WINR 0x40003010u
 #define IWDG_KEY_FEED 0xAAAAu
 #define IWDG_KEY_UNLOCK 0x5555u
 #define IWDG_KEY_START 0xCCCCu
 #define IWDG_PR_DIV4 0u
-#define IWDG_SR_BUSY 3u /* PVU and RVU */
+#define IWDG_SR_BUSY 7u /* PVU, RVU, WVU */
 
 /* Interrupt numbers. */
+#define IRQ_PVD 1u
 #define IRQ_FDCAN1_IT0 21u
 #define IRQ_TIM2 28u
 #define IRQ_COUNT 102u

@@ -25,7 +25,13 @@ enum crash_cause {
     CRASH_WATCHDOG = 9,     /* nobody wrote a record: the watchdog reset the processor */
     CRASH_SUPPLY = 10,      /* likewise: the supply dipped, so briefly that memory was kept */
     CRASH_LOST_WRITE = 11,  /* a register does not hold what the start wrote; detail: its address */
-    CRASH_PROGRAM = 12      /* the program in flash is another than the one that was written */
+    CRASH_PROGRAM = 12,     /* the program in flash is another than the one that was written */
+    CRASH_RAM = 13,         /* a word of RAM failed the march while running; detail: its address */
+    CRASH_RAM_PARITY = 14,  /* a word of RAM was read with the wrong parity */
+    CRASH_REGISTER = 15, /* a register of the core has a stuck bit; detail: 0 core, 1, 2 floats */
+    CRASH_OSCILLATOR =
+        16,          /* crystal and watchdog's oscillator disagree; detail: Hz of the latter */
+    CRASH_STACK = 17 /* a stack came to within 32 bytes of its guard; detail: its bottom */
 };
 
 enum { CRASH_STACK_WORDS = 8 };

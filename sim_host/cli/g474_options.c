@@ -11,7 +11,9 @@ enum {
     KEY_EVERY,
     KEY_LOSE,
     KEY_LOG,
-    KEY_COSTS
+    KEY_COSTS,
+    KEY_BOARD,
+    KEY_TRACE
 };
 
 static const struct argp_option option_list[] = {
@@ -21,13 +23,17 @@ static const struct argp_option option_list[] = {
     {"fault", KEY_FAULT, "NAME", 0,
      "emergency-stop, lost-sensor, lost-drive, destroyed-frames, hang, crystal-stops, no-crystal, "
      "torn-settings, ecc-error, save-cut, load-cut, lost-write, half-written, "
-     "damaged-program, stuck-ram, update, update-older, update-other-board, update-walking or update-cut",
+     "damaged-program, stuck-ram, first-start, options-cut, supply-low, brown-out, ram-slice, "
+     "ram-parity, core-register, float-register, slow-oscillator, fast-oscillator, deep-stack, "
+     "flash-corrected, early-feed, update, update-older, update-other-board, update-walking or update-cut",
      0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
     {"cut", KEY_CUT, "N", 0, "save-cut, load-cut: power fails in flash operation N, from 0 (0)", 0},
     {"every", KEY_EVERY, "N", 0, "likewise: in each N-th operation, one after the other", 0},
     {"lose", KEY_LOSE, "ADDRESS", 0, "lost-write: of this register, decimal (TIM2's prescaler)", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 4},
+    {"trace", KEY_TRACE, "FILE", 0, "what a debugger records of an image built with TRACE=swo", 4},
+    {"board", KEY_BOARD, 0, 0, "then ask the image what `afo ctl board' asks a board", 4},
     {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 4},
     {0}};
 
@@ -66,6 +72,12 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_LOG:
         options->log_path = text;
+        return 0;
+    case KEY_TRACE:
+        options->trace_path = text;
+        return 0;
+    case KEY_BOARD:
+        options->board = true;
         return 0;
     case KEY_COSTS:
         options->costs_path = text;

@@ -2,6 +2,7 @@
 #ifndef SIM_HOST_CLI_G474_OPTIONS_H
 #define SIM_HOST_CLI_G474_OPTIONS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "sim_host/cli/emulator_options.h"
@@ -19,7 +20,8 @@ struct g474_options {
     double seconds;
     enum chip_fault fault;
     uint32_t fault_step, cut, every, lose;
-    const char *log_path, *costs_path;
+    const char *log_path, *costs_path, *trace_path;
+    bool board;
 };
 
 /* Sets the defaults and takes the arguments; ends the program where they are wrong (status 2)

@@ -33,7 +33,7 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         "\"simulated_s\": %.6f, \"exceptions\": %llu, \"tail_chained\": %llu, \"starts\": %u, "
         "\"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, \"crash_count\": %u, "
         "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
-        "\"led_edges\": %u, \"serial\": \"%s\", "
+        "\"led_edges\": %u, \"noticed_ms\": %.3f, \"corrected\": %u, \"serial\": \"%s\", "
         "\"wall_s\": %.2f}\n",
         chip_session_is_good(session) ? "true" : "false", session->record.count,
         session->fell ? "true" : "false", session->trouble, bridge->ticks,
@@ -46,7 +46,11 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         chip->resets, bridge->state, supervisor_fault_name((enum supervisor_fault)bridge->fault),
         (unsigned)session->crash.cause, (unsigned)session->crash.count,
         chip->flash_registers.operations, session->cuts.hit ? "true" : "false", session->cuts.tried,
-        session->cuts.bad, (unsigned long long)chip->permit_edges, chip->led_edges, serial, wall_s);
+        session->cuts.bad, (unsigned long long)chip->permit_edges, chip->led_edges,
+        session->noticed_ns > session->brought_ns
+            ? 1e-6 * (double)(session->noticed_ns - session->brought_ns)
+            : 0.0,
+        session->told_corrected, serial, wall_s);
 }
 
 void g474_report_text(const struct chip_session *session, double wall_s)

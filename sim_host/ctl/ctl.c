@@ -18,6 +18,7 @@ const struct ctl_verb_row ctl_verbs[] = {
     {"walk", ctl_walk, 0, 0, "", "ask for assistance, and wait until it engages", true},
     {"stop", ctl_stop, 0, 0, "", "end it, and wait until both springs are unloaded", true},
     {"reset", ctl_reset, 0, 0, "", "clear a latched fault, at standstill", true},
+    {"board", ctl_board, 0, 0, "", "a check-list of the board: clock, supply, lines, tests", true},
     {"zero", ctl_zero, 0, 0, "", "find the leg sensors' offsets: stand still for 3 s", true},
 };
 const size_t ctl_verb_count = sizeof ctl_verbs / sizeof ctl_verbs[0];

@@ -47,6 +47,7 @@ enum exit_status ctl_walk(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_stop(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_reset(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_zero(struct ctl *ctl, int count, char **words);
+enum exit_status ctl_board(struct ctl *ctl, int count, char **words);
 
 /* All verbs by name, with what --help says of them. */
 struct ctl_verb_row {

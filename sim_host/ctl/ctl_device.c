@@ -21,7 +21,7 @@ static const struct named_object *object_at(const struct ctl *ctl, const char *n
     return object;
 }
 
-static int read_named(const struct ctl *ctl, const char *name, uint32_t *number)
+int ctl_read_named(const struct ctl *ctl, const char *name, uint32_t *number)
 {
     static struct object_value value;
     char message[OBJECT_MESSAGE_MAX];
@@ -70,7 +70,7 @@ struct condition {
 static int read_condition(const struct ctl *ctl, struct condition *condition)
 {
     uint32_t state, fault;
-    if (read_named(ctl, STATE, &state) != 0 || read_named(ctl, FAULT, &fault) != 0) {
+    if (ctl_read_named(ctl, STATE, &state) != 0 || ctl_read_named(ctl, FAULT, &fault) != 0) {
         return -1;
     }
     condition->state = (enum supervisor_state)(state & ~(uint32_t)STOP_BIT);
@@ -133,11 +133,11 @@ static enum exit_status give_up(const struct ctl *ctl, const struct condition *c
 static int let_ticks_pass(const struct ctl *ctl)
 {
     uint32_t first, now;
-    if (read_named(ctl, "counters.ticks", &first) != 0) {
+    if (ctl_read_named(ctl, "counters.ticks", &first) != 0) {
         return -1;
     }
     for (unsigned waited = 0; waited < ctl->patience_ms; waited += TICK_WAIT_MS) {
-        if (read_named(ctl, "counters.ticks", &now) != 0) {
+        if (ctl_read_named(ctl, "counters.ticks", &now) != 0) {
             return -1;
         }
         if (now - first >= TICKS_APART) {
@@ -184,7 +184,7 @@ enum exit_status ctl_walk(struct ctl *ctl, int count, char **words)
         return EXIT_BAD;
     }
     uint32_t withdrawn = 0;
-    if (came == 0 && read_named(ctl, "drives.withdrawn", &withdrawn) == 0 && withdrawn != 0) {
+    if (came == 0 && ctl_read_named(ctl, "drives.withdrawn", &withdrawn) == 0 && withdrawn != 0) {
         return give_up(ctl, &condition, "the drives are spared",
                        "wait until they have recovered: `afo ctl get drives'");
     }
@@ -291,7 +291,7 @@ enum exit_status ctl_zero(struct ctl *ctl, int count, char **words)
         return EXIT_BAD;
     }
     for (unsigned waited = 0; zeroing == ZEROING_RUNNING; waited += LOOK_MS) {
-        if (read_named(ctl, ZEROING, &zeroing) != 0) {
+        if (ctl_read_named(ctl, ZEROING, &zeroing) != 0) {
             return EXIT_BAD;
         }
         if (zeroing != ZEROING_RUNNING) {

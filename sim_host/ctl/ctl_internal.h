@@ -34,6 +34,9 @@ int ctl_mark_all(const struct ctl *ctl, int count, char **words, bool *is_meant)
 /* Whether a word is an address that the node's dictionary here does not have. */
 bool ctl_is_foreign(const struct ctl *ctl, const char *word);
 
+/* Reads the number that the object of this whole name holds. Returns 0, or -1 after a complaint. */
+int ctl_read_named(const struct ctl *ctl, const char *name, uint32_t *number);
+
 /* "NAME = VALUE UNIT (NAME OF THE VALUE)". */
 void ctl_print_value(const struct ctl *ctl, const struct named_object *object,
                      const struct object_value *value);

@@ -1,19 +1,21 @@
 /* afo g474: the walk with the very image that is flashed, in an emulated STM32G474. */
 #include <time.h>
 
+#include "hal/bus/frame_table.h"
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/g474_options.h"
 #include "sim_host/cli/g474_report.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/progress.h"
+#include "sim_host/ctl/ctl.h"
 #include "sim_host/emulator/g474/chip_trial.h"
 #include "sim_host/programs/commands.h"
 
 struct g474 {
     struct g474_options options;
     struct chip_session session;
-    struct output_file log, costs;
+    struct output_file log, costs, trace;
     struct progress progress;
 };
 
@@ -50,7 +52,8 @@ static int prepare(struct g474 *g474)
         return program_complain("%s", message);
     }
     if (open_output(&g474->log, options->log_path) != 0 ||
-        open_output(&g474->costs, options->costs_path) != 0) {
+        open_output(&g474->costs, options->costs_path) != 0 ||
+        open_output(&g474->trace, options->trace_path) != 0) {
         return -1;
     }
     session->steps = options->emulator.steps;
@@ -68,7 +71,38 @@ static int prepare(struct g474 *g474)
     }
     session->bridge.corrupt_frame = options->emulator.corrupt_frame;
     session->bridge.costs = g474->costs.stream;
+    session->chip.trace = g474->trace.stream;
     return 0;
+}
+
+enum { SDO_PATIENCE_TICKS = 500 };
+
+static bool let_it_run(void *context, unsigned waits)
+{
+    struct chip_session *session = context;
+
+    chip_bridge_tick(&session->bridge);
+    return waits < SDO_PATIENCE_TICKS;
+}
+
+/* What `afo ctl board' says of this board. */
+static void ask_board(struct chip_session *session, bool json)
+{
+    static char verb[] = "board";
+    static struct ctl ctl;
+    char *words[] = {verb};
+
+    chip_bridge_stop_comparing(&session->bridge);
+    session->crash_known = true; /* the tool's queue is read from here on */
+    ctl = (struct ctl){.link = {.bus = session->tool,
+                                .wait = let_it_run,
+                                .context = session,
+                                .node = NODE_CONTROLLER},
+                       .json = json,
+                       .out = stdout,
+                       .complaints = stderr};
+    ctl_open(&ctl);
+    (void)ctl_run(&ctl, 1, words);
 }
 
 static double now_s(void)
@@ -94,13 +128,17 @@ static int run(struct g474 *g474)
         chip_trial_run(session);
     }
     const double wall_s = now_s() - start_s;
-    if (commit_output(&g474->log) != 0 || commit_output(&g474->costs) != 0) {
+    if (commit_output(&g474->log) != 0 || commit_output(&g474->costs) != 0 ||
+        commit_output(&g474->trace) != 0) {
         return EXIT_BAD;
     }
     if (g474->options.emulator.json) {
         g474_report_json(session, wall_s);
     } else if (!g474->options.emulator.quiet) {
         g474_report_text(session, wall_s);
+    }
+    if (g474->options.board) {
+        ask_board(session, g474->options.emulator.json);
     }
     return chip_session_is_good(session) ? EXIT_GOOD : EXIT_BAD;
 }
@@ -113,6 +151,7 @@ int afo_g474(int argc, char **argv)
     const int status = run(&g474);
     output_file_discard(&g474.log);
     output_file_discard(&g474.costs);
+    output_file_discard(&g474.trace);
     chip_session_free(&g474.session);
     return status;
 }

@@ -2,12 +2,12 @@
 BOARDS += nucleo_g474re
 CPU_nucleo_g474re := cortex_m4f
 PORTS_nucleo_g474re := port_cortex_m port_fdcan port_stm32g474
-INTERRUPTS_nucleo_g474re := tim2_handler fdcan1_handler
+INTERRUPTS_nucleo_g474re := tim2_handler fdcan1_handler pvd_handler
 
 # What runs first: a program of its own, with object files of its own, in the first pages of flash.
 STARTER := $(ARM_BUILD)/starter/starter
 STARTER_SRC := $(addprefix firmware/boards/nucleo_g474re/starter/,starter.c) hal/storage/crc.c hal/storage/program_image.c \
-        hal/storage/program_slots.c hal/port_stm32g474/flash_store.c hal/port_stm32g474/signs.c
+        hal/storage/program_slots.c hal/port_stm32g474/flash_store.c hal/port_stm32g474/option_bytes.c hal/port_stm32g474/signs.c
 STARTER_OBJ := $(STARTER_SRC:%.c=$(ARM_BUILD)/starter/%.o)
 STARTER_FLAGS := -mcpu=cortex-m4 -mthumb -O2 -std=c11 $(WARN) -fno-short-enums -ffunction-sections -fdata-sections -fno-common -I.
 $(ARM_BUILD)/starter/%.o: %.c firmware/boards/nucleo_g474re/board.mk

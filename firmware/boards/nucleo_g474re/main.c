@@ -1,24 +1,31 @@
 /* The orthosis on a NUCLEO-G474RE: FDCAN1 on PA11 and PA12, emergency stop on PC0. */
 #include "firmware/boards/nucleo_g474re/can_filters.h"
+#include "firmware/boards/nucleo_g474re/self_tests.h"
 #include "firmware/orthosis.h"
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
 #include "hal/port_cortex_m/cycle_counter.h"
+#include "hal/port_cortex_m/tick_trace.h"
 #include "hal/port_fdcan/fdcan.h"
 #include "hal/port_stm32g474/board_io.h"
 #include "hal/port_stm32g474/clock_tree.h"
 #include "hal/port_stm32g474/flash_store.h"
 #include "hal/port_stm32g474/idle.h"
+#include "hal/port_stm32g474/option_bytes.h"
 #include "hal/port_stm32g474/signs.h"
+#include "hal/port_stm32g474/supply.h"
 #include "hal/port_stm32g474/system_registers.h"
 
-enum { EXCEPTION_NMI = 2, RETRY_MS = 1000 };
+enum { EXCEPTION_NMI = 2, RETRY_MS = 1000, BOARD_PERIOD = 256 };
 
 static struct orthosis orthosis;
 static struct fdcan can;
 static struct tim2_clock timer;
 static struct flash_store flash;
+static struct iwdg iwdg;
+static struct supply supply;
+static struct self_tests tests;
 /* Before, timer and FDCAN1 have no clock: nobody may ask them anything. */
 static bool ports_run;
 
@@ -35,6 +42,7 @@ __attribute__((section(".program_header"),
     .hardware = PROGRAM_HARDWARE_NUCLEO_G474RE}; /* scripts/seal-image: the rest */
 
 void fdcan1_handler(void);
+void pvd_handler(void);
 void tim2_handler(void);
 
 /* Each ends with a barrier: scripts/errata.txt, core 2.1.3. */
@@ -50,12 +58,20 @@ void tim2_handler(void)
     cortex_m4_barrier();
 }
 
+void pvd_handler(void)
+{
+    supply_interrupt(&supply);
+    cortex_m4_barrier();
+}
+
 __attribute__((section(".vectors"), used)) const union vector vector_table[16 + IRQ_COUNT] = {
     {.stack = handler_stack_top},
     {.handler = reset_handler},
     VECTOR_EXCEPTIONS,
+    VECTOR_FAULT,
+    {.handler = pvd_handler}, /* 1 */
     VECTOR_FAULT_16,
-    VECTOR_FAULT_4,
+    VECTOR_FAULT_2,
     VECTOR_FAULT,
     {.handler = fdcan1_handler}, /* 21 */
     VECTOR_FAULT_4,
@@ -77,8 +93,14 @@ void board_last_will(struct crash_record *record)
         fdcan_silence();
     }
     record->build_id = version_build_id();
-    if (record->cause == (uint32_t)CRASH_NMI && clock_tree_crystal_failed()) {
+    if (record->cause != (uint32_t)CRASH_NMI) {
+        return;
+    }
+    if (clock_tree_crystal_failed()) {
         record->cause = CRASH_CLOCK_FAILED;
+    } else if (supply_ram_parity_failed()) {
+        record->cause = CRASH_RAM_PARITY;
+        black_box.header.magic = 0; /* the word may be in there, and the next start reads it */
     }
 }
 
@@ -116,7 +138,9 @@ static _Noreturn void give_up(enum crash_cause cause, uint32_t detail)
     const uint32_t polls = clock_tree_wait_polls(clock_tree_hz(), 1);
 
     for (uint32_t time_ms = 0; time_ms < (uint32_t)RETRY_MS; time_ms++) {
-        iwdg_watchdog.ops->feed(iwdg_watchdog.context);
+        if (time_ms % (uint32_t)WATCHDOG_FEED_MS == (uint32_t)WATCHDOG_FEED_MS - 1u) {
+            iwdg_feed();
+        }
         for (volatile uint32_t poll = 0; poll < polls; poll++) {
         }
     }
@@ -145,6 +169,8 @@ static void start_ports(void)
     must_hold(board_io_init());
     must_hold(tim2_clock_init(&timer, CORE_HZ));
     ports_run = true;
+    must_hold(supply_init(&supply));
+    must_hold(self_tests_init(&tests));
     result = fdcan_init(&can, &config);
     must_hold(can.lost_register);
     if (result != FDCAN_OK) {
@@ -152,6 +178,7 @@ static void start_ports(void)
     }
     cortex_m4_enable_interrupt(IRQ_FDCAN1_IT0, 0);
     cortex_m4_enable_interrupt(IRQ_TIM2, 1);
+    cortex_m4_enable_interrupt(IRQ_PVD, 2);
     cortex_m4_interrupts_on();
 }
 
@@ -192,13 +219,80 @@ static void show_state(struct signs_line *line, uint8_t *told)
 static void note_cycles(uint32_t *slept)
 {
     static uint32_t began;
-    const uint32_t now = cycle_counter();
+    const uint32_t now = cycle_counter(), cycles = now - began - *slept;
 
     if (orthosis.task.now_ns != 0u) { /* the start is no tick */
-        control_task_show_cycles(&orthosis.task, now - began - *slept);
+        control_task_show_cycles(&orthosis.task, cycles);
     }
+    tick_trace(orthosis.task.tick, cycles, (uint32_t)orthosis.task.output.state,
+               (uint32_t)orthosis.task.output.fault);
     began = now;
     *slept = 0;
+}
+
+/* The emergency stop's contact is open, or the chip's power is going: in both cases the springs must
+ * be unloaded now. */
+static bool must_stop(void *context)
+{
+    (void)context;
+    return supply_is_low(&supply) || emergency_stop_is_pressed(&pc0_emergency_stop);
+}
+
+static const struct emergency_stop_ops stop_ops = {must_stop};
+static const struct emergency_stop stop_input = {&stop_ops, 0};
+
+/* What 0x2033 tells of this board; now and then is enough. */
+static void show_board(struct controller_board *board)
+{
+    static bool permit_was_high;
+    static uint32_t looked_at_tick;
+    const uint32_t tick = orthosis.task.tick;
+    const bool permit_is_high = board_io_permit_is_high();
+    uint32_t bits =
+        (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
+        (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
+        (emergency_stop_is_pressed(&pc0_emergency_stop) ? 0u : (uint32_t)BOARD_STOP_CLOSED);
+
+    /* It toggles in each tick: after an odd number of them it is the other way round. */
+    if ((tick - looked_at_tick) % 2u == 1u) {
+        bits |= permit_is_high != permit_was_high ? (uint32_t)BOARD_PERMIT_MOVES : 0u;
+    } else {
+        bits |= board->bits & (uint32_t)BOARD_PERMIT_MOVES;
+    }
+    permit_was_high = permit_is_high;
+    looked_at_tick = tick;
+    board->bits = (uint8_t)bits;
+    board->watchdog_clock_Hz = tests.lsi.hz;
+    board->supply_dips = supply.dips;
+    board->ram_rounds = tests.ram_rounds;
+    board->program_rounds = orthosis.program_rounds;
+}
+
+static void begin_board(struct controller_board *board, uint32_t reset_flags)
+{
+    board->clock_Hz = clock_tree_hz();
+    board->option_bytes = flash_store_option_bytes();
+    board->wanted_option_bytes = option_bytes_wanted(board->option_bytes);
+    board->reset_flags = reset_flags;
+}
+
+/* In a tick with little else to do. */
+static void test_board(void)
+{
+    struct controller_objects *objects = &orthosis.task.node.objects;
+    static uint32_t turns;
+    uint32_t detail = 0;
+    const enum crash_cause failed = self_tests_go_on(&tests, tim2_clock_now_us(&timer), &detail);
+
+    if (failed != CRASH_NONE) {
+        cortex_m4_crash(failed, detail);
+    }
+    if (flash_store_take_corrected() && objects->counters.flash_corrected < UINT32_MAX) {
+        objects->counters.flash_corrected++;
+    }
+    if (turns++ % (uint32_t)BOARD_PERIOD == 0u) {
+        show_board(&objects->board);
+    }
 }
 
 int main(void)
@@ -208,13 +302,15 @@ int main(void)
     const struct nv_store nv = flash_store_interface(&flash);
     const struct program_slots program = flash_store_programs(&flash);
     const struct clock clock = tim2_clock_interface(&timer);
+    const struct watchdog watchdog = iwdg_interface(&iwdg);
     struct orthosis_config config = {
         .clock = &clock,
-        .stop = pc0_emergency_stop,
-        .watchdog = &iwdg_watchdog,
+        .stop = stop_input,
+        .watchdog = &watchdog,
         .drive_power = &pc1_drive_power_enable,
         .nv = &nv,
         .program = &program,
+        .in_quiet_ticks = test_board,
         .black_box = &black_box,
         .crash = &crash_record,
         .streak = &crash_streak,
@@ -230,6 +326,7 @@ int main(void)
     start_ports();
     config.bus = fdcan_bus(&can);
     orthosis_init(&orthosis, &config);
+    begin_board(&orthosis.task.node.objects.board, reset_flags);
     struct signs_line line = {.length = 0};
     uint8_t told_fault = 0;
     uint32_t slept = 0;
@@ -249,7 +346,7 @@ int main(void)
                 cortex_m4_reset();
             }
         }
-        if (ticked || fdcan_has_received(&can)) { /* a frame that left needs nobody */
+        if (ticked || fdcan_is_due(&can)) {
             (void)orthosis_poll(&orthosis);
         }
         slept += idle_until_interrupt(&can, &timer);

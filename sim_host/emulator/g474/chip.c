@@ -48,11 +48,12 @@ static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint3
     if (offset >= CHIP_FLASH_BYTES || bytes > CHIP_FLASH_BYTES - offset) {
         return bytes / 2;
     }
-    if (chip->block_bytes[offset / 2] != bytes) {
-        chip->block_bytes[offset / 2] = (uint16_t)bytes;
-        chip->block_instructions[offset / 2] = (uint8_t)count_instructions(chip, offset, bytes);
+    struct chip_block *block = &chip->block[offset / 2];
+    if (block->bytes != bytes) {
+        *block =
+            (struct chip_block){(uint16_t)bytes, (uint16_t)count_instructions(chip, offset, bytes)};
     }
-    return chip->block_instructions[offset / 2];
+    return block->instructions;
 }
 
 /* Something is due before the next block; true when the core must stop. */
@@ -71,9 +72,11 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
 {
     struct chip *chip = context;
 
-    chip_flash_copy(chip);
     if (chip->stuck_bit != 0) {
         *(uint32_t *)(void *)(chip->ram + chip->stuck_at) |= chip->stuck_bit;
+    }
+    if (chip->stuck_register_bits != 0) {
+        core_stick(&chip->core, chip->stuck_register, chip->stuck_register_bits);
     }
     if (chip->cycles >= chip->due && look_around(chip)) {
         core_stop(&chip->core);
@@ -104,6 +107,20 @@ static uint32_t stalled(const struct chip *chip)
     return 0;
 }
 
+/* Armv7-M, A7.7.161 and A7.7.163: plain stores of a word, which change nothing but memory. */
+static uint32_t behind_store(struct chip *chip, uint32_t pc)
+{
+    const uint16_t *code = (const uint16_t *)(const void *)(chip->flash + (pc - FLASH_BASE));
+    const bool is_short = (code[0] & 0xF800) == 0x6000 || (code[0] & 0xFE00) == 0x5000;
+    const bool is_long =
+        (code[0] & 0xFFF0) == 0xF8C0 || ((code[0] & 0xFFF0) == 0xF840 && (code[1] & 0x0FC0) == 0);
+
+    if (pc - FLASH_BASE >= (uint32_t)CHIP_BANK_BYTES || (!is_short && !is_long)) {
+        chip_find(chip, "a store into flash by an instruction that is not modelled");
+    }
+    return pc + (is_short ? 2 : 4);
+}
+
 static uint32_t run_core(struct chip *chip, uint32_t pc)
 {
     struct core *core = &chip->core;
@@ -116,6 +133,8 @@ static uint32_t run_core(struct chip *chip, uint32_t pc)
     case CORE_WAITS:
         chip->sleeping = true;
         return pc;
+    case CORE_STORED:
+        return behind_store(chip, pc);
     case CORE_EXCEPTION_RETURN:
         return chip_leave(chip, pc | 1u);
     case CORE_FAILED:
@@ -133,17 +152,21 @@ static uint32_t run_core(struct chip *chip, uint32_t pc)
 
 /* ---- Reset ---------------------------------------------------------------------------------------------- */
 
-static void reset(struct chip *chip, bool power_on)
+void chip_reset(struct chip *chip, bool power_on)
 {
     struct core *core = &chip->core;
     const uint64_t now_ns = chip_now_ns(chip);
 
-    chip_flash_copy(chip);
+    chip_flash_forget(chip);
     chip->base_ns = now_ns;
     chip->base_cycles = chip->cycles;
     chip_clocks_reset(chip, power_on);
     chip_scs_reset(chip);
     chip_io_reset(chip);
+    chip_supply_reset(chip);
+    if (power_on || chip->flash_registers.options_wanted) {
+        flash_model_load_options(&chip->flash_registers);
+    }
     fdcan_model_reset(&chip->can);
     flash_model_power_up(&chip->flash_registers);
     chip->flash_done_ns = CHIP_NEVER;
@@ -179,7 +202,7 @@ void chip_power_cycle(struct chip *chip)
 {
     scramble(chip);
     chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
-    reset(chip, true);
+    chip_reset(chip, true);
 }
 
 void chip_run(struct chip *chip, uint64_t until_ns)
@@ -189,7 +212,7 @@ void chip_run(struct chip *chip, uint64_t until_ns)
     chip_refresh(chip);
     while (!chip->stop_asked) {
         if (chip->reset_asked) {
-            reset(chip, false);
+            chip_reset(chip, false);
             return;
         }
         chip_check_guards(chip);
@@ -262,8 +285,10 @@ static int map_all(struct chip *chip)
                                           {0x40003000u, PAGE},
                                           {0x40006000u, 3 * PAGE},
                                           {0x4000A000u, PAGE},
+                                          {0x40010000u, PAGE},
                                           {0x40021000u, 2 * PAGE},
                                           {0x48000000u, 2 * PAGE},
+                                          {0xE0000000u, PAGE},
                                           {0xE0001000u, PAGE},
                                           {0xE000E000u, PAGE},
                                           {0xE0042000u, PAGE}};
@@ -293,10 +318,8 @@ int chip_start(struct chip *chip, const char *core_path, const char *image_path,
     memset(chip, 0, sizeof *chip);
     chip->flash = aligned_alloc(PAGE, CHIP_FLASH_BYTES);
     chip->ram = aligned_alloc(PAGE, CHIP_RAM_BYTES);
-    chip->block_instructions = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block_instructions);
-    chip->block_bytes = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block_bytes);
-    if (chip->flash == NULL || chip->ram == NULL || chip->block_instructions == NULL ||
-        chip->block_bytes == NULL) {
+    chip->block = calloc(CHIP_FLASH_BYTES / 2, sizeof *chip->block);
+    if (chip->flash == NULL || chip->ram == NULL || chip->block == NULL) {
         snprintf(chip->message, sizeof chip->message, "out of memory");
         return -1;
     }
@@ -322,6 +345,10 @@ int chip_start(struct chip *chip, const char *core_path, const char *image_path,
     chip_scs_map(chip);
     chip_clocks_map(chip);
     chip_io_map(chip);
+    chip_supply_map(chip);
+    chip->supply.vdd_mV = 3300;
+    chip->supply.lsi_hz = 32000;
+    chip->flash_registers.optr_stored = MODEL_OPTIONS_SET;
     chip->clocks.crystal_works = true;
     chip->clocks.core_khz = chip->clocks.timer_khz = 1;
     chip_power_cycle(chip);
@@ -334,10 +361,9 @@ void chip_free(struct chip *chip)
     model_on_misuse(NULL, NULL);
     free(chip->flash);
     free(chip->ram);
-    free(chip->block_instructions);
-    free(chip->block_bytes);
-    chip->flash = chip->ram = chip->block_instructions = NULL;
-    chip->block_bytes = NULL;
+    free(chip->block);
+    chip->flash = chip->ram = NULL;
+    chip->block = NULL;
 }
 
 uint32_t chip_ram_word(const struct chip *chip, uint32_t address)

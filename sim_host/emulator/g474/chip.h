@@ -20,6 +20,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "sim_host/emulator/g474/fdcan_model.h"
 #include "sim_host/emulator/g474/flash_model.h"
@@ -39,6 +40,7 @@ enum {
     CHIP_PORTS = 7,       /* GPIOA to GPIOG */
     CHIP_FINDINGS_MAX = 16,
     CHIP_FINDING_BYTES = 160,
+    CHIP_IRQ_PVD = 1,
     CHIP_IRQ_FDCAN1 = 21,
     CHIP_IRQ_TIM2 = 28
 };
@@ -46,6 +48,7 @@ enum {
 
 /* Why the chip was reset last; bits of RCC_CSR. */
 enum chip_reset {
+    CHIP_RESET_OPTIONS = 1 << 25,
     CHIP_RESET_PIN = 1 << 26,
     CHIP_RESET_POWER = 1 << 27,
     CHIP_RESET_SOFTWARE = 1 << 28,
@@ -80,9 +83,18 @@ struct chip_timer {
 };
 
 struct chip_watchdog {
-    uint32_t pr, rlr;
+    uint32_t pr, rlr, winr;
     bool running, unlocked;
     uint64_t due_ns, busy_until_ns;
+};
+
+/* The chip's supply, what looks after it, and the watchdog's oscillator. */
+struct chip_supply {
+    uint32_t vdd_mV;
+    uint32_t exti[6], cfgr2; /* EXTI's first registers; SYSCFG_CFGR2 */
+    uint32_t lptim[9];
+    uint64_t lptim_since_ns;
+    uint32_t lsi_hz;
 };
 
 struct chip_port {
@@ -90,12 +102,16 @@ struct chip_port {
     uint32_t driven, level; /* pins held from outside, and at what */
 };
 
+/* Instructions up to a branch. */
+struct chip_block {
+    uint16_t bytes, instructions;
+};
+
 struct chip {
     struct core core;
     uint8_t *flash, *ram;              /* of flash, what the core fetches: the first bank */
-    uint32_t changed_from, changed_to; /* of it, by the flash model, and not copied yet */
-    uint8_t *block_instructions;       /* by half-word of flash: of the block that begins there */
-    uint16_t *block_bytes;
+    uint32_t changed_from, changed_to; /* of it, that may be translated as it was before */
+    struct chip_block *block;          /* by half-word of flash: that which begins there */
     /* Time. */
     uint64_t cycles, instructions;
     uint64_t base_cycles, base_ns; /* the last change of the clock */
@@ -113,6 +129,7 @@ struct chip {
     struct chip_clocks clocks;
     struct chip_timer timer;
     struct chip_watchdog watchdog;
+    struct chip_supply supply;
     struct chip_port port[CHIP_PORTS];
     struct fdcan_model can;
     struct flash_model flash_registers;
@@ -126,10 +143,15 @@ struct chip {
     uint64_t uart_ready_ns;
     uint32_t led_edges;
     uint32_t stuck_at, stuck_bit; /* offset into RAM and bits that stay 1; no bits: none */
+    uint32_t weak_at;             /* address of a word that is read wrong; 0: none */
+    uint32_t weak_reads;
+    bool weak_is_ram;                             /* its parity fails; else flash, which mends it */
+    uint32_t stuck_register, stuck_register_bits; /* core_stick's number, and bits that stay 1 */
     bool hang; /* for tests: the program loops for ever from now on, interrupts go on */
     /* Findings. */
     char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];
     uint64_t finding_count;
+    FILE *trace; /* what a debugger records of the trace port; NULL = none listens */
     char message[CORE_MESSAGE_MAX];
 };
 
@@ -156,6 +178,20 @@ void chip_power_cycle(struct chip *chip);
 /* The crystal works from now on, or stops. */
 void chip_set_crystal(struct chip *chip, bool works);
 
+/* The supply is so high from now on. Below the brown-out level the chip is held in reset; memory is
+ * kept down to 1 V. */
+void chip_set_supply(struct chip *chip, uint32_t millivolts);
+
+/* The watchdog's oscillator has another frequency from now on. */
+void chip_set_lsi(struct chip *chip, uint32_t hz);
+
+/* Somebody feeds the watchdog now. */
+void chip_feed_watchdog(struct chip *chip);
+
+/* From now on reads of the word at `address` meet a wrong bit: RAM fails its parity, the first bank of
+ * flash mends it. 0: no more. */
+void chip_weaken(struct chip *chip, uint32_t address);
+
 /* Holds a pin at a level from outside. */
 void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high);
 
@@ -180,10 +216,11 @@ void chip_find(struct chip *chip, const char *format, ...) __attribute__((format
 void chip_fire(struct chip *chip);
 /* For the core: accesses to registers and to the parameter memory; context is the chip. */
 uint32_t chip_read(void *context, uint32_t address, uint32_t bytes);
-/* A store into the first bank of flash. */
-/* The flash model changed: noted, and copied before the next block. context is the chip. */
+/* The flash model changed. context is the chip. */
 void chip_flash_changed(void *context, uint32_t offset, uint32_t bytes);
-void chip_flash_copy(struct chip *chip);
+/* Another program begins: what was translated of changed flash is forgotten. */
+void chip_flash_forget(struct chip *chip);
+/* A store into the first bank of flash. */
 void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 /* A register changed: interrupts and due times are looked at again before the next block. */
@@ -195,6 +232,7 @@ uint64_t chip_next_due_cycle(const struct chip *chip);
 /* Core cycle at which `time_ns` is reached. */
 uint64_t chip_cycle_of(const struct chip *chip, uint64_t time_ns);
 
+void chip_reset(struct chip *chip, bool power_on);
 void chip_scs_reset(struct chip *chip);
 void chip_scs_map(struct chip *chip);
 uint64_t chip_systick_due(const struct chip *chip);
@@ -223,6 +261,10 @@ void chip_clocks_fire(struct chip *chip);
 void chip_clocks_apply(struct chip *chip);
 /* Whether what lies at `address` has its clock. */
 bool chip_has_clock(const struct chip *chip, uint32_t address, const char **name);
+
+void chip_supply_reset(struct chip *chip);
+void chip_supply_map(struct chip *chip);
+bool chip_supply_is_low(const struct chip *chip);
 
 void chip_io_reset(struct chip *chip);
 void chip_io_map(struct chip *chip);

@@ -15,6 +15,7 @@ enum {
     AHB2ENR = 0x4C,
     APB1ENR1 = 0x58,
     APB1ENR2 = 0x5C,
+    APB2ENR = 0x60,
     CCIPR = 0x88,
     CSR = 0x94
 };
@@ -35,6 +36,7 @@ enum {
     SOURCE_PLL = 3,
     PWR_CR1 = 0x00,
     PWR_SR2 = 0x14,
+    SR2_PVDO = 1 << 11,
     PWR_CR5 = 0x80,
     CR5_R1MODE = 1 << 8,
     HSE_KHZ = 24000,
@@ -144,6 +146,14 @@ bool chip_has_clock(const struct chip *chip, uint32_t address, const char **name
         *name = "LPUART1";
         return has(chip, APB1ENR2, 1);
     }
+    if (address >= 0x40007C00u && address < 0x40008000u) {
+        *name = "LPTIM1";
+        return has(chip, APB1ENR1, 1u << 31);
+    }
+    if (address >= 0x40010000u && address < 0x40010800u) {
+        *name = "SYSCFG";
+        return has(chip, APB2ENR, 1);
+    }
     if (address >= 0x40007000u && address < 0x40007400u) {
         *name = "PWR";
         return has(chip, APB1ENR1, PWR_CLOCK);
@@ -244,7 +254,8 @@ static void rcc_write(void *context, uint32_t offset, uint32_t value)
 static uint32_t pwr_read(void *context, uint32_t offset)
 {
     const struct chip *chip = context;
-    return chip->clocks.pwr[offset / 4];
+    return offset == PWR_SR2 ? (chip_supply_is_low(chip) ? SR2_PVDO : 0)
+                             : chip->clocks.pwr[offset / 4];
 }
 
 static void pwr_write(void *context, uint32_t offset, uint32_t value)

@@ -7,17 +7,29 @@
 
 enum { EXIT_GOOD_CUT = 0, EXIT_BAD_CUT = 1 };
 
+/* Waits until at most `left` copies are under way. */
+static void wait_for_copies(struct chip_cuts *cuts, unsigned left)
+{
+    while (cuts->under_way > left) {
+        int status = 0;
+        const bool ended = wait(&status) > 0;
+        cuts->bad += !ended || !WIFEXITED(status) || WEXITSTATUS(status) != EXIT_GOOD_CUT;
+        cuts->under_way--;
+    }
+}
+
 /* Before each operation; the copy returns from here and meets its end in the operation. */
 static void before_operation(void *context)
 {
     struct chip_cuts *cuts = context;
     struct flash_model *flash = &cuts->chip->flash_registers;
     const uint32_t operation = flash->operations - cuts->first;
-    int status = 0;
 
     if (operation % cuts->every != 0) {
         return;
     }
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    wait_for_copies(cuts, processors > 1 ? (unsigned)processors - 1 : 0);
     fflush(NULL);
     const pid_t copy = fork();
     if (copy == 0) {
@@ -28,9 +40,10 @@ static void before_operation(void *context)
         return;
     }
     cuts->tried++;
-    if (copy < 0 || waitpid(copy, &status, 0) != copy || !WIFEXITED(status) ||
-        WEXITSTATUS(status) != EXIT_GOOD_CUT) {
+    if (copy < 0) {
         cuts->bad++;
+    } else {
+        cuts->under_way++;
     }
 }
 
@@ -53,6 +66,9 @@ void chip_cuts_finish(struct chip_cuts *cuts)
 {
     struct flash_model *flash = &cuts->chip->flash_registers;
 
+    if (!cuts->in_copy) {
+        wait_for_copies(cuts, 0);
+    }
     flash->on_operation = NULL;
     flash->power_fails_at = UINT32_MAX;
     cuts->operations = flash->operations - cuts->first;

@@ -19,6 +19,7 @@ struct chip_cuts {
     bool in_copy;           /* this process is the copy whose power fails */
     bool hit;               /* power failed */
     uint32_t operations;    /* erases and words so far, counted from chip_cuts_begin on */
+    unsigned under_way;     /* copies, one a processor of this machine */
     uint32_t tried, bad;    /* copies, and those that did not end as they must */
     uint32_t first, resets; /* the chip's counts at the beginning */
 };

@@ -25,6 +25,7 @@ static void follow_line(struct chip *chip, unsigned interrupt, bool up)
 void chip_refresh(struct chip *chip)
 {
     follow_line(chip, CHIP_IRQ_FDCAN1, fdcan_model_line0(&chip->can));
+    follow_line(chip, CHIP_IRQ_PVD, (chip->supply.exti[5] & chip->supply.exti[0]) != 0);
     follow_line(chip, CHIP_IRQ_TIM2, (chip->timer.sr & chip->timer.dier) != 0);
     chip->attention = chip_wants_exception(chip);
     chip->due = chip->attention || chip->stop_asked || chip->reset_asked || chip->dead

@@ -5,7 +5,7 @@
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 
-enum { LSI_HZ = 32000, NS_PER_S = 1000000000, LSI_SYNC_NS = 160000 };
+enum { NS_PER_S = 1000000000, LSI_SYNC_NS = 160000 };
 
 /* ---- TIM2 ---------------------------------------------------------------------------------- */
 
@@ -164,14 +164,35 @@ static void fire_timer(struct chip *chip)
 
 enum { IWDG_KR = 0x00, IWDG_PR = 0x04, IWDG_RLR = 0x08, IWDG_SR = 0x0C, IWDG_WINR = 0x10 };
 
+static uint64_t watchdog_count_ns(const struct chip *chip, uint64_t counts)
+{
+    const uint64_t divider = UINT64_C(4) << (chip->watchdog.pr < 6 ? chip->watchdog.pr : 6);
+    return counts * divider * (uint64_t)NS_PER_S / chip->supply.lsi_hz;
+}
+
 static void reload_watchdog(struct chip *chip)
 {
     struct chip_watchdog *dog = &chip->watchdog;
-    const uint64_t divider = UINT64_C(4) << (dog->pr < 6 ? dog->pr : 6);
 
     if (dog->running) {
-        dog->due_ns = chip_now_ns(chip) + (dog->rlr + 1u) * divider * (uint64_t)NS_PER_S / LSI_HZ;
+        dog->due_ns = chip_now_ns(chip) + watchdog_count_ns(chip, dog->rlr + 1u);
     }
+}
+
+/* RM0440, "Window option": above the window's value the counter must not be fed. */
+static void feed_watchdog(struct chip *chip)
+{
+    struct chip_watchdog *dog = &chip->watchdog;
+
+    if (dog->due_ns <= chip_now_ns(chip)) {
+        return; /* too late, or too early once */
+    }
+    if (dog->running && chip_now_ns(chip) + watchdog_count_ns(chip, dog->winr) < dog->due_ns &&
+        dog->winr < 0xFFF) {
+        dog->due_ns = chip_now_ns(chip); /* it bites */
+        return;
+    }
+    reload_watchdog(chip);
 }
 
 static uint32_t watchdog_read(void *context, uint32_t offset)
@@ -184,9 +205,9 @@ static uint32_t watchdog_read(void *context, uint32_t offset)
     case IWDG_RLR:
         return chip->watchdog.rlr;
     case IWDG_SR:
-        return chip_now_ns(chip) < chip->watchdog.busy_until_ns ? 3 : 0;
+        return chip_now_ns(chip) < chip->watchdog.busy_until_ns ? 7 : 0;
     default:
-        return offset == IWDG_WINR ? 0xFFF : 0;
+        return offset == IWDG_WINR ? chip->watchdog.winr : 0;
     }
 }
 
@@ -202,7 +223,7 @@ static void watchdog_write(void *context, uint32_t offset, uint32_t value)
             chip->clocks.rcc[0x94 / 4] |= 3; /* RM0440: starts the LSI oscillator, too */
             reload_watchdog(chip);
         } else if (value == 0xAAAA) {
-            reload_watchdog(chip);
+            feed_watchdog(chip);
         }
         return;
     }
@@ -211,6 +232,9 @@ static void watchdog_write(void *context, uint32_t offset, uint32_t value)
         dog->pr = value & 7;
     } else if (dog->unlocked && offset == IWDG_RLR) {
         dog->rlr = value & 0xFFF;
+    } else if (dog->unlocked && offset == IWDG_WINR) {
+        dog->winr = value & 0xFFF;
+        reload_watchdog(chip);
     }
     dog->busy_until_ns = chip_now_ns(chip) + LSI_SYNC_NS;
 }
@@ -407,7 +431,7 @@ void chip_io_reset(struct chip *chip)
     chip->timer.arr = UINT32_MAX;
     chip->timer.match_ns = chip->timer.overflow_ns = CHIP_NEVER;
     memset(&chip->watchdog, 0, sizeof chip->watchdog);
-    chip->watchdog.rlr = 0xFFF;
+    chip->watchdog.rlr = chip->watchdog.winr = 0xFFF;
     chip->watchdog.due_ns = CHIP_NEVER;
     for (unsigned i = 0; i < CHIP_PORTS; i++) {
         memset(chip->port[i].reg, 0, sizeof chip->port[i].reg);
@@ -415,6 +439,24 @@ void chip_io_reset(struct chip *chip)
     }
     chip->port[0].reg[PUPDR / 4] = 0x64000000u;
     chip->port[1].reg[PUPDR / 4] = 0x00000100u;
+}
+
+void chip_set_lsi(struct chip *chip, uint32_t hz)
+{
+    struct chip_watchdog *dog = &chip->watchdog;
+    const uint64_t now_ns = chip_now_ns(chip);
+
+    if (dog->due_ns != CHIP_NEVER && dog->due_ns > now_ns) { /* so many counts are left */
+        dog->due_ns = now_ns + (dog->due_ns - now_ns) * chip->supply.lsi_hz / hz;
+    }
+    chip->supply.lsi_hz = hz;
+    chip_update(chip);
+}
+
+void chip_feed_watchdog(struct chip *chip)
+{
+    feed_watchdog(chip);
+    chip_update(chip);
 }
 
 void chip_io_map(struct chip *chip)

@@ -3,6 +3,10 @@
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 
+enum { SR_BSY = 1 << 16, ISR_TXE = 1 << 7 };
+#define FLASH_SR 0x40022010u
+#define LPUART_ISR 0x4000801Cu
+
 static bool in_store(uint32_t address)
 {
     return address - (0x08000000u + CHIP_BANK_BYTES) < (uint32_t)CHIP_BANK_BYTES;
@@ -28,15 +32,34 @@ static void wait_for_flash(struct chip *chip)
     }
 }
 
+/* A program that asks whether flash or port are done would hear the same until something happens:
+ * that is when it asks next. */
+static void skip_polls(struct chip *chip, uint32_t address, uint32_t value)
+{
+    uint64_t until = chip_next_due_cycle(chip);
+
+    if (address == LPUART_ISR && (value & ISR_TXE) == 0) {
+        const uint64_t ready = chip_cycle_of(chip, chip->uart_ready_ns);
+        until = ready < until ? ready : until;
+    } else if (address != FLASH_SR || (value & SR_BSY) == 0) {
+        return;
+    }
+    chip->cycles = until > chip->cycles ? until : chip->cycles;
+}
+
 static uint32_t read_word(struct chip *chip, uint32_t address)
 {
+    uint32_t value;
+
     if (in_store(address)) {
         wait_for_flash(chip);
     } else if (!is_reachable(chip, address)) {
         return 0;
     }
     chip->can.time_bits = (uint32_t)(chip_now_ns(chip) / 1000u);
-    return mmio_model_load(address);
+    value = mmio_model_load(address);
+    skip_polls(chip, address, value);
+    return value;
 }
 
 uint32_t chip_read(void *context, uint32_t address, uint32_t bytes)
@@ -74,8 +97,6 @@ void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t 
     MODEL_CHECK(bytes == 4 && address % 4 == 0, "flash %#x was written by %u bytes", address,
                 bytes);
     flash_model_store(&chip->flash_registers, (address & ~3u) - 0x08000000u, value);
-    /* The engine stores what the flash may refuse: put right before the next block. */
-    chip_flash_changed(chip, (address & ~7u) - 0x08000000u, 8);
     time_flash(chip, true);
     chip_update(chip);
 }
@@ -94,6 +115,10 @@ void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value)
         value = (mmio_model_load(word) & ~mask) | (value << shift & mask);
     }
     mmio_model_store(word, value);
+    if (chip->flash_registers.options_wanted && !chip->reset_asked) {
+        chip->reset_asked = true;
+        chip->reset_cause = (uint32_t)CHIP_RESET_OPTIONS | (uint32_t)CHIP_RESET_PIN;
+    }
     if (in_store(word) || word - 0x40022000u < 0x400u) {
         time_flash(chip, in_store(word));
         chip_clocks_apply(chip);

@@ -281,7 +281,8 @@ static void write_system(struct chip *chip, uint32_t offset, uint32_t value)
         scs->pending[EXCEPTION_PENDSV] |= (value & 1u << 28) != 0;
         scs->pending[EXCEPTION_SYSTICK] |= (value & 1u << 26) != 0;
         break;
-    case VTOR:
+    case VTOR: /* the starter is about to begin the program that it may have written */
+        chip_flash_forget(chip);
         scs->vtor = value & ~0x7Fu;
         break;
     case AIRCR:
@@ -366,6 +367,31 @@ static void counter_write(void *context, uint32_t offset, uint32_t value)
                 "the cycle counter's register %#x was written", offset);
 }
 
+/* ---- Trace port: DDI 0403, C1.7 and appendix D4 --------------------------------------------------- */
+
+enum { ITM_TER = 0xE00, ITM_TCR = 0xE80 };
+
+static uint32_t trace_read(void *context, uint32_t offset)
+{
+    const struct chip *chip = context;
+
+    if (offset == ITM_TCR || offset < 0x80) { /* a debugger listens, and there is always room */
+        return chip->trace != NULL ? 1 : 0;
+    }
+    return offset == ITM_TER && chip->trace != NULL ? UINT32_MAX : 0;
+}
+
+static void trace_write(void *context, uint32_t offset, uint32_t value)
+{
+    const struct chip *chip = context;
+    const uint8_t packet[5] = {(uint8_t)(offset / 4 << 3 | 3), (uint8_t)value, (uint8_t)(value >> 8),
+                               (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
+
+    if (chip->trace != NULL && offset < 0x80) {
+        (void)fwrite(packet, sizeof packet, 1, chip->trace);
+    }
+}
+
 void chip_scs_reset(struct chip *chip)
 {
     memset(&chip->scs, 0, sizeof chip->scs);
@@ -376,5 +402,6 @@ void chip_scs_reset(struct chip *chip)
 void chip_scs_map(struct chip *chip)
 {
     mmio_model_map(0xE000E000u, 0x1000, scs_read, scs_write, chip);
+    mmio_model_map(0xE0000000u, 0x1000, trace_read, trace_write, chip);
     mmio_model_map(0xE0001000u, 0x20, counter_read, counter_write, chip);
 }

@@ -47,6 +47,23 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_LOST_WRITE] = {"lost-write", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_LOST_WRITE, NULL},
     [CHIP_FAULT_HALF_WRITTEN] = {.name = "half-written", .says = "the program is not whole"},
     [CHIP_FAULT_STUCK_RAM] = {.name = "stuck-ram", .says = "the RAM has failed"},
+    [CHIP_FAULT_FIRST_START] = {.name = "first-start"},
+    [CHIP_FAULT_OPTIONS_CUT] = {.name = "options-cut"},
+    [CHIP_FAULT_SUPPLY_LOW] = {"supply-low", SUPERVISOR_FAULT_EMERGENCY_STOP, 0, CRASH_NONE, NULL},
+    [CHIP_FAULT_BROWN_OUT] = {"brown-out", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_SUPPLY, NULL},
+    [CHIP_FAULT_RAM_SLICE] = {.name = "ram-slice", .says = "the RAM has failed"},
+    [CHIP_FAULT_RAM_PARITY] = {"ram-parity", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_RAM_PARITY, NULL},
+    [CHIP_FAULT_CORE_REGISTER] = {"core-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER,
+                                  NULL},
+    [CHIP_FAULT_FLOAT_REGISTER] = {"float-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER,
+                                   NULL},
+    [CHIP_FAULT_SLOW_OSCILLATOR] = {"slow-oscillator", SUPERVISOR_FAULT_RESTARTED, 0,
+                                    CRASH_OSCILLATOR, NULL},
+    [CHIP_FAULT_FAST_OSCILLATOR] = {"fast-oscillator", SUPERVISOR_FAULT_RESTARTED, 0,
+                                    CRASH_OSCILLATOR, NULL},
+    [CHIP_FAULT_DEEP_STACK] = {"deep-stack", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_STACK, NULL},
+    [CHIP_FAULT_FLASH_CORRECTED] = {.name = "flash-corrected"},
+    [CHIP_FAULT_EARLY_FEED] = {"early-feed", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_WATCHDOG, NULL},
     [CHIP_FAULT_UPDATE] = {.name = "update"},
     [CHIP_FAULT_UPDATE_OLDER] = {.name = "update-older"},
     [CHIP_FAULT_UPDATE_OTHER_BOARD] = {.name = "update-other-board"},
@@ -72,6 +89,11 @@ bool chip_fault_is_cut(enum chip_fault fault)
 bool chip_fault_is_update(enum chip_fault fault)
 {
     return fault >= CHIP_FAULT_UPDATE && fault <= CHIP_FAULT_UPDATE_CUT;
+}
+
+static bool is_first_start(enum chip_fault fault)
+{
+    return fault == CHIP_FAULT_FIRST_START || fault == CHIP_FAULT_OPTIONS_CUT;
 }
 
 /* What is done at standstill: nobody walks before. */
@@ -119,6 +141,13 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
         const uint32_t length = chip_session_image_bytes(&session->chip);
         chip_erase(&session->chip, CHIP_STARTER_BYTES + length / 2, length);
     }
+    if (is_first_start(session->fault)) {
+        session->chip.flash_registers.optr_stored = MODEL_OPTIONS_DELIVERED;
+        chip_power_cycle(&session->chip);
+        if (session->fault == CHIP_FAULT_OPTIONS_CUT) {
+            session->chip.flash_registers.power_fails_at = session->chip.flash_registers.operations;
+        }
+    }
     if (session->fault == CHIP_FAULT_STUCK_RAM) {
         session->chip.stuck_at = STUCK_AT;
         session->chip.stuck_bit = 1u << 17;
@@ -129,7 +158,8 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
     if (session->fault == CHIP_FAULT_TORN_SETTINGS) {
         session->chip.flash_registers.state[MODEL_STORE_PAGE][12] = WORD_TORN;
     }
-    if (session->fault == CHIP_FAULT_TORN_SETTINGS || stands(session->fault)) {
+    if (session->fault == CHIP_FAULT_TORN_SETTINGS || stands(session->fault) ||
+        is_first_start(session->fault)) {
         chip_bridge_stop_comparing(&session->bridge);
     }
     return 0;
@@ -189,10 +219,11 @@ static bool has_walked(const struct chip_session *session, uint64_t last_progres
 
 void chip_session_walk(struct chip_session *session)
 {
-    const bool never =
-        session->fault == CHIP_FAULT_NO_CRYSTAL || session->fault == CHIP_FAULT_TORN_SETTINGS ||
-        stands(session->fault) || session->fault == CHIP_FAULT_LOST_WRITE ||
-        session->fault == CHIP_FAULT_HALF_WRITTEN || session->fault == CHIP_FAULT_STUCK_RAM;
+    const bool never = session->fault == CHIP_FAULT_NO_CRYSTAL ||
+                       session->fault == CHIP_FAULT_TORN_SETTINGS || stands(session->fault) ||
+                       session->fault == CHIP_FAULT_LOST_WRITE ||
+                       session->fault == CHIP_FAULT_HALF_WRITTEN ||
+                       session->fault == CHIP_FAULT_STUCK_RAM || is_first_start(session->fault);
     uint64_t last_progress = 0;
     uint32_t seen = 0, waited = 0;
 

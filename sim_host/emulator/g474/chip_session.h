@@ -29,6 +29,19 @@ enum chip_fault {
     CHIP_FAULT_HALF_WRITTEN,
     CHIP_FAULT_DAMAGED_PROGRAM,
     CHIP_FAULT_STUCK_RAM,
+    CHIP_FAULT_FIRST_START,
+    CHIP_FAULT_OPTIONS_CUT,
+    CHIP_FAULT_SUPPLY_LOW,
+    CHIP_FAULT_BROWN_OUT,
+    CHIP_FAULT_RAM_SLICE,
+    CHIP_FAULT_RAM_PARITY,
+    CHIP_FAULT_CORE_REGISTER,
+    CHIP_FAULT_FLOAT_REGISTER,
+    CHIP_FAULT_SLOW_OSCILLATOR,
+    CHIP_FAULT_FAST_OSCILLATOR,
+    CHIP_FAULT_DEEP_STACK,
+    CHIP_FAULT_FLASH_CORRECTED,
+    CHIP_FAULT_EARLY_FEED,
     CHIP_FAULT_UPDATE,
     CHIP_FAULT_UPDATE_OLDER,
     CHIP_FAULT_UPDATE_OTHER_BOARD,
@@ -68,8 +81,10 @@ struct chip_session {
     struct walk_record record;
     struct can_bus tool; /* a port of its own, to ask the image over SDO */
     /* Results. */
-    struct crash_record crash; /* as fetched over SDO at the end of a fault */
-    uint32_t told_cycles;      /* of the worst tick, as the image says at 0x2020:28 */
+    struct crash_record crash;       /* as fetched over SDO at the end of a fault */
+    uint64_t brought_ns, noticed_ns; /* the fault, and the reset that it led to; 0 = none */
+    uint32_t told_corrected;         /* flash errors, as the image says at 0x2020:29 */
+    uint32_t told_cycles;            /* of the worst tick, as the image says at 0x2020:28 */
     bool started, reached, fell, crash_known;
     char trouble[256];
 };

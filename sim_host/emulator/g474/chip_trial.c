@@ -24,11 +24,19 @@ enum {
     RESTORE_CONTROL = 0x1011,
     COUNTERS = 0x2020,
     COUNTERS_CYCLES = 28,
+    COUNTERS_CORRECTED = 29,
     IDENTITY = 0x2030,
     IDENTITY_PARAMS = 3,
-    AFTER_CUT_TICKS = 700,
+    AFTER_CUT_TICKS = 20, /* behind its first word about its state */
     INSTALL_TICKS = 4000,
-    SCAN_TICKS = 10000 /* the program looks through all of itself */
+    SCAN_TICKS = 20000, /* the program looks through all of itself */
+    BROWN_OUT_TICKS = 5,
+    LOW_SUPPLY_TICKS = 300,
+    GUARD_BYTES = 32,
+    UNUSED_RAM = 0x5A40, /* of the 32 KiB that the program tests, what it has no use for */
+    LSI_HZ = 32000,
+    REGISTER_R10 = 10,
+    FLOAT_S29 = CORE_STICK_S0 + 29
 };
 /* CiA 301, clauses 7.5.2.13 and 7.5.2.14. */
 #define SAVE_SIGNATURE 0x65766173u
@@ -77,6 +85,8 @@ static void fetch_crash(struct chip_session *session)
     size_t length;
     (void)sdo_upload(&tool, COUNTERS, COUNTERS_CYCLES, cycles, sizeof cycles, &length);
     session->told_cycles = bytes_get_u32(cycles);
+    (void)sdo_upload(&tool, COUNTERS, COUNTERS_CORRECTED, cycles, sizeof cycles, &length);
+    session->told_corrected = bytes_get_u32(cycles);
 }
 
 /* Without a crystal nothing may be sent; with it back the image starts again. */
@@ -180,6 +190,92 @@ static void update(struct chip_session *session)
     session->bridge.state = UINT8_MAX;
 }
 
+/* The fault has come; until the image starts again because of it, or notices nothing. What is wrong
+ * is right again afterwards, so that the record can be fetched. */
+static void wait_until_noticed(struct chip_session *session)
+{
+    struct chip *chip = &session->chip;
+    const uint32_t starts = chip->resets;
+
+    session->brought_ns = chip_now_ns(chip);
+    for (unsigned i = 0; i < SCAN_TICKS && chip->resets == starts; i++) {
+        chip_session_pass(session, 1);
+    }
+    if (chip->resets == starts) {
+        chip_session_complain(session, "the image does not notice it");
+        return;
+    }
+    session->noticed_ns = chip_now_ns(chip);
+}
+
+static void lower_supply(struct chip_session *session, uint32_t millivolts, unsigned ticks)
+{
+    chip_bridge_stop_comparing(&session->bridge);
+    chip_set_supply(&session->chip, millivolts);
+    chip_session_pass(session, ticks);
+    chip_set_supply(&session->chip, 3300);
+}
+
+/* A fault of the chip itself, which its tests must notice. */
+static void break_chip(struct chip_session *session)
+{
+    struct chip *chip = &session->chip;
+    /* The thread's stack lies at the bottom of RAM. */
+    const uint32_t margin = GUARD_BYTES;
+
+    chip_bridge_stop_comparing(&session->bridge);
+    switch (session->fault) {
+    case CHIP_FAULT_RAM_SLICE:
+        chip->stuck_at = UNUSED_RAM;
+        chip->stuck_bit = 1u << 17;
+        break;
+    case CHIP_FAULT_RAM_PARITY:
+        chip_weaken(chip, 0x20000000u + UNUSED_RAM);
+        break;
+    case CHIP_FAULT_CORE_REGISTER:
+        chip->stuck_register = REGISTER_R10;
+        chip->stuck_register_bits = 1u;
+        break;
+    case CHIP_FAULT_FLOAT_REGISTER:
+        chip->stuck_register = FLOAT_S29;
+        chip->stuck_register_bits = 1u;
+        break;
+    case CHIP_FAULT_SLOW_OSCILLATOR:
+        chip_set_lsi(chip, 26000);
+        break;
+    case CHIP_FAULT_FAST_OSCILLATOR:
+        chip_set_lsi(chip, 38000);
+        break;
+    case CHIP_FAULT_EARLY_FEED:
+        chip_feed_watchdog(chip);
+        chip_feed_watchdog(chip);
+        break;
+    default:
+        memset(chip->ram + margin, 0, sizeof(uint32_t));
+        break;
+    }
+    wait_until_noticed(session);
+    chip->stuck_register_bits = 0;
+    chip_set_lsi(chip, LSI_HZ);
+    if (session->fault == CHIP_FAULT_RAM_PARITY) {
+        chip_weaken(chip, 0);
+    }
+}
+
+/* A word of the program has one wrong bit, which is mended at each read: it goes on walking. */
+static void weaken_flash(struct chip_session *session)
+{
+    struct chip *chip = &session->chip;
+
+    chip_weaken(chip, 0x08000000u + CHIP_STARTER_BYTES + chip_session_image_bytes(chip) - 8);
+    session->brought_ns = chip_now_ns(chip);
+    for (unsigned i = 0; i < SCAN_TICKS && chip->weak_reads == 0; i++) {
+        chip_session_pass(session, 1);
+    }
+    chip_weaken(chip, 0);
+    session->noticed_ns = chip_now_ns(chip);
+}
+
 static void bring_fault(struct chip_session *session)
 {
     struct chip_bridge *bridge = &session->bridge;
@@ -219,7 +315,30 @@ static void bring_fault(struct chip_session *session)
         chip_bridge_stop_comparing(bridge);
         chip_damage(&session->chip,
                     CHIP_STARTER_BYTES + chip_session_image_bytes(&session->chip) - 8);
-        chip_session_pass(session, SCAN_TICKS);
+        wait_until_noticed(session);
+        break;
+    case CHIP_FAULT_FIRST_START:
+    case CHIP_FAULT_OPTIONS_CUT:
+        break;
+    case CHIP_FAULT_SUPPLY_LOW:
+        chip_bridge_stop_comparing(bridge);
+        lower_supply(session, 2800, LOW_SUPPLY_TICKS);
+        break;
+    case CHIP_FAULT_BROWN_OUT:
+        lower_supply(session, 2400, BROWN_OUT_TICKS);
+        break;
+    case CHIP_FAULT_RAM_SLICE:
+    case CHIP_FAULT_RAM_PARITY:
+    case CHIP_FAULT_CORE_REGISTER:
+    case CHIP_FAULT_FLOAT_REGISTER:
+    case CHIP_FAULT_SLOW_OSCILLATOR:
+    case CHIP_FAULT_FAST_OSCILLATOR:
+    case CHIP_FAULT_DEEP_STACK:
+    case CHIP_FAULT_EARLY_FEED:
+        break_chip(session);
+        break;
+    case CHIP_FAULT_FLASH_CORRECTED:
+        weaken_flash(session);
         break;
     case CHIP_FAULT_UPDATE:
     case CHIP_FAULT_UPDATE_OLDER:
@@ -242,6 +361,13 @@ static void bring_fault(struct chip_session *session)
     }
 }
 
+/* Faults that do not hinder a walk. */
+static bool goes_on(enum chip_fault fault)
+{
+    return fault == CHIP_FAULT_FLASH_CORRECTED || fault == CHIP_FAULT_FIRST_START ||
+           fault == CHIP_FAULT_OPTIONS_CUT;
+}
+
 static void judge(struct chip_session *session)
 {
     const struct chip_fault_kind *kind = &chip_faults[session->fault];
@@ -262,6 +388,14 @@ static void judge(struct chip_session *session)
         struct sdo_upload tool = tool_of(session);
         chip_update_judge(session, &tool);
         session->reached = session->trouble[0] == '\0';
+    } else if (session->fault == CHIP_FAULT_FLASH_CORRECTED && session->told_corrected == 0) {
+        chip_session_complain(session, "it counts no corrected error (0x2020:29)");
+    } else if (session->fault == CHIP_FAULT_FIRST_START &&
+               session->chip.flash_registers.optr != MODEL_OPTIONS_SET) {
+        chip_session_complain(session, "the option bytes are not as wanted");
+    } else if (session->fault == CHIP_FAULT_OPTIONS_CUT &&
+               session->chip.flash_registers.optr != MODEL_OPTIONS_TORN) {
+        chip_session_complain(session, "torn option bytes were written");
     } else if (session->fault == CHIP_FAULT_LOST_WRITE && session->crash.detail != session->lose) {
         snprintf(session->trouble, sizeof session->trouble,
                  "the record names register %#x, not %#x", (unsigned)session->crash.detail,
@@ -269,7 +403,7 @@ static void judge(struct chip_session *session)
     } else if (chip_fault_is_cut(session->fault) && bridge->fault == SUPERVISOR_FAULT_NONE &&
                !kept_settings(session)) {
         chip_session_complain(session, "it goes on with other settings");
-    } else if (!chip_session_is_safe(session)) {
+    } else if (!goes_on(session->fault) && !chip_session_is_safe(session)) {
         chip_session_complain(session, "a spring is still loaded");
     } else {
         session->reached = true;
@@ -280,10 +414,14 @@ void chip_trial_run(struct chip_session *session)
 {
     session->reached = false;
     bring_fault(session);
-    chip_session_pass(session,
-                      chip_fault_is_cut(session->fault) ? AFTER_CUT_TICKS : AFTER_FAULT_TICKS);
+    if (!chip_fault_is_cut(session->fault)) {
+        chip_session_pass(session, AFTER_FAULT_TICKS);
+    }
     for (unsigned i = 0; i < INSTALL_TICKS && session->bridge.state == UINT8_MAX; i++) {
-        chip_session_pass(session, 1); /* a program is being put into its place */
+        chip_session_pass(session, 1); /* it starts; a program may be put into its place before */
+    }
+    if (chip_fault_is_cut(session->fault)) {
+        chip_session_pass(session, AFTER_CUT_TICKS);
     }
     if (chip_faults[session->fault].says != NULL) {
         judge_silent(session, chip_faults[session->fault].says);

@@ -6,7 +6,7 @@
 #include "sim_host/emulator/g474/model_check.h"
 
 /* Offsets and bits, RM0440 section "FLASH registers". */
-enum { ACR = 0x00, KEYR = 0x08, SR = 0x10, CR = 0x14, ECCR = 0x18, OPTR = 0x20 };
+enum { ACR = 0x00, KEYR = 0x08, OPTKEYR = 0x0C, SR = 0x10, CR = 0x14, ECCR = 0x18, OPTR = 0x20 };
 enum {
     SR_PROGERR = 1 << 3,
     SR_PGAERR = 1 << 5,
@@ -17,11 +17,15 @@ enum {
     CR_PER = 1 << 1,
     CR_BKER = 1 << 11,
     CR_STRT = 1 << 16,
+    CR_OPTSTRT = 1 << 17,
+    CR_OBL_LAUNCH = 1 << 27,
+    CR_OPTLOCK = 1 << 30,
     ACR_DCEN = 1 << 10,
     ACR_DCRST = 1 << 12
 };
 #define CR_LOCK 0x80000000u
 #define ECCR_ECCD 0x80000000u
+#define ECCR_ECCC 0x40000000u
 #define SR_ERRORS 0xC3FAu
 
 static bool power_fails(struct flash_model *model)
@@ -75,13 +79,28 @@ static void erase(struct flash_model *model)
     begin(model, MODEL_ERASE_NS, page);
 }
 
+/* RM0440, "Modifying user options". */
+static void write_options(struct flash_model *model, uint32_t value)
+{
+    if ((model->cr & CR_OPTLOCK) != 0) {
+        return;
+    }
+    if ((value & CR_OPTSTRT) != 0) {
+        model->optr_stored = power_fails(model) ? MODEL_OPTIONS_TORN : model->optr_written;
+        model->elapsed_ms += 1e-6 * MODEL_ERASE_NS;
+    }
+    model->options_wanted = model->options_wanted || (value & CR_OBL_LAUNCH) != 0;
+}
+
 static void write_cr(struct flash_model *model, uint32_t value)
 {
     if (model->power_off || (model->cr & CR_LOCK) != 0) {
         return;
     }
     MODEL_CHECK((model->sr & SR_BSY) == 0 && model->busy == 0, "CR written while busy");
-    model->cr = value & ~(uint32_t)CR_STRT;
+    write_options(model, value);
+    model->cr = (value & ~(uint32_t)(CR_STRT | CR_OPTSTRT | CR_OBL_LAUNCH | CR_OPTLOCK)) |
+                ((model->cr | value) & (uint32_t)CR_OPTLOCK); /* only keys open it */
     if ((value & CR_STRT) != 0) {
         if ((value & CR_PER) == 0 || (value & CR_PG) != 0 || (model->sr & SR_ERRORS) != 0) {
             model->sr |= SR_PGSERR;
@@ -102,6 +121,20 @@ static void write_key(struct flash_model *model, uint32_t value)
     if (++model->keys == 2) {
         model->cr &= ~CR_LOCK;
         model->keys = 0;
+    }
+}
+
+static void write_option_key(struct flash_model *model, uint32_t value)
+{
+    static const uint32_t keys[2] = {0x08192A3Bu, 0x4C5D6E7Fu};
+
+    if (model->option_keys < 0 || model->option_keys == 2 || (model->cr & CR_LOCK) != 0 ||
+        value != keys[model->option_keys]) {
+        model->option_keys = -1;
+        return;
+    }
+    if (++model->option_keys == 2) {
+        model->cr &= ~(uint32_t)CR_OPTLOCK;
     }
 }
 
@@ -155,24 +188,49 @@ static void register_write(void *context, uint32_t offset, uint32_t value)
     case KEYR:
         write_key(model, value);
         break;
+    case OPTKEYR:
+        write_option_key(model, value);
+        break;
+    case OPTR:
+        MODEL_CHECK((model->cr & CR_OPTLOCK) == 0, "option bytes were written while locked");
+        model->optr_written = value;
+        break;
     case SR:
         model->sr &= ~value;
         break;
     case CR:
         if ((value & CR_LOCK) != 0) {
-            model->cr |= CR_LOCK;
+            model->cr |= CR_LOCK | CR_OPTLOCK;
+            model->option_keys = 0;
         } else {
             write_cr(model, value);
         }
         break;
     case ECCR:
-        if ((value & ECCR_ECCD) != 0) {
-            model->eccr &= ~ECCR_ECCD;
-        }
+        model->eccr &= ~(value & (ECCR_ECCD | ECCR_ECCC));
         break;
     default:
         model_misuse("flash register %#x written", offset);
     }
+}
+
+void flash_model_failed(struct flash_model *model)
+{
+    model->eccr |= ECCR_ECCD;
+    if (model->nmi != NULL) {
+        model->nmi(model->nmi_context);
+    }
+}
+
+void flash_model_corrected(struct flash_model *model)
+{
+    model->eccr |= ECCR_ECCC;
+}
+
+void flash_model_load_options(struct flash_model *model)
+{
+    model->optr = model->optr_written = model->optr_stored;
+    model->options_wanted = false;
 }
 
 static uint32_t memory_read(void *context, uint32_t offset)
@@ -185,10 +243,9 @@ static uint32_t memory_read(void *context, uint32_t offset)
         value = model->cached[page][index];
     } else if (model->state[page][index] == WORD_TORN && model->torn_raises_nmi) {
         value ^= 0x11;
-        model->eccr |= ECCR_ECCD;
-        if (model->nmi != NULL) {
-            model->nmi(model->nmi_context);
-        }
+        flash_model_failed(model);
+    } else if (model->state[page][index] == WORD_WEAK) {
+        flash_model_corrected(model);
     }
     if ((model->acr & ACR_DCEN) != 0) {
         model->cached[page][index] = value;
@@ -253,7 +310,8 @@ void flash_model_power_up(struct flash_model *model)
     model->cr = 0xC0000000;  /* locked */
     model->sr = 0;
     model->eccr = 0;
-    model->keys = 0;
+    model->keys = model->option_keys = 0;
+    model->optr_written = model->optr;
     model->busy = 0;
     model->half_written = false;
     model->power_off = false;
@@ -265,7 +323,8 @@ void flash_model_init(struct flash_model *model)
 {
     memset(model, 0, sizeof *model);
     memset(model->word, 0xFF, sizeof model->word);
-    model->optr = 0xFFEFF8AA; /* as delivered: two banks (bit 22) */
+    model->optr_stored = MODEL_OPTIONS_DELIVERED;
+    flash_model_load_options(model);
     model->busy_time = 20;
     model->torn_raises_nmi = true;
     model->first_page = MODEL_STORE_PAGE;

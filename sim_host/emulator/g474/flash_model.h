@@ -16,14 +16,31 @@ enum {
     MODEL_STORE_PAGE = 252  /* the first of the parameter memory */
 };
 
+/* As delivered: two banks (bit 22), the lowest brown-out level, no parity (bit 24). And as a chip shows
+ * them that finds them torn: RM0351, "Option bytes loading", has for the STM32L4, whose flash this one is
+ * like: all bits 1, brown-out level 0, and read protection. RM0440's text was not at hand. */
+#define MODEL_OPTIONS_DELIVERED 0xFFEFF8AAu
+#define MODEL_OPTIONS_TORN 0xFFFFF8FFu
+/* Brown-out level 3 and parity. */
+#define MODEL_OPTIONS_SET 0xFEEFFBAAu
+
 /* DS12288, "Flash memory characteristics": a page's erase takes 22.02 ms typically and 24.47 ms
  * at most, a word's programming 81.7 us and 83.35 us. The models take the longest. */
 enum { MODEL_ERASE_NS = 24470000, MODEL_PROGRAM_NS = 83350 };
 
-enum model_word_state { WORD_ERASED, WORD_WRITTEN, WORD_TORN };
+enum model_word_state {
+    WORD_ERASED,
+    WORD_WRITTEN,
+    WORD_TORN, /* two bits are wrong: told */
+    WORD_WEAK  /* one bit is wrong: mended and told */
+};
 
 struct flash_model {
-    uint32_t acr, cr, sr, eccr, optr;
+    uint32_t acr, cr, sr, eccr;
+    /* The option bytes in force, as the register was written since, and as they are stored. */
+    uint32_t optr, optr_written, optr_stored;
+    int option_keys;
+    bool options_wanted; /* to be loaded: the chip is to be reset */
     uint64_t word[MODEL_PAGES][MODEL_PAGE_WORDS];
     uint8_t state[MODEL_PAGES][MODEL_PAGE_WORDS]; /* enum model_word_state */
     uint64_t cached[MODEL_PAGES][MODEL_PAGE_WORDS];
@@ -54,6 +71,13 @@ void flash_model_init(struct flash_model *model);
 
 /* Reset with power back: registers at their reset values, contents kept. */
 void flash_model_power_up(struct flash_model *model);
+
+/* The option bytes as they are stored come into force, as at power-on. */
+void flash_model_load_options(struct flash_model *model);
+
+/* A read met a word with one wrong bit, or with two. */
+void flash_model_corrected(struct flash_model *model);
+void flash_model_failed(struct flash_model *model);
 
 /* A store of a word of 32 bits into flash, `offset` bytes from its beginning. */
 void flash_model_store(struct flash_model *model, uint32_t offset, uint32_t value);

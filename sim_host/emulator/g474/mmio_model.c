@@ -12,7 +12,7 @@ struct region {
     void *context;
 };
 
-enum { REGION_MAX = 16 };
+enum { REGION_MAX = 24 };
 
 static struct region regions[REGION_MAX];
 static int region_count;

@@ -19,9 +19,11 @@ enum {
     PERMIT_EXECUTE = 4,
     HOOK_INTERRUPT = 1 << 0,
     HOOK_BLOCK = 1 << 3,
-    HOOK_STORE = 1 << 11,
     HOOK_BAD_MEMORY = 0x3F << 4, /* read, write, fetch: unmapped and forbidden */
     HOOK_BAD_INSTRUCTION = 1 << 14,
+    HOOK_READ = 1 << 10,
+    /* uc_ctl: forget all translations, write at bit 30. */
+    CONTROL_FORGET = 10 | 1 << 30,
     ERROR_NONE = 0,
     ERROR_NO_INSTRUCTION = 10,
     MEMORY_READ_UNMAPPED = 19,
@@ -30,7 +32,9 @@ enum {
     MEMORY_READ_FORBIDDEN = 23,
     /* Numbers of exceptions that the hook is told, QEMU's own. */
     EXCEPTION_RETURN = 8,
-    REGISTER_D0 = 14
+    STORE_TOLD = 1000, /* none of its */
+    REGISTER_D0 = 14,
+    REGISTER_R0 = 66,
 };
 
 struct core_functions {
@@ -48,6 +52,7 @@ struct core_functions {
     int (*write_register)(void *engine, int which, const void *value);
     int (*add_hook)(void *engine, size_t *handle, int kind, void *function, void *context,
                     uint64_t begin, uint64_t end, ...);
+    int (*remove_hook)(void *engine, size_t handle);
     int (*start)(void *engine, uint64_t from, uint64_t until, uint64_t timeout, size_t count);
     int (*stop)(void *engine);
     const char *(*error_text)(int error);
@@ -107,6 +112,7 @@ static int find_functions(struct core *core)
         {"uc_reg_read", &functions.read_register},
         {"uc_reg_write", &functions.write_register},
         {"uc_hook_add", &functions.add_hook},
+        {"uc_hook_del", &functions.remove_hook},
         {"uc_emu_start", &functions.start},
         {"uc_emu_stop", &functions.stop},
         {"uc_strerror", &functions.error_text},
@@ -147,8 +153,12 @@ static bool on_bad_memory(void *engine, int kind, uint64_t address, int bytes, i
 {
     struct core *core = context;
     (void)engine;
-    (void)bytes;
-    (void)value;
+    if (kind == MEMORY_WRITE_FORBIDDEN && address - core->watched_base < core->watched_bytes) {
+        core->callbacks.store(core->callbacks.context, (uint32_t)address, (uint32_t)bytes,
+                              (uint32_t)value);
+        core->exception = STORE_TOLD;
+        return false;
+    }
     core->bad_address = (uint32_t)address;
     core->exception = (uint32_t)kind;
     return false;
@@ -237,29 +247,12 @@ int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memo
     return check(core, functions.map_memory(core->engine, base, bytes, permits, memory));
 }
 
-static void on_store(void *engine, int kind, uint64_t address, int bytes, int64_t value,
-                     void *context)
-{
-    struct core *core = context;
-    (void)engine;
-    (void)kind;
-    core->callbacks.store(core->callbacks.context, (uint32_t)address, (uint32_t)bytes,
-                          (uint32_t)value);
-}
-
+/* A hook on every store would make the engine slow: the memory is closed, and a store into it stops. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory)
 {
-    const uint32_t permits =
-        (uint32_t)PERMIT_READ | (uint32_t)PERMIT_WRITE | (uint32_t)PERMIT_EXECUTE;
-    void (*const store)(void *, int, uint64_t, int, int64_t, void *) = on_store;
-    size_t handle;
-    void *function;
-
-    memcpy(&function, &store, sizeof function);
-    return check(core, functions.map_memory(core->engine, base, bytes, permits, memory)) != 0
-               ? -1
-               : check(core, functions.add_hook(core->engine, &handle, HOOK_STORE, function, core,
-                                                base, (uint64_t)base + bytes - 1));
+    core->watched_base = base;
+    core->watched_bytes = bytes;
+    return core_map_memory(core, base, bytes, memory, false);
 }
 
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count)
@@ -313,6 +306,47 @@ void core_set_float(struct core *core, const uint32_t s[16])
     }
 }
 
+void core_stick(struct core *core, uint32_t number, uint32_t bits)
+{
+    uint64_t value = 0;
+    const bool is_float = number >= (uint32_t)CORE_STICK_S0;
+    const uint32_t s = number - (uint32_t)CORE_STICK_S0;
+    const int which = is_float ? REGISTER_D0 + (int)(s / 2) : REGISTER_R0 + (int)number;
+
+    (void)functions.read_register(core->engine, which, &value);
+    value |= is_float && s % 2 == 1 ? (uint64_t)bits << 32 : bits;
+    (void)functions.write_register(core->engine, which, &value);
+}
+
+static void on_watched_read(void *engine, int kind, uint64_t address, int bytes, int64_t value,
+                            void *context)
+{
+    const struct core *core = context;
+    (void)engine;
+    (void)kind;
+    (void)address;
+    (void)bytes;
+    (void)value;
+    core->watched_read(core->callbacks.context);
+}
+
+/* Only while somebody watches: such a hook makes every access slow. */
+void core_watch_reads(struct core *core, uint32_t address, void (*function)(void *context))
+{
+    void (*const read)(void *, int, uint64_t, int, int64_t, void *) = on_watched_read;
+    void *hooked;
+
+    core->watched_read = function;
+    if (function == NULL) {
+        (void)functions.remove_hook(core->engine, core->read_hook);
+    } else {
+        memcpy(&hooked, &read, sizeof hooked);
+        (void)functions.add_hook(core->engine, &core->read_hook, HOOK_READ, hooked, core, address,
+                                 (uint64_t)address + 3);
+    }
+    (void)functions.control(core->engine, CONTROL_FORGET);
+}
+
 static enum core_stop stop_of(struct core *core, int error)
 {
     switch (core->exception) {
@@ -326,6 +360,8 @@ static enum core_stop stop_of(struct core *core, int error)
         return CORE_BAD_WRITE;
     case EXCEPTION_RETURN:
         return CORE_EXCEPTION_RETURN;
+    case STORE_TOLD:
+        return CORE_STORED;
     default:
         return error >= 6 && error <= 18 && error != ERROR_NO_INSTRUCTION ? CORE_BAD_FETCH
                                                                           : CORE_UNDEFINED;

@@ -41,6 +41,7 @@ enum core_stop {
     CORE_ASKED,            /* core_stop */
     CORE_WAITS,            /* the processor waits for an interrupt */
     CORE_EXCEPTION_RETURN, /* a branch to an EXC_RETURN value */
+    CORE_STORED,           /* a store was told; go on behind its instruction */
     CORE_UNDEFINED,        /* an instruction that does not exist, or SVC, BKPT */
     CORE_BAD_READ,
     CORE_BAD_WRITE,
@@ -56,7 +57,7 @@ struct core_callbacks {
     /* Accesses to what core_map_registers mapped. 1, 2 or 4 bytes. */
     uint32_t (*read)(void *context, uint32_t address, uint32_t bytes);
     void (*write)(void *context, uint32_t address, uint32_t bytes, uint32_t value);
-    /* Before a store into what core_map_watched mapped; the store then happens all the same. */
+    /* A store into what core_map_watched mapped, which the core itself does not make. */
     void (*store)(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 };
 
@@ -76,6 +77,9 @@ struct core {
     struct core_callbacks callbacks;
     struct core_window window[CORE_MAP_MAX];
     unsigned windows;
+    uint32_t watched_base, watched_bytes;
+    size_t read_hook;
+    void (*watched_read)(void *context); /* gets callbacks.context */
     /* Of the last stop by a bad access. */
     uint32_t bad_address;
     uint32_t exception; /* the engine's number of what it did not execute */
@@ -91,11 +95,11 @@ void core_close(struct core *core);
 
 /* `bytes` of memory at `base`, which stay the caller's. Both multiples of 4096. */
 int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable);
-/* Every access in the range calls read or write. */
-/* Memory that is read, fetched and written; each store is told first. */
+/* Memory that is read and fetched; each store is told, and nothing else done. One such range. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory);
 /* Changes memory from outside; what was translated from it is translated anew. */
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count);
+/* Every access in the range calls read or write. */
 int core_map_registers(struct core *core, uint32_t base, uint32_t bytes);
 
 uint32_t core_get(struct core *core, enum core_register which);
@@ -104,6 +108,14 @@ void core_set(struct core *core, enum core_register which, uint32_t value);
 /* The floating-point registers S0 to S15. */
 void core_get_float(struct core *core, uint32_t s[16]);
 void core_set_float(struct core *core, const uint32_t s[16]);
+
+/* Sets bits of a register: R0 to R12 by their number, S0 to S31 by CORE_STICK_S0 and theirs. */
+enum { CORE_STICK_S0 = 32 };
+void core_stick(struct core *core, uint32_t number, uint32_t bits);
+
+/* Calls `function` before each read of the word at `address`, of one at a time; NULL: no more. Not from
+ * a callback. */
+void core_watch_reads(struct core *core, uint32_t address, void (*function)(void *context));
 
 /* Executes from `pc` (bit 0 is ignored) on. */
 enum core_stop core_run(struct core *core, uint32_t pc);

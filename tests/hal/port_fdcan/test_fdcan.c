@@ -253,6 +253,32 @@ START_TEST(frames_of_both_fifos_and_the_own_sync_come_in_the_order_of_the_bus)
 }
 END_TEST
 
+/* Each look of the loop costs: it comes for a batch, for what may want an answer, and for its SYNC. */
+START_TEST(the_loop_is_called_for_a_batch_or_what_is_urgent)
+{
+    struct can_msg message = {.id = FRAME_SYNC};
+
+    for (uint8_t i = 1; i <= 2 * FDCAN_BATCH; i++) {
+        ck_assert(arrive(0x181, 8, i));
+        interrupts();
+        ck_assert(fdcan_is_due(&can) == (i >= FDCAN_BATCH));
+    }
+    while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
+    }
+    ck_assert(!fdcan_is_due(&can));
+    ck_assert(arrive(0x181, 8, 0));
+    interrupts();
+    ck_assert(!fdcan_is_due(&can));
+    ck_assert(arrive(0x581, 8, 0));
+    interrupts();
+    ck_assert(fdcan_is_due(&can));
+    ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
+    ck_assert(fdcan_is_due(&can)); /* still behind the first */
+    ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
+    ck_assert(!fdcan_is_due(&can));
+}
+END_TEST
+
 START_TEST(time_stamps_are_the_starts_of_frames)
 {
     struct can_msg message;
@@ -646,6 +672,7 @@ int main(void)
     tcase_add_test(tcase, a_data_length_code_above_8_means_8);
     tcase_add_loop_test(tcase, frames_of_both_fifos_and_the_own_sync_come_in_the_order_of_the_bus,
                         65536 - 600, 65536 + 10);
+    tcase_add_test(tcase, the_loop_is_called_for_a_batch_or_what_is_urgent);
     tcase_add_test(tcase, time_stamps_are_the_starts_of_frames);
     tcase_add_test(tcase, of_the_own_frames_only_sync_comes_back);
     tcase_add_test(tcase, an_overrun_of_a_hardware_fifo_is_counted);

@@ -422,7 +422,7 @@ START_TEST(the_loop_does_not_sleep_over_what_has_come)
     mmio_model_on_sleep(asleep);
     mmio_model_map_memory(0xE0001000, sizeof counter, counter);
     counter[1] = 0xFFFFFFF0;
-    can.ring_in = 1; /* an interrupt between the poll and here */
+    can.ring_in = can.ring_due = 1; /* an interrupt between the poll and here */
     idle_until_interrupt(&can, &timer);
     ck_assert_int_eq(sleeps, 0);
     can.ring_out = 1;
@@ -464,19 +464,45 @@ static void iwdg_write(void *context, uint32_t offset, uint32_t value)
     iwdg[offset / 4] = value;
 }
 
-START_TEST(the_watchdog_bites_after_120_ms)
+/* RM0440: the counter runs at 32 kHz / (4 * 2^PR), from RLR down; it must not be fed above WINR. */
+START_TEST(the_watchdog_bites_after_120_ms_and_within_10)
 {
     mmio_model_reset();
     mmio_model_map(0x40003000, sizeof iwdg, iwdg_read, iwdg_write, NULL);
     iwdg[3] = 50; /* busy for some polls */
+    iwdg[4] = 0xFFF;
     ck_assert_uint_eq(iwdg_start(), 0);
     ck_assert_uint_eq(started, 1);
-    ck_assert_uint_eq(feeds, 1);
-    /* RM0440: time-out = reload * 4 * 2^PR / 32 kHz. */
-    assert_close((double)iwdg[2] * 4.0 * (1u << iwdg[1]) / 32000.0, 0.120, 1e-3, 0);
+    ck_assert_uint_eq(feeds, 0); /* writing WINR does it */
+    const double hz = 32000.0 / (4.0 * (1u << iwdg[1]));
+    assert_close((double)iwdg[2] / hz, 0.120, 1e-3, 0);
     ck_assert_uint_le(iwdg[2], 0xFFF);
-    iwdg_watchdog.ops->feed(iwdg_watchdog.context);
-    ck_assert_uint_eq(feeds, 2);
+    assert_close((double)(iwdg[2] - iwdg[4]) / hz, 0.010, 1e-3, 0);
+    /* DS12288: LSI is 29.5 to 34 kHz. What the loop feeds falls into the window at both ends. */
+    ck_assert(1e-3 * WATCHDOG_FEED_MS > (double)(iwdg[2] - iwdg[4]) / (hz * 29.5 / 32));
+    ck_assert(1e-3 * (WATCHDOG_FEED_MS + 2 * 24.47) < (double)iwdg[2] / (hz * 34 / 32));
+}
+END_TEST
+
+/* At most one feed in 20 ms, over the wrap of the timer, too. */
+START_TEST(the_loop_feeds_the_watchdog_now_and_then)
+{
+    struct iwdg dog = {.fed_us = UINT32_MAX - 5000};
+    const struct watchdog interface = iwdg_interface(&dog);
+    uint32_t last_us = dog.fed_us;
+
+    timer_setup();
+    mmio_model_map(0x40003000, sizeof iwdg, iwdg_read, iwdg_write, NULL);
+    for (uint32_t i = 0; i < 100; i++) {
+        tim[TIM_CNT] = UINT32_MAX - 5000 + 1000 * i;
+        interface.ops->feed(interface.context);
+        if (feeds > 0) {
+            ck_assert_uint_ge(tim[TIM_CNT] - last_us, 20000);
+            last_us = tim[TIM_CNT];
+            feeds = 0;
+        }
+        ck_assert_uint_le(tim[TIM_CNT] - last_us, 21000);
+    }
 }
 END_TEST
 
@@ -487,8 +513,10 @@ START_TEST(a_lost_write_to_the_watchdog_is_told)
     mmio_model_map(0x40003000, sizeof iwdg, iwdg_read, iwdg_write, NULL);
     memset(iwdg, 0, sizeof iwdg);
     iwdg[2] = 0xFFF;
-    mmio_model_lose(0x40003008);
-    ck_assert_uint_eq(iwdg_start(), 0x40003008);
+    iwdg[4] = 0xFFF;
+    const uint32_t lost = _i == 0 ? 0x40003008 : 0x40003010;
+    mmio_model_lose(lost);
+    ck_assert_uint_eq(iwdg_start(), lost);
 }
 END_TEST
 
@@ -580,8 +608,9 @@ int main(void)
     tcase_add_test(timers, a_period_that_ends_while_the_compare_is_set_is_counted_once);
     tcase_add_test(timers, an_interrupt_within_the_timers_reads_the_right_time);
     tcase_add_test(timers, the_loop_does_not_sleep_over_what_has_come);
-    tcase_add_test(rest, the_watchdog_bites_after_120_ms);
-    tcase_add_test(rest, a_lost_write_to_the_watchdog_is_told);
+    tcase_add_test(rest, the_watchdog_bites_after_120_ms_and_within_10);
+    tcase_add_test(rest, the_loop_feeds_the_watchdog_now_and_then);
+    tcase_add_loop_test(rest, a_lost_write_to_the_watchdog_is_told, 0, 2);
     tcase_add_loop_test(rest, a_lost_write_to_the_pins_is_told, 0, 5);
     tcase_add_test(rest, the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0);
     suite_add_tcase(suite, clocks);

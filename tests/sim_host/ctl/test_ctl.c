@@ -374,6 +374,45 @@ START_TEST(the_emergency_stop_is_told_and_reset_waits_for_its_release)
 }
 END_TEST
 
+/* Whatever one line of the list finds, the others are told, too. */
+START_TEST(a_board_is_checked_line_by_line)
+{
+    struct controller_board *board = &loop.rig.task.node.objects.board;
+    struct controller_counters *counters = &loop.rig.task.node.objects.counters;
+    const struct controller_board good = {.clock_Hz = 170000000,
+                                          .watchdog_clock_Hz = 32100,
+                                          .option_bytes = 0xFEEFFBAA,
+                                          .wanted_option_bytes = 0xFEEFFBAA,
+                                          .reset_flags = 1u << 27,
+                                          .bits = BOARD_BOOST | BOARD_STOP_CLOSED |
+                                                  BOARD_PERMIT_MOVES};
+    static const char *const lines[] = {
+        "clock ", "boost", "watchdog", "option", "supply", "supply", "stop", "permit", "program"};
+
+    ck_assert_int_eq(run("board", NULL), EXIT_BAD);
+    says(complaint_text, "no board");
+    *board = good;
+    ck_assert_int_eq(run("board", NULL), EXIT_GOOD);
+    says(out_text, "power-on");
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        *board = good;
+        board->clock_Hz -= i == 0;
+        board->bits ^= (uint8_t)(i == 1 ? BOARD_BOOST : 0);
+        board->watchdog_clock_Hz = i == 2 ? 27000 : board->watchdog_clock_Hz;
+        board->option_bytes ^= i == 3 ? 1u << 24 : 0;
+        board->supply_dips = i == 4;
+        board->bits ^= (uint8_t)(i == 5 ? BOARD_SUPPLY_LOW : 0);
+        board->bits ^= (uint8_t)(i == 6 ? BOARD_STOP_CLOSED : 0);
+        board->bits ^= (uint8_t)(i == 7 ? BOARD_PERMIT_MOVES : 0);
+        counters->flash_corrected = i == 8;
+        ck_assert_int_eq(run("board", NULL), EXIT_BAD);
+        const char *line = strstr(out_text, lines[i]);
+        ck_assert_ptr_nonnull(line);
+        ck_assert(strstr(line, "NOT SO") < strchr(line, '\n'));
+    }
+}
+END_TEST
+
 START_TEST(zero_tells_how_it_ended)
 {
     ticks(3000);
@@ -532,6 +571,7 @@ int main(void)
     tcase_add_test(tcase, stop_waits_for_unloaded_springs_and_walk_asks_anew);
     tcase_add_test(tcase, a_spent_request_is_taken_back_and_made_anew);
     tcase_add_test(tcase, the_emergency_stop_is_told_and_reset_waits_for_its_release);
+    tcase_add_test(tcase, a_board_is_checked_line_by_line);
     tcase_add_test(tcase, zero_tells_how_it_ended);
     tcase_add_test(tcase, a_tool_that_is_interrupted_says_what_stays);
     tcase_add_test(tcase, watch_prints_what_changes);

@@ -6,10 +6,14 @@
  * and stay or go unloaded by themselves. It needs no crystal and no interrupt.
  */
 #include "hal/port_cortex_m/cortex_m4.h"
+#include "hal/port_cortex_m/mmio.h"
 #include "hal/port_stm32g474/flash_registers.h"
 #include "hal/port_stm32g474/flash_store.h"
+#include "hal/port_stm32g474/option_bytes.h"
 #include "hal/port_stm32g474/signs.h"
+#include "hal/port_stm32g474/system_registers.h"
 #include "hal/ram_march.h"
+#include "hal/storage/black_box.h"
 
 extern uint32_t starter_stack_top[], starter_bss_start[], starter_bss_end[];
 
@@ -17,6 +21,9 @@ enum { UNIT_MS = 150, SHORTS_AND_LONGS = 6 };
 
 #define PROGRAM_RAM 0x20000000u /* link.ld of the program */
 #define PROGRAM_RAM_WORDS (0x8000u / 4u)
+#define BLACK_BOX 0x20010000u
+#define CCM_RAM 0x20018000u
+#define CCM_RAM_BYTES 0x8000u
 
 static struct flash_store flash;
 
@@ -83,12 +90,32 @@ static _Noreturn void run(uint32_t slot)
     __builtin_unreachable();
 }
 
+/* With parity on, memory that was never written must not be read (RM0440, "SRAM parity check"). The
+ * march writes SRAM1's part. CCM SRAM is the end of the black box; its beginning, in memory without
+ * parity, says whether it holds anything. */
+static void clear_parity_memory(void)
+{
+    const struct black_box *box = (const struct black_box *)BLACK_BOX;
+
+    if (box->header.magic == (uint32_t)BLACK_BOX_MAGIC) {
+        return;
+    }
+    for (uint32_t address = CCM_RAM; address < CCM_RAM + CCM_RAM_BYTES; address += 4u) {
+        write_ram(address, 0);
+    }
+}
+
 int main(void)
 {
     const struct program_slots slots = flash_store_programs(&flash);
     struct program_header header;
 
     flash_store_init(&flash);
+    if (!option_bytes_are_set() && option_bytes_set((mmio_read(RCC_CSR) & RCC_CSR_OBLRSTF) != 0u)) {
+        for (;;) { /* the chip is being reset */
+        }
+    }
+    clear_parity_memory();
     if (ram_march(&ram_access, PROGRAM_RAM, PROGRAM_RAM_WORDS) != 0u) {
         say("afo: the RAM has failed; this board must not be used\r\n");
     }

@@ -1,0 +1,93 @@
+#include "firmware/boards/nucleo_g474re/self_tests.h"
+
+#include <stdbool.h>
+
+#include "hal/port_cortex_m/core_test.h"
+#include "hal/port_cortex_m/cortex_m4.h"
+#include "hal/port_cortex_m/mmio.h"
+
+#define RAM_BASE 0x20000000u /* link.ld: what the program uses, and the starter tests */
+#define RAM_WORDS (0x8000u / 4u)
+#define LAST_SLICE (RAM_WORDS - (uint32_t)CORE_TEST_RAM_WORDS)
+
+/* Slices overlap by a word, so that each word is marched with both neighbours. */
+enum { SLICE_STEP = CORE_TEST_RAM_WORDS - 1, GUARD_WORDS = 8, ROUND = 64, REGISTER_PARTS = 3 };
+
+/* A stack's guard is closed to everybody, and holds nothing. */
+static bool touches_guard(const uint32_t *at, const uint32_t *bottom)
+{
+    return at + CORE_TEST_RAM_WORDS > bottom && at < bottom + GUARD_WORDS;
+}
+
+static enum crash_cause test_ram(struct self_tests *tests, uint32_t *detail)
+{
+    uint32_t *const at = (uint32_t *)(uintptr_t)RAM_BASE + tests->ram_word;
+    uint32_t failed = 0;
+
+    if (!touches_guard(at, thread_stack_bottom) && !touches_guard(at, handler_stack_bottom)) {
+        const uint32_t state = mmio_lock();
+        failed = core_test_ram(at);
+        mmio_unlock(state);
+    }
+    if (tests->ram_word == LAST_SLICE) {
+        tests->ram_word = 0;
+        tests->ram_rounds += tests->ram_rounds < UINT32_MAX ? 1u : 0u;
+    } else {
+        const uint32_t next = tests->ram_word + (uint32_t)SLICE_STEP;
+        tests->ram_word = next < LAST_SLICE ? next : LAST_SLICE;
+    }
+    *detail = (uint32_t)(uintptr_t)at;
+    return failed != 0u ? CRASH_RAM : CRASH_NONE;
+}
+
+static enum crash_cause test_registers(uint32_t part, uint32_t *detail)
+{
+    static uint32_t (*const parts[REGISTER_PARTS])(void) = {
+        core_test_registers, core_test_low_floats, core_test_high_floats};
+    const uint32_t state = mmio_lock();
+    const uint32_t failed = parts[part]();
+
+    mmio_unlock(state);
+    *detail = part;
+    return failed != 0u ? CRASH_REGISTER : CRASH_NONE;
+}
+
+static enum crash_cause test_stacks(uint32_t *detail)
+{
+    const uint32_t *const bottom = cortex_m4_stack_too_deep();
+
+    *detail = (uint32_t)(uintptr_t)bottom;
+    return bottom != 0 ? CRASH_STACK : CRASH_NONE;
+}
+
+static enum crash_cause test_oscillators(struct self_tests *tests, uint32_t now_us,
+                                         uint32_t *detail)
+{
+    (void)lsi_meter_update(&tests->lsi, now_us);
+    *detail = tests->lsi.hz;
+    return lsi_meter_is_good(&tests->lsi) ? CRASH_NONE : CRASH_OSCILLATOR;
+}
+
+uint32_t self_tests_init(struct self_tests *tests)
+{
+    *tests = (struct self_tests){.turn = 0};
+    return lsi_meter_init(&tests->lsi);
+}
+
+enum crash_cause self_tests_go_on(struct self_tests *tests, uint32_t now_us, uint32_t *detail)
+{
+    const uint32_t turn = tests->turn;
+
+    tests->turn = (turn + 1u) % (uint32_t)ROUND;
+    if (turn < (uint32_t)REGISTER_PARTS) {
+        return test_registers(turn, detail);
+    }
+    switch (turn) {
+    case REGISTER_PARTS:
+        return test_stacks(detail);
+    case REGISTER_PARTS + 1:
+        return test_oscillators(tests, now_us, detail);
+    default:
+        return test_ram(tests, detail);
+    }
+}
