@@ -83,6 +83,13 @@ static enum supervisor_fault latch_fault(const struct controller *controller)
                                                         : SUPERVISOR_FAULT_NONE;
 }
 
+/* What was found in the walk that is under way; behind a fault somebody may have put it right. */
+static bool is_misplaced(const struct controller *controller)
+{
+    return controller->observer.state.misplaced != 0 &&
+           supervisor_may_assist(controller->supervisor.state);
+}
+
 /* A drive that is cut off says so, and leaves its state. For MOTION_CUT_TICKS at most that is what is
  * looked for, and no fault; behind the cut it is one. */
 static bool is_meant_by_cut(const struct controller *controller, enum supervisor_fault fault)
@@ -101,6 +108,8 @@ static enum supervisor_fault screen(struct controller *controller, struct contro
     enum supervisor_fault fault = checks_find(&controller->checks, controller->params, &view);
     if (fault == SUPERVISOR_FAULT_NONE && legs_disagree(controller)) {
         fault = SUPERVISOR_FAULT_LEGS;
+    } else if (fault == SUPERVISOR_FAULT_NONE && is_misplaced(controller)) {
+        fault = SUPERVISOR_FAULT_PLACEMENT;
     }
     if (fault == SUPERVISOR_FAULT_NONE) {
         fault = latch_fault(controller);
@@ -150,6 +159,14 @@ static void enter_state(struct controller *controller, const struct controller_i
     }
 }
 
+/* A person's pushes get smaller before they end. The bench has no other push-off. */
+static bool may_fade(const struct controller *controller)
+{
+    return controller->supervisor.state == SUPERVISOR_WALKING &&
+           !control_params_test_mode(controller->params) &&
+           controller->plan.assist_level > REAL(0.0);
+}
+
 static void supervise(struct controller *controller, const struct controller_input *values,
                       enum supervisor_fault fault)
 {
@@ -160,15 +177,18 @@ static void supervise(struct controller *controller, const struct controller_inp
     if (controller->derate.withdrawn) {
         controller->request_spent = true;
     }
+    const bool requested = values->walk_requested && !controller->request_spent;
+    wearer_update(&controller->wearer, values->wearer_pressed, requested,
+                  controller->supervisor.state, may_fade(controller));
     const struct conditions_view view = {
         .params = controller->params,
         .input = values,
         .checks = &controller->checks,
         .step_monitor = &controller->step_monitor,
         .sea = controller->springs.sea,
-        .motion_requested =
-            motion_watch(&controller->motion, values) && !controller->derate.withdrawn,
-        .request_spent = controller->request_spent,
+        .motion_requested = motion_watch(&controller->motion, values) && !requested &&
+                            !controller->derate.withdrawn,
+        .walk_wanted = requested && wearer_allows(&controller->wearer),
         .pushes_fail = pushes_fail(controller),
     };
     const enum supervisor_state from = controller->supervisor.state;
@@ -198,9 +218,13 @@ static void estimate(struct controller *controller, const struct controller_inpu
         gait_observer_update(&controller->observer, controller->params, values);
     }
     if (supervisor_may_assist(state) &&
-        step_monitor_update(steps, &controller->observer.state, values->tick) &&
-        state == SUPERVISOR_WALKING && steps->steady > 0) {
-        step_plan_raise_assist(&controller->plan, controller->params);
+        step_monitor_update(steps, &controller->observer.state, values->tick)) {
+        const real share = wearer_end_step(&controller->wearer);
+        if (share < REAL(1.0)) {
+            step_plan_fade(&controller->plan, share);
+        } else if (state == SUPERVISOR_WALKING && steps->steady > 0) {
+            step_plan_raise_assist(&controller->plan, controller->params);
+        }
     }
 }
 
@@ -300,4 +324,19 @@ void controller_update(struct controller *controller, const struct controller_in
     output->state = controller->supervisor.state;
     output->fault = controller->supervisor.latched;
     output->new_step = decision.new_step;
+}
+
+enum wearer_cue controller_cue(const struct controller *controller)
+{
+    const enum supervisor_state state = controller->supervisor.state;
+    if (controller->wearer.fade_steps > 0) {
+        return WEARER_CUE_FADES;
+    }
+    if (!wearer_allows(&controller->wearer)) {
+        return WEARER_CUE_PAUSED;
+    }
+    if (state != SUPERVISOR_WALKING) {
+        return WEARER_CUE_NONE;
+    }
+    return controller->plan.assist_level > REAL(0.0) ? WEARER_CUE_ASSISTS : WEARER_CUE_SOON;
 }

@@ -32,10 +32,12 @@
 #include "controller/supervisor/derate.h"
 #include "controller/supervisor/step_monitor.h"
 #include "controller/supervisor/supervisor.h"
+#include "controller/supervisor/wearer.h"
 
 #define controller_init REAL_SYMBOL(controller_init)
 #define controller_update REAL_SYMBOL(controller_update)
 #define controller_bear REAL_SYMBOL(controller_bear)
+#define controller_cue REAL_SYMBOL(controller_cue)
 
 struct controller {
     const struct control_params *params; /* the caller's; constant while walking */
@@ -49,6 +51,7 @@ struct controller {
     struct checks checks;
     struct step_monitor step_monitor;
     struct zeroing zeroing;
+    struct wearer wearer;
     struct motion motion;
     struct derate derate;
     bool
@@ -83,5 +86,8 @@ void controller_update(struct controller *controller, const struct controller_in
  * only; O(1), in a tick that has little else to do. */
 bool controller_bear(struct controller *controller, const struct derate_limits *limit,
                      const struct derate_reading *reading, uint32_t tick);
+
+/* What the wearer is told now. Pure; O(1). */
+enum wearer_cue controller_cue(const struct controller *controller);
 
 #endif

@@ -66,9 +66,10 @@ struct sea_measurement {
     enum drive_state state;
     uint16_t age_ticks;
     enum latch_state latch;
-    real force_N;             /* of the motor on the spring, compression positive */
-    uint16_t force_age_ticks; /* AGE_NEVER = the drive's protocol does not tell */
-    bool absent;              /* this leg has no drive: nothing is loaded there */
+    real force_N;              /* of the motor on the spring, compression positive */
+    uint16_t force_age_ticks;  /* AGE_NEVER = the drive's protocol does not tell */
+    bool absent;               /* this leg has no drive: nothing is loaded there */
+    enum foot_contact contact; /* of the other foot, as the latch's node hears it */
 };
 
 /* A motion that a tool asks for at commissioning; the values appear on the bus. */
@@ -106,6 +107,7 @@ struct controller_input {
     bool node_changed;            /* a drive is no longer as it was set up */
     bool parameters_corrupt;      /* their checksum is no longer that of the checked ones */
     bool walk_requested;          /* the operator asks for assistance */
+    bool wearer_pressed;          /* the wearer's button */
     bool reset_requested;         /* clear a latched fault; obeyed at standstill only */
     bool zero_requested;          /* find the leg sensors' offsets; obeyed while not assisting */
     struct motion_request motion; /* commissioning; obeyed in STANDBY without a walk requested */
@@ -150,6 +152,7 @@ struct gait_state {
     bool strike_near; /* the stance leg's latch may be armed: the other foot lands, or has landed */
     bool walk_shown;  /* the last step was one of forward walking (a compass walker's always is) */
     bool walk_denied; /* in this tick: what happens is no forward walking */
+    uint8_t misplaced; /* sensors or latches of a person: placement.h; 0 = none found */
     struct gait_event event[GAIT_EVENT_KINDS];
     struct apex_estimate apex; /* of the newest GAIT_APEX event; zeros before the first */
     /* Gait phase of each leg: part of its stride gone by since its heel strike, 0..1 (it stays

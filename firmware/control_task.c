@@ -44,6 +44,7 @@ static void show_counters(void *context)
     counters->rx_overflow = status.rx_overflow;
     counters->bus_off_count = status.bus_off_count;
     drive_care_show(&task->node.objects, &task->controller.derate, &task->config.drives);
+    task->node.objects.cue = (uint8_t)controller_cue(&task->controller);
     commissioning_show(&task->node.objects, &task->controller.motion, &task->sensors,
                        &task->config.drives);
 }
@@ -131,6 +132,7 @@ static void collect_input(const struct control_task *task, struct controller_inp
         .node_changed = task->audit.memory.deviates != 0,
         .parameters_corrupt = task->node.guard.corrupt,
         .walk_requested = task->node.objects.walk_requested != 0 && may_start(task),
+        .wearer_pressed = (task->node.objects.wearer_pin | task->node.objects.wearer_button) != 0,
         .reset_requested = task->node.objects.reset_requested != 0,
         .zero_requested = task->node.objects.zero_requested != 0,
         .motion = commissioning_request(&task->node.objects)};
@@ -142,7 +144,7 @@ static void collect_input(const struct control_task *task, struct controller_inp
             reading->leg_angle_rad, reading->ankle_extension_m, reading->age_ticks, reading->foot};
         input->sea[leg] = (struct sea_measurement){
             drive.precompression_m, drive.state,           drive.age_ticks, drive.latch,
-            drive.force_N,          drive.force_age_ticks, drive.absent};
+            drive.force_N,          drive.force_age_ticks, drive.absent,    drive.contact};
         input->foreign_node = input->foreign_node || drive.foreign ||
                               reading->duplicate_id_count >= DUPLICATE_ID_LIMIT;
     }

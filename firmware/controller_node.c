@@ -35,8 +35,8 @@ static void default_objects(struct controller_objects *objects, const struct con
 {
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
-    objects->command_count = 5;
-    objects->state_count = 8;
+    objects->command_count = 6;
+    objects->state_count = 10;
     objects->step_count = 5;
     objects->record_count = 4;
     objects->change_count = 5;

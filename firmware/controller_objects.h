@@ -65,8 +65,10 @@ struct controller_objects {
     uint8_t walk_requested;
     uint8_t reset_requested;
     uint8_t zero_requested;
-    uint32_t unlock; /* settings_lock.h; reads 0 */
-    /* 0x2001: state, TPDO2: bit 7 of the first is the emergency stop */
+    uint32_t unlock;       /* settings_lock.h; reads 0 */
+    uint8_t wearer_button; /* 1: pressed, beside the button at a pin, */
+    uint8_t wearer_pin;    /* which is not in the dictionary but in the state's bit 6 */
+    /* 0x2001: state, TPDO2: of the first, bit 7 is the emergency stop and bit 6 the wearer's pin */
     uint8_t state;
     uint8_t fault;
     uint8_t zeroing;               /* enum zeroing_state */
@@ -74,6 +76,8 @@ struct controller_objects {
     uint32_t input_digest; /* over every frame obeyed so far: a replay must come to the same */
     uint8_t unlocked_by;   /* client number; 0 = the parameters are locked */
     uint8_t unlocked_s;    /* for so long still */
+    uint8_t misplaced;     /* enum placement_finding of the last walk */
+    uint8_t cue;           /* enum wearer_cue */
     /* 0x2002: last step as in TPDO1 */
     uint16_t step_measured;  /* 0.1 mrad/s */
     uint16_t step_commanded; /* 0.1 mrad/s */

@@ -19,14 +19,18 @@ static bool count_disobedience(uint8_t *ticks, bool disobeys)
 unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
                             enum supervisor_state state)
 {
-    const bool stops = state == SUPERVISOR_UNLOADING || state == SUPERVISOR_FAULT;
     unsigned to_stop = 0;
     bool off = true;
-    for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        struct sea_drive_reading drive = {.state = DRIVE_DISABLED};
-        if (stops) {
-            sea_drives_read(drives, (enum side)leg, &drive);
+    if (state != SUPERVISOR_UNLOADING && state != SUPERVISOR_FAULT) {
+        watch->powered_ticks = 0;
+        for (int leg = 0; leg < SIDE_COUNT; leg++) {
+            (void)count_disobedience(&watch->disobeys[leg], false);
         }
+        return 0;
+    }
+    for (int leg = 0; leg < SIDE_COUNT; leg++) {
+        struct sea_drive_reading drive;
+        sea_drives_read(drives, (enum side)leg, &drive);
         const bool heard = drive.age_ticks <= DRIVE_WATCH_STOP_TICKS;
         off = off && heard && (drive.state == DRIVE_DISABLED || drive.state == DRIVE_FAULT);
         /* What a silent one said last may be of before it was switched off and on. */

@@ -182,6 +182,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     orthosis->store.between = config->clock != NULL ? feed_between : NULL;
     orthosis->store.between_context = orthosis;
     orthosis->drive_power = config->drive_power;
+    orthosis->wearer = config->wearer;
     orthosis->streak = config->streak;
     if (config->streak != NULL) {
         telemetry_report_crashes(&orthosis->task.node.objects, &orthosis->task.node.device,
@@ -202,6 +203,15 @@ static bool was_quiet(struct orthosis *orthosis)
     orthosis->seen_block = block;
     return !opened && orthosis->recorder.frames <= (uint32_t)ORTHOSIS_QUIET_FRAMES &&
            !control_task_was_busy(&orthosis->task);
+}
+
+/* What it reads is used in the next tick, and told in that tick's state: a replay reads it back. */
+static void look_after_wearer(struct orthosis *orthosis)
+{
+    const enum wearer_cue cue = controller_cue(&orthosis->task.controller);
+
+    orthosis->task.node.objects.wearer_pin = wearer_panel_is_pressed(orthosis->wearer) ? 1 : 0;
+    wearer_panel_set_cue(orthosis->wearer, cue == WEARER_CUE_SOON || cue == WEARER_CUE_FADES);
 }
 
 /* Once through the program, again and again. */
@@ -225,6 +235,9 @@ void orthosis_start_cycle(struct orthosis *orthosis)
         }
         if (orthosis->in_quiet_ticks != NULL) {
             orthosis->in_quiet_ticks();
+        }
+        if (orthosis->wearer != NULL) {
+            look_after_wearer(orthosis);
         }
     }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),

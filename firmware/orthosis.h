@@ -22,6 +22,7 @@
 #include "hal/storage/param_store.h"
 #include "hal/storage/program_slots.h"
 #include "hal/watchdog.h"
+#include "hal/wearer_panel.h"
 
 /* Words of the program that a tick looks at: 260 instructions, 64 KiB in 9 s. */
 enum {
@@ -36,6 +37,7 @@ struct orthosis_config {
     /* Its time is looked at while the loop is held up for long; NULL: nobody feeds then. */
     const struct clock *clock;
     const struct drive_power_enable *drive_power; /* NULL: the board has none */
+    const struct wearer_panel *wearer;            /* NULL: the board has none */
     const struct nv_store *nv;
     const struct program_slots *program; /* where the program lies; NULL: nobody looks after it */
     void (*in_quiet_ticks)(void);        /* called at the end of ticks with little to do; or NULL */
@@ -55,6 +57,7 @@ struct orthosis {
     struct bus_recorder recorder;
     struct watchdog_gate gate;
     const struct drive_power_enable *drive_power;
+    const struct wearer_panel *wearer;
     struct crash_streak *streak;
     const struct watchdog *watchdog;
     const struct clock *clock;

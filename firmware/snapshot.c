@@ -41,6 +41,8 @@ static_assert(offsetof(struct controller, observer) <= sizeof(void *),
     X(node.objects.walk_requested)      \
     X(node.objects.reset_requested)     \
     X(node.objects.zero_requested)      \
+    X(node.objects.wearer_button)       \
+    X(node.objects.wearer_pin)          \
     X(node.objects.motion_order)        \
     X(node.objects.motion_renewal)      \
     X(node.objects.motion_kind)         \

@@ -13,6 +13,7 @@ enum { TPDO_STEP = 0, TPDO_STATE = 1 };
 #define SPEED_UNITS_PER_RAD_S 10000.0f
 #define R0_UNITS_PER_METRE 100000.0f
 #define EMERGENCY_STOP_BIT 0x80u
+#define WEARER_BIT 0x40u
 #define RIGHT_BIT 0x80u
 #define FELL_BACK_BIT 0x40u
 
@@ -81,12 +82,14 @@ void telemetry_update(struct telemetry *telemetry, struct controller_objects *ob
                       const struct controller_output *output, bool emergency_stop)
 {
     objects->state =
-        (uint8_t)((emergency_stop ? EMERGENCY_STOP_BIT : 0u) | ((unsigned)output->state & 0x7Fu));
+        (uint8_t)((emergency_stop ? EMERGENCY_STOP_BIT : 0u) |
+                  (objects->wearer_pin != 0 ? WEARER_BIT : 0u) | ((unsigned)output->state & 0x3Fu));
     objects->fault = (uint8_t)((unsigned)output->fault & 0x7Fu);
     if (objects->state != telemetry->sent_state || objects->fault != telemetry->sent_fault) {
         if (objects->fault != telemetry->sent_fault) {
             report_fault(device, objects, telemetry->sent_fault);
         }
+        objects->misplaced = controller->observer.state.misplaced;
         telemetry->sent_state = objects->state;
         telemetry->sent_fault = objects->fault;
         co_device_trigger_tpdo(device, TPDO_STATE);

@@ -14,6 +14,8 @@ enum {
     INDEX_PROGRAM_IDENTIFICATION = 0x1F56,
     INDEX_PROGRAM_STATUS = 0x1F57,
     INDEX_COMMANDS = 0x2000,
+    INDEX_STATE = 0x2001,
+    SUB_CUE = 10,
     INDEX_CHANGE_LOG = 0x2005,
     INDEX_PARAMS = 0x2010,
     INDEX_COUNTERS = 0x2020,
@@ -294,6 +296,7 @@ uint32_t write_rules_reading(void *context, const struct co_entry *entry)
     }
     const bool is_shown =
         entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES ||
+        (entry->index == INDEX_STATE && entry->sub == SUB_CUE) ||
         (entry->index >= INDEX_COMMISSIONING && entry->index <= INDEX_FORCE_SAMPLES);
     if (is_shown && rules->show_counters != NULL) {
         rules->show_counters(rules->show_context);

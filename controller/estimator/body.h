@@ -8,6 +8,7 @@
 #include "controller/estimator/compass_events.h"
 #include "controller/estimator/model_observer.h"
 #include "controller/estimator/person_events.h"
+#include "controller/estimator/placement.h"
 #include "controller/estimator/stride_clock.h"
 #include "controller/estimator/walk_proof.h"
 #include "controller/estimator/walking_speed.h"
@@ -18,6 +19,7 @@ struct body_state {
     struct compass_events compass;
     struct person_events leg[SIDE_COUNT];
     struct walk_proof proof;
+    struct placement placement;
     struct arm_window window[SIDE_COUNT]; /* by the foot that is to land */
 };
 

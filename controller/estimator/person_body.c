@@ -67,6 +67,34 @@ static void show_walking(struct body_state *body, const struct body_tick *now,
         has_switches(params) ? body->proof.steps > 0 : params->strike_error_s > REAL(0.0);
 }
 
+/* Whether sensors and latches are where they belong. Without switches the feet are known from the legs' angles
+ * only, which then cannot contradict them; their ankles still can. */
+static void look_at_placement(struct body_state *body, const struct body_tick *now)
+{
+    const uint32_t tick = now->input->tick;
+    const struct gait_event *strike = &now->gait->event[GAIT_HEEL_STRIKE];
+    const struct gait_event *lift_off = &now->gait->event[GAIT_LIFT_OFF];
+    const bool switches = has_switches(now->params);
+    struct placement_view view;
+    bool moved = false;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const struct foot_history *foot = &body->proof.foot[side];
+        const bool changed = foot->since_tick == tick;
+        view.lands[side] = switches ? changed && foot->contact == FOOT_DOWN
+                                    : strike->happened && strike->side == (enum side)side;
+        view.leaves[side] = switches ? changed && foot->contact == FOOT_UP
+                                     : lift_off->happened && lift_off->side == (enum side)side;
+        view.angle_rad[side] = now->input->leg[side].leg_angle_rad;
+        view.extension_m[side] = now->input->leg[side].ankle_extension_m;
+        moved = moved || view.lands[side] || view.leaves[side];
+    }
+    if (moved) {
+        placement_edges(&body->placement, &view);
+    }
+    placement_wires(&body->placement, now->input);
+    now->gait->misplaced = placement_found(&body->placement);
+}
+
 static bool turns_back(const struct body_tick *now, int side, real walking_speed_rad_s)
 {
     const uint32_t tick = now->input->tick;
@@ -115,6 +143,7 @@ static void update(struct body_state *body, const struct body_tick *now)
     }
     watch_windows(body, now, view.walking_speed_rad_s);
     show_walking(body, now, now->speed->mean_rad_s);
+    look_at_placement(body, now);
 }
 
 /* A person's legs that fall back together are a bow or a sway, no step. */

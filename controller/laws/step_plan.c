@@ -25,6 +25,12 @@ void step_plan_lower_assist(struct step_plan *plan, const struct control_params 
     }
 }
 
+void step_plan_fade(struct step_plan *plan, real share)
+{
+    plan->assist_level *= share;
+    plan->assist_most = plan->assist_level;
+}
+
 void step_plan_bear(struct step_plan *plan, real share)
 {
     plan->device_share = share;

@@ -16,6 +16,7 @@
 #define step_plan_lower_assist REAL_SYMBOL(step_plan_lower_assist)
 #define step_plan_bear REAL_SYMBOL(step_plan_bear)
 #define step_plan_update REAL_SYMBOL(step_plan_update)
+#define step_plan_fade REAL_SYMBOL(step_plan_fade)
 
 struct step_plan {
     struct step_law law;
@@ -49,6 +50,9 @@ void step_plan_lower_assist(struct step_plan *plan, const struct control_params 
 
 /* The drives bear this share of the prescription, 0..1, from the next step on; it stays when a walk begins. */
 void step_plan_bear(struct step_plan *plan, real share);
+
+/* The wearer has asked for an end: the assist level falls to this share of itself, 0..1, and rises no higher. */
+void step_plan_fade(struct step_plan *plan, real share);
 
 /* Once a tick while assisting, with the observer's events of this tick. desired_speed_rad_s: the
  * forward apex speed asked for, > 0. *step: the record of the last decided step, replaced in the

@@ -21,6 +21,11 @@ enum { STUCK_TICKS = TICKS_OF_MS(100) };
 enum { STANDSTILL_TICKS = TICKS_OF_MS(500) };
 #define STANDSTILL_RAD REAL(0.02)
 
+/* Both legs leaning so far to one side: the hip is 0.4 m ahead of or behind the ankles of a 0.9 m leg, and no foot
+ * reaches so far. Whoever sits has both legs at 0.8 rad. In walking it is below 0.26, in running 0.37. */
+#define TILT_RAD REAL(0.45)
+enum { TILTED_TICKS = TICKS_OF_MS(200), LIFTED_TICKS = TICKS_OF_MS(500) };
+
 /* The motor off its reference, three ticks late on the bus, in leg lengths. The
  * drives overshoot by up to 0.06 of it while they load. */
 enum {
@@ -94,6 +99,16 @@ static void watch_stillness(struct checks *checks, const struct checks_view *vie
         }
     }
     checks->standstill_ticks = count_while(checks->standstill_ticks, still);
+}
+
+/* Of a person only: a compass walker falls at once. */
+static void watch_posture(struct checks *checks, const struct controller_input *input)
+{
+    const struct leg_measurement *left = &input->leg[SIDE_LEFT], *right = &input->leg[SIDE_RIGHT];
+    const real lean_rad = REAL(0.5) * (left->leg_angle_rad + right->leg_angle_rad);
+    checks->tilted_ticks = count_while(checks->tilted_ticks, real_abs(lean_rad) > TILT_RAD);
+    checks->lifted_ticks =
+        count_while(checks->lifted_ticks, left->foot == FOOT_UP && right->foot == FOOT_UP);
 }
 
 static bool is_stuck(const struct checks *checks, const struct controller_input *input, int side)
@@ -306,6 +321,9 @@ void checks_update(struct checks *checks, const struct control_params *params,
 {
     const bool ankle_is_held = body_of(params->body)->ankle_is_held;
     watch_stillness(checks, view);
+    if (!ankle_is_held) {
+        watch_posture(checks, view->input);
+    }
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct leg_checks *leg = &checks->leg[side];
         const struct sea_measurement *sea = &view->input->sea[side];
@@ -354,6 +372,11 @@ enum supervisor_fault checks_find(const struct checks *checks, const struct cont
 bool checks_standstill(const struct checks *checks)
 {
     return checks->standstill_ticks >= STANDSTILL_TICKS;
+}
+
+bool checks_upright(const struct checks *checks)
+{
+    return checks->tilted_ticks < TILTED_TICKS && checks->lifted_ticks < LIFTED_TICKS;
 }
 
 bool checks_springs_slack(const struct control_params *params, const struct controller_input *input)

@@ -21,6 +21,7 @@
 #define checks_find REAL_SYMBOL(checks_find)
 #define checks_standstill REAL_SYMBOL(checks_standstill)
 #define checks_springs_slack REAL_SYMBOL(checks_springs_slack)
+#define checks_upright REAL_SYMBOL(checks_upright)
 
 /* What is remembered of one leg. */
 struct leg_checks {
@@ -45,6 +46,8 @@ struct leg_checks {
 struct checks {
     struct leg_checks leg[SIDE_COUNT];
     uint16_t standstill_ticks;
+    uint16_t tilted_ticks; /* both legs of a person have leant to one side for so long, */
+    uint16_t lifted_ticks; /* and no foot was on the ground */
     uint16_t state_contradiction_count; /* ticks in which a drive is not where it was sent */
     bool was_enabled;                   /* both drives have followed since enabling, */
     bool has_left;                      /* and one of them has left that state by itself */
@@ -72,6 +75,9 @@ enum supervisor_fault checks_find(const struct checks *checks, const struct cont
 
 /* Both legs have kept their angles for half a second. */
 bool checks_standstill(const struct checks *checks);
+
+/* A person is on their feet: legs and switches do not say that they sit, lie or hang. True of a compass. */
+bool checks_upright(const struct checks *checks);
 
 /* Both motors freshly known to be at zero spring. */
 bool checks_springs_slack(const struct control_params *params,

@@ -1,5 +1,7 @@
 #include "controller/supervisor/conditions.h"
 
+#include "controller/estimator/body_table.h"
+
 /* A person's steps have stopped when none came for so many times the last one. */
 enum { LATE_STEPS = 2 };
 /* Least time in STANDBY. */
@@ -76,6 +78,17 @@ static bool is_at_rest(const struct supervisor *supervisor, const struct conditi
            view->input->tick - supervisor->since_tick >= REST_TICKS;
 }
 
+/* Nobody's drives are under torque who sits, lies, hangs in a harness, or stands still: only a person's who
+ * is on their feet and moves. Who walks already has other rules for standing still. */
+static bool is_ready(const struct supervisor *supervisor, const struct conditions_view *view,
+                     bool standstill)
+{
+    if (body_of(view->params->body)->ankle_is_held) {
+        return true;
+    }
+    return checks_upright(view->checks) && (!standstill || supervisor->state == SUPERVISOR_WALKING);
+}
+
 static bool both_enabled(const struct controller_input *input)
 {
     return input->sea[SIDE_LEFT].state == DRIVE_ENABLED &&
@@ -96,7 +109,9 @@ uint16_t conditions_find(const struct supervisor *supervisor, const struct condi
     bits |= fault == SUPERVISOR_FAULT_NONE && slack && is_at_rest(supervisor, view)
                 ? SUPERVISOR_IF_PLAUSIBLE
                 : 0u;
-    bits |= input->walk_requested && !view->request_spent ? SUPERVISOR_IF_WALK_REQUESTED : 0u;
+    bits |= view->walk_wanted && is_ready(supervisor, view, standstill)
+                ? SUPERVISOR_IF_WALK_REQUESTED
+                : 0u;
     bits |= view->motion_requested ? SUPERVISOR_IF_MOTION_REQUESTED : 0u;
     bits |= both_enabled(input) ? SUPERVISOR_IF_ENABLED : 0u;
     bits |= stepping ? SUPERVISOR_IF_STEPPING : 0u;

@@ -24,7 +24,7 @@ struct conditions_view {
     const struct step_monitor *step_monitor;
     const struct sea_reference *sea; /* SIDE_COUNT */
     bool motion_requested;           /* commissioning: by a tool that is still there */
-    bool request_spent;              /* the walk that was requested has ended: ask anew */
+    bool walk_wanted; /* requested, not spent, and the wearer does not forbid it (wearer.h) */
     bool pushes_fail; /* three in a row were prescribed and not given (push_watch.h) */
 };
 

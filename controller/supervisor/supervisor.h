@@ -72,7 +72,8 @@ enum supervisor_fault {
     SUPERVISOR_FAULT_NODE_CHANGED = 20, /* a drive's setting is not what it was at the set-up */
     SUPERVISOR_FAULT_LATCH_LEFT = 21,   /* what the latch tells did not change in three releases */
     SUPERVISOR_FAULT_LATCH_RIGHT = 22,
-    SUPERVISOR_FAULTS = 23
+    SUPERVISOR_FAULT_PLACEMENT = 23, /* a person's sensors or latches are misplaced: placement.h */
+    SUPERVISOR_FAULTS = 24
 };
 
 /* Conditions, one bit each. */

@@ -28,6 +28,7 @@ static struct cia402_axis_config cia402_of(const struct device_description *devi
         .interpolated = own->mode == DEVICE_MODE_INTERPOLATED,
         .no_latch_bit = own->latch != DEVICE_LATCH_DRIVE,
         .latch_bit = (uint8_t)own->latch_bit,
+        .contact_bit = (uint8_t)own->contact_bit,
     };
 }
 

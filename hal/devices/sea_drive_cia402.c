@@ -172,6 +172,10 @@ static void read_axis(const void *context, enum side leg, struct sea_drive_readi
     reading->latch = axis->age_ticks == UINT16_MAX || config->no_latch_bit ? LATCH_UNKNOWN
                      : (axis->statusword >> latch_bit & 1u) != 0           ? LATCH_CLOSED
                                                                            : LATCH_OPEN;
+    if (config->contact_bit != 0 && axis->age_ticks != UINT16_MAX) {
+        reading->contact =
+            (axis->statusword >> config->contact_bit & 1u) != 0 ? FOOT_DOWN : FOOT_UP;
+    }
     reading->warning =
         axis->age_ticks != UINT16_MAX && (axis->statusword & STATUSWORD_WARNING) != 0;
     const bool told = axis->slow_age_ticks <= SEA_DRIVE_SLOW_TICKS;

@@ -28,9 +28,10 @@ struct cia402_axis_config {
     bool no_outputs;                            /* its frame of the controlword has no outputs */
     bool no_torque, no_temperature, no_voltage; /* not in its slow PDO */
     bool no_follows_bit;                        /* bit 12 of its statusword says nothing */
-    bool interpolated; /* interpolated position: bit 4 of the controlword runs it */
-    bool no_latch_bit; /* the statusword does not tell of the latch */
-    uint8_t latch_bit; /* of the statusword; 0 = 14 */
+    bool interpolated;   /* interpolated position: bit 4 of the controlword runs it */
+    bool no_latch_bit;   /* the statusword does not tell of the latch */
+    uint8_t latch_bit;   /* of the statusword; 0 = 14 */
+    uint8_t contact_bit; /* likewise, of the other foot's contact at the latch; 0 = none */
 };
 
 struct cia402_axis {

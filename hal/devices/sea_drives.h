@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "hal/bus/can_bus.h"
+#include "model/foot_contact.h"
 #include "model/sea_state.h"
 #include "model/side.h"
 #include "model/tick.h"
@@ -22,12 +23,13 @@ struct sea_drive_reading {
     float precompression_m; /* motor position in metres of spring */
     float force_N;          /* of the motor on the spring, compression positive */
     enum drive_state state;
-    enum latch_state latch;   /* as the node reports it, with the position */
-    uint16_t age_ticks;       /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
-    uint16_t force_age_ticks; /* UINT16_MAX = never, or the protocol has none */
-    bool warning;             /* the drive warns of something; it may go on */
-    bool has_temperature;     /* the drive tells it, and did so within SEA_DRIVE_SLOW_TICKS */
-    bool has_supply;          /* likewise */
+    enum latch_state latch;    /* as the node reports it, with the position */
+    uint16_t age_ticks;        /* of all but the force; 0 = newest cycle; UINT16_MAX = never */
+    uint16_t force_age_ticks;  /* UINT16_MAX = never, or the protocol has none */
+    enum foot_contact contact; /* of the other foot, as it is wired to the latch */
+    bool warning;              /* the drive warns of something; it may go on */
+    bool has_temperature;      /* the drive tells it, and did so within SEA_DRIVE_SLOW_TICKS */
+    bool has_supply;           /* likewise */
     float temperature_degC;
     float supply_V; /* of the DC link */
     bool absent;    /* this leg has no drive */

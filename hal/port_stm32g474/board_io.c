@@ -226,9 +226,11 @@ static const struct mmio_expected pins_expected[] = {
      FIELD_4(11U, GPIO_AF_FDCAN1) | FIELD_4(12U, GPIO_AF_FDCAN1)},
     {GPIOA_BASE + GPIO_MODER, FIELD_2(11U, 3U) | FIELD_2(12U, 3U),
      FIELD_2(11U, GPIO_MODE_ALTERNATE) | FIELD_2(12U, GPIO_MODE_ALTERNATE)},
-    {GPIOC_BASE + GPIO_PUPDR, FIELD_2(0U, 3U), FIELD_2(0U, GPIO_PULL_DOWN)},
-    {GPIOC_BASE + GPIO_MODER, FIELD_2(0U, 3U) | FIELD_2(1U, 3U),
-     FIELD_2(0U, GPIO_MODE_INPUT) | FIELD_2(1U, GPIO_MODE_OUTPUT)},
+    {GPIOC_BASE + GPIO_PUPDR, FIELD_2(0U, 3U) | FIELD_2(2U, 3U),
+     FIELD_2(0U, GPIO_PULL_DOWN) | FIELD_2(2U, GPIO_PULL_UP)},
+    {GPIOC_BASE + GPIO_MODER, FIELD_2(0U, 3U) | FIELD_2(1U, 3U) | FIELD_2(2U, 3U) | FIELD_2(3U, 3U),
+     FIELD_2(0U, GPIO_MODE_INPUT) | FIELD_2(1U, GPIO_MODE_OUTPUT) | FIELD_2(2U, GPIO_MODE_INPUT) |
+         FIELD_2(3U, GPIO_MODE_OUTPUT)},
 };
 
 uint32_t board_io_init(void)
@@ -240,9 +242,12 @@ uint32_t board_io_init(void)
     mmio_change(GPIOA_BASE + GPIO_PUPDR, 3U << 22U, GPIO_PULL_UP << 22U); /* PA11 idles recessive */
     pin_alternate(GPIOA_BASE, 11U, GPIO_AF_FDCAN1);
     pin_alternate(GPIOA_BASE, 12U, GPIO_AF_FDCAN1);
-    mmio_change(GPIOC_BASE + GPIO_PUPDR, 3U, GPIO_PULL_DOWN);
+    mmio_change(GPIOC_BASE + GPIO_PUPDR, FIELD_2(0U, 3U) | FIELD_2(2U, 3U),
+                FIELD_2(0U, GPIO_PULL_DOWN) | FIELD_2(2U, GPIO_PULL_UP));
     pin_mode(GPIOC_BASE, 0U, GPIO_MODE_INPUT);
     pin_mode(GPIOC_BASE, 1U, GPIO_MODE_OUTPUT);
+    pin_mode(GPIOC_BASE, 2U, GPIO_MODE_INPUT);
+    pin_mode(GPIOC_BASE, 3U, GPIO_MODE_OUTPUT);
     return mmio_first_lost(pins_expected, COUNT_OF(pins_expected));
 }
 
@@ -268,3 +273,18 @@ static bool is_pressed(void *context)
 
 static const struct emergency_stop_ops pc0_ops = {is_pressed};
 const struct emergency_stop pc0_emergency_stop = {&pc0_ops, 0};
+
+static bool is_wearer_pressing(void *context)
+{
+    (void)context;
+    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 4U) == 0U;
+}
+
+static void set_cue(void *context, bool on)
+{
+    (void)context;
+    mmio_change(GPIOC_BASE + GPIO_ODR, 8U, on ? 8U : 0U);
+}
+
+static const struct wearer_panel_ops pc2_pc3_ops = {is_wearer_pressing, set_cue};
+const struct wearer_panel pc2_pc3_wearer_panel = {&pc2_pc3_ops, 0};

@@ -1,7 +1,8 @@
 /* Timer, watchdog, pins of the STM32G474 behind the HAL's interfaces.
  *
- * Pins: PA11 and PA12 FDCAN1 receive and transmit, PC0 emergency stop. PB8 is left
- * alone: it is BOOT0 while the option bits are as delivered.
+ * Pins: PA11 and PA12 FDCAN1 receive and transmit, PC0 emergency stop, PC1 drive power enable, PC2
+ * the wearer's button, PC3 the cue. PB8 is left alone: it is BOOT0 while the option bits are as
+ * delivered.
  */
 #ifndef HAL_PORT_STM32G474_BOARD_IO_H
 #define HAL_PORT_STM32G474_BOARD_IO_H
@@ -13,6 +14,7 @@
 #include "hal/drive_power_enable.h"
 #include "hal/emergency_stop.h"
 #include "hal/watchdog.h"
+#include "hal/wearer_panel.h"
 
 /* TIM2 counts microseconds; its compare unit marks each period. */
 struct tim2_clock {
@@ -79,5 +81,8 @@ bool board_io_permit_is_high(void);
 
 /* PC0, pulled down: high only while the closed contact feeds it. */
 extern const struct emergency_stop pc0_emergency_stop;
+
+/* PC2, pulled up: low while the button is pressed. PC3, push-pull: high while light or buzzer is on. */
+extern const struct wearer_panel pc2_pc3_wearer_panel;
 
 #endif

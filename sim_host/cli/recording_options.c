@@ -16,6 +16,9 @@
 /* The largest precompression, over the prescribed one: 1.1 times its energy. */
 #define PERSON_R0_MOST_RATIO REAL(1.0488)
 
+/* Of the virtual drives' statusword: the contact at the latch. */
+enum { CONTACT_BIT = 8 };
+
 /* Of the seed: the switches' biases. */
 enum { FOOT_SWITCH_STREAM = 0xB1A5 };
 
@@ -195,6 +198,9 @@ static void apply_switches(const struct recording_options *options, struct loop_
         foot->fault_from_s =
             options->switch_fault_s + (double)plant->recording_start_tick * plant->tick_s;
         plant->sea[side].release_on = present ? SEA_RELEASE_CONTACT : SEA_RELEASE_COMMAND;
+        if (config->subject.device.description.leg[side].contact_bit == 0) {
+            config->subject.device.description.leg[side].contact_bit = present ? CONTACT_BIT : 0;
+        }
     }
     plant->latch_fault = options->latch_fault;
     plant->latch_fault_s =

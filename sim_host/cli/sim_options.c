@@ -20,7 +20,7 @@ enum {
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The walk:", 2},
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200; a recording: all)", 0},
-    {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
+    {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed, swapped or crossed", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
     {"engage", KEY_ENGAGE, "STEPS", 0,
      "the walker has a push-off of its own; the device takes over after so many steady steps "

@@ -188,7 +188,7 @@ int commission_stop(struct commission *commission, struct commission_result *res
         commission_get(commission, result, "state.latched_fault", &fault) != 0) {
         return -1;
     }
-    if (((unsigned)state & 0x7Fu) != SUPERVISOR_FAULT ||
+    if (((unsigned)state & 0x3Fu) != SUPERVISOR_FAULT ||
         (unsigned)fault != SUPERVISOR_FAULT_EMERGENCY_STOP) {
         commission_find(result, "pressed, and the controller latched no emergency stop");
     }

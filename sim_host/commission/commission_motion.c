@@ -171,7 +171,7 @@ static int look(struct commission *commission, struct commission_result *result,
         return -1;
     }
     const bool ended = of_order == order && phase == (double)MOTION_IDLE && outcome != 0.0;
-    return ended || ((unsigned)state & 0x7Fu) == SUPERVISOR_FAULT ? 1 : 0;
+    return ended || ((unsigned)state & 0x3Fu) == SUPERVISOR_FAULT ? 1 : 0;
 }
 
 int commission_perform(struct commission *commission, struct commission_result *result,

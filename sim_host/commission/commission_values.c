@@ -149,7 +149,7 @@ int commission_reach_standby(struct commission *commission, struct commission_re
     }
     (void)commission_break(
         result, "the controller does not come to standby: %s%s%s",
-        host_report_state_name((enum supervisor_state)((unsigned)state & 0x7Fu)),
+        host_report_state_name((enum supervisor_state)((unsigned)state & 0x3Fu)),
         fault != 0.0 ? ", " : "",
         fault != 0.0 ? supervisor_fault_name((enum supervisor_fault)(unsigned)fault) : "");
     tell_loaded(commission, result);

@@ -17,6 +17,8 @@ const struct ctl_verb_row ctl_verbs[] = {
     {"save", ctl_save, 0, 0, "", "keep the settings over power cycles", false},
     {"walk", ctl_walk, 0, 0, "", "ask for assistance, and wait until it engages", true},
     {"stop", ctl_stop, 0, 0, "", "end it, and wait until both springs are unloaded", true},
+    {"press", ctl_press, 0, 1, "[SECONDS]", "the wearer's button: pause, or go on; 1.5 s stop",
+     true},
     {"reset", ctl_reset, 0, 0, "", "clear a latched fault, at standstill", true},
     {"board", ctl_board, 0, 0, "", "a check-list of the board: clock, supply, lines, tests", true},
     {"zero", ctl_zero, 0, 0, "", "find the leg sensors' offsets: stand still for 3 s", true},

@@ -45,6 +45,7 @@ enum exit_status ctl_changes(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_save(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_walk(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_stop(struct ctl *ctl, int count, char **words);
+enum exit_status ctl_press(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_reset(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_zero(struct ctl *ctl, int count, char **words);
 enum exit_status ctl_board(struct ctl *ctl, int count, char **words);

@@ -1,4 +1,5 @@
 /* walk, stop, reset, zero, save: what is asked of the device, and whether it came to pass. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "controller/screening/zeroing.h"
@@ -9,7 +10,7 @@
 #include "sim_host/ctl/ctl_internal.h"
 
 enum { RESET_AGAIN_MS = 200, LOOK_MS = 20, TICK_WAIT_MS = 2, TICKS_APART = 3 };
-enum { STOP_BIT = 0x80, SIGNATURE_BYTES = 4 };
+enum { STOP_BIT = 0x80, STATE_BITS = 0x3F, SIGNATURE_BYTES = 4 };
 
 static const struct named_object *object_at(const struct ctl *ctl, const char *name)
 {
@@ -57,6 +58,7 @@ static int write_named(const struct ctl *ctl, const char *name, uint32_t number)
 #define WALK_REQUESTED "commands.walk_requested"
 #define STATE "state.supervisor_state_and_emergency_stop"
 #define FAULT "state.latched_fault"
+#define BUTTON "commands.wearer_button_pressed"
 #define ZEROING "state.zeroing"
 
 /* ---- the device's state ----------------------------------------------------------- */
@@ -73,7 +75,7 @@ static int read_condition(const struct ctl *ctl, struct condition *condition)
     if (ctl_read_named(ctl, STATE, &state) != 0 || ctl_read_named(ctl, FAULT, &fault) != 0) {
         return -1;
     }
-    condition->state = (enum supervisor_state)(state & ~(uint32_t)STOP_BIT);
+    condition->state = (enum supervisor_state)(state & (uint32_t)STATE_BITS);
     condition->emergency_stop = (state & STOP_BIT) != 0;
     condition->fault = (enum supervisor_fault)fault;
     return 0;
@@ -192,7 +194,8 @@ enum exit_status ctl_walk(struct ctl *ctl, int count, char **words)
         return give_up(ctl, &condition, "it did not engage",
                        condition.state == SUPERVISOR_INIT
                            ? "nodes are missing: `afo ctl get refused_node'"
-                           : "are both springs slack and all values fresh?");
+                           : "are both springs slack and all values fresh? A person has to "
+                             "be on their feet and to set off");
     }
     tell(ctl, &condition);
     return EXIT_GOOD;
@@ -220,6 +223,32 @@ enum exit_status ctl_stop(struct ctl *ctl, int count, char **words)
     }
     tell(ctl, &condition);
     return condition.state == SUPERVISOR_FAULT ? EXIT_BAD : EXIT_GOOD;
+}
+
+/* ---- the wearer's button -------------------------------------------------------------- */
+
+static const double PRESS_S = 0.2, LONGEST_PRESS_S = 60.0;
+
+/* The virtual one. Whatever happens, it is let go. */
+enum exit_status ctl_press(struct ctl *ctl, int count, char **words)
+{
+    struct condition condition;
+    char *end = NULL;
+    const double press_s = count > 0 ? strtod(words[0], &end) : PRESS_S;
+    if (count > 0 && (*end != '\0' || !(press_s >= PRESS_S && press_s <= LONGEST_PRESS_S))) {
+        ctl_complain(ctl, "press takes %g to %g seconds, not \"%s\"", PRESS_S, LONGEST_PRESS_S,
+                     words[0]);
+        return EXIT_USAGE;
+    }
+    if (write_named(ctl, BUTTON, 1) != 0) {
+        return EXIT_BAD;
+    }
+    (void)ctl->link.pause(ctl->link.context, (unsigned)(press_s * 1e3));
+    if (write_named(ctl, BUTTON, 0) != 0 || read_condition(ctl, &condition) != 0) {
+        return EXIT_BAD;
+    }
+    tell(ctl, &condition);
+    return EXIT_GOOD;
 }
 
 /* ---- reset, zero, save ---------------------------------------------------------------- */

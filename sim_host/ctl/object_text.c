@@ -13,7 +13,14 @@
 #include "sim_host/cli/host_report.h"
 
 enum { DRIVES_INDEX = 0x2021, SPARED_LEFT_SUB = 7, SPARED_RIGHT_SUB = 8, WITHDREW_SUB = 10 };
-enum { STATE_INDEX = 0x2001, STATE_SUB = 1, FAULT_SUB = 2, STOP_BIT = 0x80, HEX_BYTES_SHOWN = 16 };
+enum {
+    STATE_INDEX = 0x2001,
+    STATE_SUB = 1,
+    FAULT_SUB = 2,
+    STOP_BIT = 0x80,
+    WEARER_BIT = 0x40,
+    HEX_BYTES_SHOWN = 16
+};
 
 /* ---- numbers ------------------------------------------------------------------- */
 
@@ -200,9 +207,11 @@ void object_value_name(const struct named_object *object, const struct object_va
     const struct co_entry *entry = object->entry;
     if (entry->index == STATE_INDEX && entry->sub == STATE_SUB && object->leaf > 0) {
         const unsigned bits = (unsigned)number;
-        (void)snprintf(text, OBJECT_TEXT_MAX, "%s%s",
-                       host_report_state_name((enum supervisor_state)(bits & ~(unsigned)STOP_BIT)),
-                       (bits & STOP_BIT) != 0 ? ", emergency stop pressed" : "");
+        const unsigned state = bits & ~(unsigned)(STOP_BIT | WEARER_BIT);
+        (void)snprintf(text, OBJECT_TEXT_MAX, "%s%s%s",
+                       host_report_state_name((enum supervisor_state)state),
+                       (bits & STOP_BIT) != 0 ? ", emergency stop pressed" : "",
+                       (bits & WEARER_BIT) != 0 ? ", wearer's button pressed" : "");
     } else if (entry->index == STATE_INDEX && entry->sub == FAULT_SUB && object->leaf > 0) {
         (void)snprintf(text, OBJECT_TEXT_MAX, "%s",
                        supervisor_fault_name((enum supervisor_fault)(unsigned)number));

@@ -77,7 +77,7 @@ static void compare(struct pil_bridge *bridge, struct can_msg *frames, uint32_t 
 static void watch_state(struct pil_bridge *bridge, const struct can_msg *frame)
 {
     if (frame->id == FRAME_CONTROLLER_STATE && frame->length == FRAME_BYTES_CONTROLLER_STATE) {
-        bridge->state = frame->data[0] & 0x7Fu;
+        bridge->state = frame->data[0] & 0x3Fu;
         bridge->fault = frame->data[1];
     }
 }

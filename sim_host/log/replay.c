@@ -97,12 +97,14 @@ bool replay_set_interface(struct replay *replay, const char *name)
 
 /* ---- cycle by cycle -------------------------------------------------------- */
 
-/* The emergency stop as the task read it at the SYNC that began the cycle just read. */
+/* The emergency stop and the wearer's pin as the task read them at the SYNC that began the cycle just read. */
 static void read_back_stop(struct replay *replay)
 {
     for (unsigned i = 0; i < replay->next_count; i++) {
         if (replay->next[i].message.id == FRAME_CONTROLLER_STATE) {
-            replay->rig.stop_pressed = (replay->next[i].message.data[0] & 0x80u) != 0;
+            const uint8_t state = replay->next[i].message.data[0];
+            replay->rig.stop_pressed = (state & 0x80u) != 0;
+            replay->rig.task.node.objects.wearer_pin = (state & 0x40u) != 0;
         }
     }
 }

@@ -17,7 +17,7 @@ static_assert((int)SPEED_TABLE_MAX <= (int)OWN_PUSH_GAITS_MAX, "own_push has roo
 const char *loop_fault_name(enum loop_fault fault)
 {
     static const char *const names[LOOP_FAULT_COUNT] = {"none", "cut-drives", "never-armed",
-                                                        "swapped"};
+                                                        "swapped", "crossed"};
     return (unsigned)fault < LOOP_FAULT_COUNT ? names[fault] : "unknown";
 }
 
@@ -283,6 +283,8 @@ void loop_end_period(struct loop *loop, uint64_t now_ns)
         loop->rig.task.controller.last_step.number >= loop->config.fault_step) {
         loop->fault_active = true;
         loop->nodes.assembly.legs_swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
+        loop->nodes.assembly.feet_swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
+        loop->nodes.assembly.drives_crossed = loop->config.fault == LOOP_FAULT_CROSSED;
     }
     walker_nodes_measure(&loop->nodes);
     loop->tick++;

@@ -28,7 +28,8 @@ enum loop_fault {
     LOOP_FAULT_CUT_DRIVES = 1,  /* the frames from and to the drives are lost */
     LOOP_FAULT_NEVER_ARMED = 2, /* the latch bit is cleared in every command */
     LOOP_FAULT_SWAPPED = 3,     /* left and right sensor exchanged */
-    LOOP_FAULT_COUNT = 4
+    LOOP_FAULT_CROSSED = 4,     /* left and right drive exchanged, with their latches */
+    LOOP_FAULT_COUNT = 5
 };
 
 /* Lets the CiA 402 drives obey data sheets strictly; NULL: that one does not. They must outlive the nodes. */

@@ -36,6 +36,7 @@ struct drive_axis_feedback {
     double temperature_degC;
     double dc_link_V;
     bool latch_holds; /* the latch carries the spring's output */
+    bool contact;     /* the other foot's switch, as it is wired to the latch, is closed */
 };
 
 struct drive_axis_command {

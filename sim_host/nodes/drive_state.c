@@ -13,6 +13,7 @@ enum controlword_bit {
 
 enum statusword_bit {
     STATUS_VOLTAGE = 1 << 4,
+    STATUS_CONTACT = 1 << 8,
     STATUS_REMOTE = 1 << 9,
     STATUS_LIMIT = 1 << 11,
     CONTROL_INTERPOLATE = 1 << 4,
@@ -335,5 +336,6 @@ void drive_state_update_statusword(struct drive_node *node)
     }
     status |= node->objects.latch_closed != 0 ? (unsigned)STATUS_LATCH_CLOSED : 0U;
     status |= is_at_zero(node) ? (unsigned)STATUS_AT_ZERO : 0U;
+    status |= node->feedback.contact ? (unsigned)STATUS_CONTACT : 0U;
     node->objects.statusword = (uint16_t)status;
 }

@@ -341,7 +341,8 @@ void walker_nodes_measure(struct walker_nodes *nodes)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct sea_output out;
-        plant_sea_output(&nodes->plant, leg_of_drive(nodes, (enum side)side), &out);
+        const enum side place = leg_of_drive(nodes, (enum side)side);
+        plant_sea_output(&nodes->plant, place, &out);
         const double scale = nodes->assembly.motor_scale[side];
         const struct drive_axis_feedback feedback = {
             .position_m = scale * out.reported_position_m,
@@ -350,6 +351,8 @@ void walker_nodes_measure(struct walker_nodes *nodes)
             .temperature_degC = out.temperature_degC,
             .dc_link_V = out.dc_link_V,
             .latch_holds = out.latch == SEA_LATCH_CLOSED,
+            .contact = nodes->plant.config.foot_switch[side_other(place)].present &&
+                       nodes->plant.other_foot[place].down,
         };
         if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_measure(&nodes->vendor[side], &feedback);

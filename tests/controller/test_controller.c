@@ -164,6 +164,27 @@ START_TEST(an_unsteady_step_does_not_raise_the_share)
 }
 END_TEST
 
+/* It ends the walk, and does not stand in the way of a reset: somebody may have put it right by then. */
+START_TEST(what_is_misplaced_is_a_fault_before_the_first_push)
+{
+    struct rig *rig = start(0.45, 4);
+    walk(rig, 4);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
+    controller_of(rig)->observer.state.misplaced = PLACEMENT_STUCK;
+    run(rig, 2);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(rig->loop.rig.task.output.fault, SUPERVISOR_FAULT_PLACEMENT);
+    ck_assert_uint_eq(rig->loop.rig.task.node.objects.misplaced, PLACEMENT_STUCK);
+    run(rig, 400);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_FAULT);
+    controller_of(rig)->checks.standstill_ticks = UINT16_MAX;
+    rig->loop.rig.task.node.objects.reset_requested = 1;
+    run(rig, 2);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_SELF_TEST);
+    free(rig);
+}
+END_TEST
+
 /* A person whose steps turn irregular: two unsteady ones in a row. */
 START_TEST(irregular_steps_withdraw_the_assistance)
 {
@@ -346,6 +367,7 @@ int main(void)
     tcase_add_test(tests, pushes_that_never_come_end_the_assistance);
     tcase_add_test(tests, what_was_not_given_is_prescribed_smaller);
     tcase_add_test(tests, an_unsteady_step_does_not_raise_the_share);
+    tcase_add_test(tests, what_is_misplaced_is_a_fault_before_the_first_push);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);
     tcase_add_loop_test(tests, a_reset_does_not_start_a_walk, 0, 2);

@@ -323,6 +323,49 @@ START_TEST(without_a_tick_it_is_not_fed)
 }
 END_TEST
 
+/* The board's button and light: read in quiet ticks, told in the state that a replay reads back. */
+static bool panel_pressed, panel_lit;
+static bool panel_is_pressed(void *context)
+{
+    (void)context;
+    return panel_pressed;
+}
+static void panel_set_cue(void *context, bool on)
+{
+    (void)context;
+    panel_lit = on;
+}
+
+START_TEST(the_wearer_s_panel_is_read_and_lit)
+{
+    static const struct wearer_panel_ops ops = {panel_is_pressed, panel_set_cue};
+    static const struct wearer_panel panel = {&ops, NULL};
+    struct controller *controller = &orthosis.task.controller;
+    keep(0.6f, 0);
+    config.wearer = &panel;
+    orthosis_init(&orthosis, &config);
+    panel_lit = true;
+    run(20);
+    ck_assert(!panel_lit);
+    ck_assert_uint_eq(orthosis.task.node.objects.state & 0x40u, 0);
+    ck_assert_uint_eq(controller->wearer.pressed_ticks, 0);
+    panel_pressed = true;
+    run(20);
+    ck_assert_uint_ge(controller->wearer.pressed_ticks, 15);
+    ck_assert_uint_eq(orthosis.task.node.objects.state & 0x40u, 0x40u);
+    panel_pressed = false;
+    run(20);
+    ck_assert_uint_eq(controller->wearer.pressed_ticks, 0);
+    orthosis.task.node.objects.wearer_button = 1; /* the virtual one does the same */
+    run(5);
+    ck_assert_uint_eq(controller->wearer.pressed_ticks, 5);
+    ck_assert_uint_eq(orthosis.task.node.objects.state & 0x40u, 0);
+    controller->wearer.fade_steps = 1;
+    orthosis_start_cycle(&orthosis);
+    ck_assert(panel_lit);
+}
+END_TEST
+
 /* On a bus that is dead no drive can be told to stop: the relay must fall, also after a restart. */
 START_TEST(without_a_bus_the_drives_get_no_power)
 {
@@ -470,6 +513,7 @@ int main(void)
     tcase_add_test(tests, a_sync_that_came_back_ends_the_streak);
     tcase_add_test(tests, the_record_of_a_crash_is_kept);
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
+    tcase_add_test(tests, the_wearer_s_panel_is_read_and_lit);
     tcase_add_test(tests, without_a_bus_the_drives_get_no_power);
     tcase_add_test(tests, the_wrap_of_the_tick_is_no_start);
     tcase_add_test(tests, it_is_fed_while_settings_are_saved_and_forgotten);

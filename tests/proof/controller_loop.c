@@ -91,6 +91,7 @@ static void choose_sea(struct sea_measurement *sea)
     sea->force_N = any_float;
     sea->force_age_ticks = any_u16;
     sea->absent = any_bool();
+    sea->contact = (enum foot_contact)any_u32;
 }
 
 static void choose_input(struct controller_input *input)
@@ -106,6 +107,7 @@ static void choose_input(struct controller_input *input)
     input->foreign_node = any_bool();
     input->parameters_corrupt = any_bool();
     input->walk_requested = any_bool();
+    input->wearer_pressed = any_bool();
     input->node_written = any_bool();
     input->node_changed = any_bool();
     input->reset_requested = any_bool();

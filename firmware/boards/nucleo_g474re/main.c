@@ -308,6 +308,7 @@ int main(void)
         .stop = stop_input,
         .watchdog = &watchdog,
         .drive_power = &pc1_drive_power_enable,
+        .wearer = &pc2_pc3_wearer_panel,
         .nv = &nv,
         .program = &program,
         .in_quiet_ticks = test_board,

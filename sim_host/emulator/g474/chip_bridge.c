@@ -45,7 +45,7 @@ static void watch_image(struct chip_bridge *bridge, const struct can_msg *messag
     bridge->heard = true;
     chip_bridge_compare(bridge, message);
     if (message->id == FRAME_CONTROLLER_STATE && message->length == FRAME_BYTES_CONTROLLER_STATE) {
-        bridge->state = message->data[0] & 0x7Fu;
+        bridge->state = message->data[0] & 0x3Fu;
         bridge->fault = message->data[1];
     }
 }

@@ -437,6 +437,56 @@ START_TEST(standstill_and_slack)
 }
 END_TEST
 
+/* Legs of a person: swinging legs lean by turns, a sitting person's to one side. */
+START_TEST(who_sits_lies_or_hangs_is_not_upright)
+{
+    struct rig rig;
+    start(&rig, SUPERVISOR_STANDBY);
+    rig.params.body = (real)BODY_PERSON;
+    rig.input.leg[SIDE_LEFT].foot = rig.input.leg[SIDE_RIGHT].foot = FOOT_DOWN;
+    rig.input.leg[SIDE_LEFT].leg_angle_rad = REAL(0.7);
+    rig.input.leg[SIDE_RIGHT].leg_angle_rad = REAL(-0.3); /* a long step: 0.2 on average */
+    for (int i = 0; i < 1000; i++) {
+        (void)tick(&rig);
+    }
+    ck_assert(checks_upright(&rig.checks));
+    for (int side = 0; side < SIDE_COUNT; side++) { /* thighs level, shanks upright */
+        rig.input.leg[side].leg_angle_rad = REAL(0.785);
+    }
+    for (int i = 0; i < 600; i++) {
+        (void)tick(&rig);
+    }
+    ck_assert(!checks_upright(&rig.checks));
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        rig.input.leg[side].leg_angle_rad = REAL(-0.6); /* on the face */
+    }
+    for (int i = 0; i < 600; i++) {
+        (void)tick(&rig);
+    }
+    ck_assert(!checks_upright(&rig.checks));
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        rig.input.leg[side].leg_angle_rad = REAL(0.0);
+    }
+    for (int i = 0; i < 600; i++) {
+        (void)tick(&rig);
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        rig.input.leg[side].foot = FOOT_UP; /* in a harness */
+    }
+    for (int i = 0; i < 490; i++) {
+        (void)tick(&rig);
+    }
+    ck_assert(checks_upright(&rig.checks)); /* so long nobody knows */
+    for (int i = 0; i < 30; i++) {
+        (void)tick(&rig);
+    }
+    ck_assert(!checks_upright(&rig.checks));
+    rig.input.leg[SIDE_LEFT].foot = FOOT_DOWN;
+    (void)tick(&rig);
+    ck_assert(checks_upright(&rig.checks));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("checks");
@@ -456,6 +506,7 @@ int main(void)
     tcase_add_test(tests, following_error);
     tcase_add_test(tests, drives_that_disobey);
     tcase_add_test(tests, standstill_and_slack);
+    tcase_add_test(tests, who_sits_lies_or_hangs_is_not_upright);
     tcase_add_test(tests, a_lasting_jump_is_a_fault_while_unloading);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

@@ -169,7 +169,7 @@ static void choose(struct bench *bench, unsigned choice)
     input->nodes_operational = (choice & 1u) != 0;
     input->node_error = (choice & 2u) != 0;
     input->walk_requested = (choice & 4u) != 0;
-    bench->view.request_spent = (choice & 8u) != 0;
+    bench->view.walk_wanted = input->walk_requested && (choice & 8u) == 0;
     input->sea[SIDE_LEFT].state = (choice & 16u) != 0 ? DRIVE_ENABLED : DRIVE_STARTING;
     input->sea[SIDE_RIGHT].state = (choice & 32u) != 0 ? DRIVE_ENABLED : DRIVE_FAULT;
     input->reset_requested = (choice & 64u) != 0;

@@ -164,12 +164,19 @@ START_TEST(a_drive_that_lacks_much)
     device.leg[SIDE_LEFT].latch = DEVICE_LATCH_BOARD;
     device.leg[SIDE_LEFT].latch_node = 20;
     device.leg[SIDE_RIGHT].latch_bit = 15;
+    device.leg[SIDE_RIGHT].contact_bit = 13;
     start();
     uint8_t state[6] = {0x27, 0x00, 0xA0, 0x86, 0x01, 0x00}; /* bit 12 is 0 */
     ck_assert(give(0x181, state, 6));
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED);
     state[1] = 0x90; /* right: follows, and bit 15 */
     ck_assert(give(0x182, state, 6));
+    ck_assert_int_eq(read_leg(SIDE_RIGHT).latch, LATCH_CLOSED);
+    ck_assert_int_eq(read_leg(SIDE_RIGHT).contact, FOOT_UP);
+    ck_assert_int_eq(read_leg(SIDE_LEFT).contact, FOOT_UNKNOWN); /* it does not tell */
+    state[1] = 0xB0;                                             /* and bit 13 */
+    ck_assert(give(0x182, state, 6));
+    ck_assert_int_eq(read_leg(SIDE_RIGHT).contact, FOOT_DOWN);
     ck_assert_int_eq(read_leg(SIDE_RIGHT).latch, LATCH_CLOSED);
     ck_assert(give(0x381, torque, 2));
     ck_assert(give(0x381, enabled_at_100_mm, 6)); /* taken, and counted as malformed */

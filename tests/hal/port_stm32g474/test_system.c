@@ -564,8 +564,9 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
     ck_assert_uint_eq(board_io_init(), 0);
     ck_assert_uint_eq(port_a[0], 0xABFFFFFF - (1u << 22) - (1u << 24)); /* 11 -> 10, twice */
     ck_assert_uint_eq(port_a[0x24 / 4], 0x00099000);
-    ck_assert_uint_eq(port_c[0], 0xFFFFFFF4);   /* 0: input, 1: output */
-    ck_assert_uint_eq(port_c[0x0C / 4] & 3, 2); /* pulled down */
+    ck_assert_uint_eq(port_c[0], 0xFFFFFF44);        /* 0, 2: input, 1, 3: output */
+    ck_assert_uint_eq(port_c[0x0C / 4] & 3, 2);      /* pulled down */
+    ck_assert_uint_eq(port_c[0x0C / 4] >> 4 & 3, 1); /* pulled up */
     ck_assert(chip.rcc[0x58 / 4] & (1u << 25));
     ck_assert_uint_eq(chip.rcc[0x38 / 4] & (1u << 25), 0); /* reset released */
 
@@ -581,6 +582,25 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
         drive_power_enable_toggle(&pc1_drive_power_enable);
         ck_assert_uint_eq(port_c[0x14 / 4], 0xF0 | (feed % 2 << 1));
     }
+}
+END_TEST
+
+START_TEST(the_wearer_s_button_is_on_pc2_and_the_cue_on_pc3)
+{
+    clock_setup();
+    mmio_model_map(0x48000000, sizeof port_a, gpio_read, gpio_write, port_a);
+    mmio_model_map(0x48000800, sizeof port_c, gpio_read, gpio_write, port_c);
+    pins_at_reset();
+    ck_assert_uint_eq(board_io_init(), 0);
+    port_c[0x10 / 4] = 0xFFFF; /* nobody presses, or there is no panel: the pull-up holds it */
+    ck_assert(!wearer_panel_is_pressed(&pc2_pc3_wearer_panel));
+    port_c[0x10 / 4] = 0xFFFF & ~4u;
+    ck_assert(wearer_panel_is_pressed(&pc2_pc3_wearer_panel));
+    port_c[0x14 / 4] = 0xF2;
+    wearer_panel_set_cue(&pc2_pc3_wearer_panel, true);
+    ck_assert_uint_eq(port_c[0x14 / 4], 0xFA); /* and nothing else of the port moves */
+    wearer_panel_set_cue(&pc2_pc3_wearer_panel, false);
+    ck_assert_uint_eq(port_c[0x14 / 4], 0xF2);
 }
 END_TEST
 
@@ -613,6 +633,7 @@ int main(void)
     tcase_add_loop_test(rest, a_lost_write_to_the_watchdog_is_told, 0, 2);
     tcase_add_loop_test(rest, a_lost_write_to_the_pins_is_told, 0, 5);
     tcase_add_test(rest, the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0);
+    tcase_add_test(rest, the_wearer_s_button_is_on_pc2_and_the_cue_on_pc3);
     suite_add_tcase(suite, clocks);
     suite_add_tcase(suite, timers);
     suite_add_tcase(suite, rest);
