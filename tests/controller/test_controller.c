@@ -164,6 +164,46 @@ START_TEST(an_unsteady_step_does_not_raise_the_share)
 }
 END_TEST
 
+static void press_button(struct rig *rig)
+{
+    rig->loop.rig.task.node.objects.wearer_button = 1;
+    run(rig, 100);
+    rig->loop.rig.task.node.objects.wearer_button = 0;
+}
+
+/* By the virtual button. The person walks on; the operator's request stands. */
+START_TEST(the_wearer_pauses_and_goes_on)
+{
+    struct rig *rig = start(0.45, 4);
+    walk(rig, 12);
+    walk(rig, 22);
+    const real before = controller_of(rig)->plan.assist_level;
+    ck_assert(before > REAL(0.5));
+    press_button(rig);
+    ck_assert_int_eq(controller_cue(controller_of(rig)), WEARER_CUE_FADES);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
+    const uint32_t steps = controller_of(rig)->plan.law.steps;
+    walk(rig, steps + 2);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_WALKING);
+    ck_assert(controller_of(rig)->plan.assist_level < REAL(0.5) * before);
+    ck_assert(controller_of(rig)->plan.assist_level > REAL(0.0));
+    run(rig, 4000);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_STANDBY);
+    ck_assert_int_eq(controller_cue(controller_of(rig)), WEARER_CUE_PAUSED);
+    ck_assert_int_eq(plant_fault(&rig->loop.nodes.plant), WALK_FAULT_NONE);
+    press_button(rig);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_ENGAGING);
+    bool told = false;
+    for (int i = 0; i < 20000 && controller_of(rig)->plan.assist_level == REAL(0.0); i++) {
+        run(rig, 1);
+        told = told || controller_cue(controller_of(rig)) == WEARER_CUE_SOON;
+    }
+    ck_assert(told);
+    ck_assert_int_eq(controller_cue(controller_of(rig)), WEARER_CUE_ASSISTS);
+    free(rig);
+}
+END_TEST
+
 /* It ends the walk, and does not stand in the way of a reset: somebody may have put it right by then. */
 START_TEST(what_is_misplaced_is_a_fault_before_the_first_push)
 {
@@ -368,6 +408,7 @@ int main(void)
     tcase_add_test(tests, what_was_not_given_is_prescribed_smaller);
     tcase_add_test(tests, an_unsteady_step_does_not_raise_the_share);
     tcase_add_test(tests, what_is_misplaced_is_a_fault_before_the_first_push);
+    tcase_add_test(tests, the_wearer_pauses_and_goes_on);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);
     tcase_add_test(tests, the_same_leg_twice_is_a_fault_on_the_bench);
     tcase_add_loop_test(tests, a_reset_does_not_start_a_walk, 0, 2);

@@ -34,6 +34,10 @@ def copy(tmp_path):
     (r"(\| H5 \|[^|]*\|[^|]*\|)[^|]*\|", r"\1 |", "has no test"),
     (r"(\| H6 \|[^|]*\|)[^|]*\|", r"\1 |", "mitigation"),
     (r"\| H\d+ \|", "| no |", "no hazard"),
+    (r"\| H6 \|", "| H5 |", "H5 stands there twice"),
+    (r"(\| R5 \|[^|]*\|[^|]*\|)[^|]*\|", r"\1 H4, H99 |", "there is no row H99"),
+    (r"(\| R5 \|[^|]*\|[^|]*\|)[^|]*\|", r"\1 |", "no row named"),
+    (r"(\| R5 \|[^|]*\|)[^|]*\|", r"\1 |", "requirement"),
 ])
 def test_a_gap_is_found(copy, old, new, told):
     page = copy / "controller/SAFETY.md"
