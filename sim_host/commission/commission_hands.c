@@ -192,9 +192,12 @@ int commission_stop(struct commission *commission, struct commission_result *res
         (unsigned)fault != SUPERVISOR_FAULT_EMERGENCY_STOP) {
         commission_find(result, "pressed, and the controller latched no emergency stop");
     }
-    const int confirmed =
-        commission->person.confirm(commission->person.context, SIDE_LEFT,
-                                   "Has the power of both drives gone (contactor, lamps)?");
+    int confirmed;
+    if (commission_confirm(commission, result, SIDE_LEFT,
+                           "Has the power of both drives gone (contactor, lamps)?",
+                           &confirmed) != 0) {
+        return -1;
+    }
     if (confirmed != 1) {
         commission_find(result, confirmed == 0
                                     ? "the power of the drives stays with the stop pressed"

@@ -57,6 +57,10 @@ int commission_peek(struct commission *commission, unsigned node, uint16_t index
 /* Lets time pass; false when the person wants to end. */
 bool commission_wait(struct commission *commission, unsigned milliseconds);
 
+/* Asks the person: *answer is 1 yes, 0 no, -1 nobody answers. Returns 0, or -1 when they want to end. */
+int commission_confirm(struct commission *commission, struct commission_result *result,
+                       enum side leg, const char *question, int *answer);
+
 /* Waits until the supervisor is in STANDBY; a fault that is left from before is reset first. Returns 0, or
  * -1 with the reason in the result. */
 int commission_reach_standby(struct commission *commission, struct commission_result *result);

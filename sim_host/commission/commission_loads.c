@@ -117,10 +117,14 @@ static int move_one(struct commission *commission, struct commission_result *res
         return 0;
     }
     judge_way(result, &motion, &report, first * commission->largest_m);
-    const int confirmed = commission->person.confirm(
-        commission->person.context, leg,
-        leg == SIDE_LEFT ? "Was it the LEFT motor that moved, towards more load, and back?"
-                         : "Was it the RIGHT motor that moved, towards more load, and back?");
+    int confirmed;
+    if (commission_confirm(commission, result, leg,
+                           leg == SIDE_LEFT
+                               ? "Was it the LEFT motor that moved, towards more load, and back?"
+                               : "Was it the RIGHT motor that moved, towards more load, and back?",
+                           &confirmed) != 0) {
+        return -1;
+    }
     if (confirmed != 1) {
         commission_find(result,
                         confirmed == 0

@@ -5,7 +5,7 @@
 #include "sim_host/cli/host_report.h"
 #include "sim_host/commission/commission_internal.h"
 
-enum { LOOKS_MAX = 20000, LOOK_MS = 1 };
+enum { LOOKS_MAX = 20000, LOOK_MS = 1, TRIALS = 5 };
 /* Samples below this part of the way are friction's. */
 #define FIT_FROM 0.15
 
@@ -174,9 +174,9 @@ static int look(struct commission *commission, struct commission_result *result,
     return ended || ((unsigned)state & 0x3Fu) == SUPERVISOR_FAULT ? 1 : 0;
 }
 
-int commission_perform(struct commission *commission, struct commission_result *result,
-                       const struct commission_motion *motion,
-                       struct commission_motion_report *report)
+static int perform_once(struct commission *commission, struct commission_result *result,
+                        const struct commission_motion *motion,
+                        struct commission_motion_report *report)
 {
     struct fit fit = {.last_number = -1.0,
                       .limit_m = FIT_FROM * motion->share * commission->largest_m};
@@ -206,6 +206,30 @@ int commission_perform(struct commission *commission, struct commission_result *
         return -1;
     }
     return read_end(commission, result, report);
+}
+
+/* A computer that was busy was too late with its signs of life, or did not look while the motor was there:
+ * that says nothing of the device, and the springs are slack. */
+static bool was_too_slow(const struct commission_motion *motion,
+                         const struct commission_motion_report *report)
+{
+    return (report->outcome == MOTION_INTERRUPTED && report->fault == SUPERVISOR_FAULT_NONE) ||
+           (report->outcome == MOTION_DONE && motion->kind == MOTION_KIND_MOVE && !report->held);
+}
+
+int commission_perform(struct commission *commission, struct commission_result *result,
+                       const struct commission_motion *motion,
+                       struct commission_motion_report *report)
+{
+    for (int trial = 0; trial < TRIALS; trial++) {
+        if (perform_once(commission, result, motion, report) != 0) {
+            return -1;
+        }
+        if (!was_too_slow(motion, report)) {
+            break;
+        }
+    }
+    return 0;
 }
 
 bool commission_was_done(struct commission_result *result, const struct commission_motion *motion,

@@ -119,8 +119,8 @@ static void append_done(struct commission_result *result, const char *value)
 }
 
 /* Whose record it is, and what was found for its file. */
-static int take_device(struct reading *reading, const char *key, const char *value, int line,
-                       char *message, size_t size)
+static int take_device(struct reading *reading, const char *key, const char *value, char *message,
+                       size_t size)
 {
     struct commission *commission = reading->commission;
     char text[COMMISSION_LINE];
@@ -146,7 +146,7 @@ static int take_device(struct reading *reading, const char *key, const char *val
             }
             if (device_value_read(&device_leg_keys[found_keys[i]], value, &number, text,
                                   sizeof text) != 0) {
-                (void)snprintf(message, size, "line %d: %.200s", line, text);
+                (void)snprintf(message, size, "%.200s", text);
                 return -1;
             }
             const int declared = commission->declared.description.leg[leg].unload;
@@ -159,7 +159,7 @@ static int take_device(struct reading *reading, const char *key, const char *val
             return 0;
         }
     }
-    (void)snprintf(message, size, "line %d: no key \"%.60s\" of a device's record", line, key);
+    (void)snprintf(message, size, "no key \"%.60s\" of a device's record", key);
     return -1;
 }
 
@@ -168,20 +168,21 @@ static int take_key(void *context, const char *section, const char *key, const c
 {
     struct reading *reading = (struct reading *)context;
     struct commission *commission = reading->commission;
+    (void)line;
     char why[OBJECT_MESSAGE_MAX];
     if (strcmp(section, "device") == 0) {
-        return take_device(reading, key, value, line, message, size);
+        return take_device(reading, key, value, message, size);
     }
     const int step = commission_step_named(section, why);
     if (step < 0) {
-        (void)snprintf(message, size, "line %d: no step: %s", line, why);
+        (void)snprintf(message, size, "no record of afo commission: step %s", why);
         return -1;
     }
     struct commission_result *result = &commission->result[step];
     if (strcmp(key, "verdict") == 0) {
         const int verdict = verdict_named(value);
         if (verdict < 0) {
-            (void)snprintf(message, size, "line %d: \"%s\" is no verdict", line, value);
+            (void)snprintf(message, size, "\"%.60s\" is no verdict", value);
             return -1;
         }
         result->verdict = (enum commission_verdict)verdict;

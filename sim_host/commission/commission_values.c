@@ -43,6 +43,15 @@ int commission_break(struct commission_result *result, const char *format, ...)
     return -1;
 }
 
+/* Who wants to end waits for no answer: that is no node's fault. */
+static int give_up(struct commission *commission, struct commission_result *result,
+                   const char *message)
+{
+    return commission_wait(commission, 0)
+               ? commission_break(result, "%s", message)
+               : commission_break(result, "interrupted; the controller unloads");
+}
+
 int commission_get(struct commission *commission, struct commission_result *result,
                    const char *name, double *number)
 {
@@ -51,7 +60,7 @@ int commission_get(struct commission *commission, struct commission_result *resu
     const struct named_object *object =
         object_list_find(&commission->ctl.objects, name, false, message);
     if (object == NULL || ctl_link_read(&commission->ctl.link, object, &value, message) != 0) {
-        return commission_break(result, "%s", message);
+        return give_up(commission, result, message);
     }
     return object_number(object, &value, number)
                ? 0
@@ -76,7 +85,7 @@ int commission_set(struct commission *commission, struct commission_result *resu
     (void)snprintf(text, sizeof text, "%.9g", number);
     if (object == NULL || object_value_from_text(object, text, &value, message) != 0 ||
         ctl_link_write(&commission->ctl.link, object, &value, message) != 0) {
-        return commission_break(result, "%s", message);
+        return give_up(commission, result, message);
     }
     return 0;
 }
@@ -103,6 +112,14 @@ int commission_peek(struct commission *commission, unsigned node, uint16_t index
 bool commission_wait(struct commission *commission, unsigned milliseconds)
 {
     return commission->ctl.link.pause(commission->ctl.link.context, milliseconds);
+}
+
+int commission_confirm(struct commission *commission, struct commission_result *result,
+                       enum side leg, const char *question, int *answer)
+{
+    *answer = commission->person.confirm(commission->person.context, leg, question);
+    return *answer >= 0 || commission_wait(commission, 0) ? 0
+                                                          : commission_break(result, "interrupted");
 }
 
 /* Who keeps the controller in its self test: a spring that is not slack. */

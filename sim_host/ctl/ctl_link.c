@@ -48,7 +48,7 @@ int ctl_link_read(const struct ctl_link *link, const struct named_object *object
         sdo_upload(&client, object->entry->index, object->entry->sub, value->bytes,
                    sizeof value->bytes, &value->length);
     explain(link, object, result, client.abort_code, false, message);
-    return result == SDO_UPLOAD_DONE ? 0 : -1;
+    return result == SDO_UPLOAD_DONE ? 0 : result == SDO_UPLOAD_SILENT ? CTL_LINK_SILENT : -1;
 }
 
 int ctl_link_write(const struct ctl_link *link, const struct named_object *object,

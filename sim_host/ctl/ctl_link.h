@@ -23,8 +23,11 @@ struct ctl_link {
     uint8_t node; /* 1..127 */
 };
 
-/* Reads, or writes, an object of link->node. Returns 0, or -1 with the reason in words in message
- * (OBJECT_MESSAGE_MAX bytes). object is of the node's list, or made by ctl_link_any_object. */
+/* ctl_link_read: the node did not answer at all. */
+enum { CTL_LINK_SILENT = -2 };
+
+/* Reads, or writes, an object of link->node. Returns 0, or -1 (or CTL_LINK_SILENT) with the reason in words in
+ * message (OBJECT_MESSAGE_MAX bytes). object is of the node's list, or made by ctl_link_any_object. */
 int ctl_link_read(const struct ctl_link *link, const struct named_object *object,
                   struct object_value *value, char *message);
 int ctl_link_write(const struct ctl_link *link, const struct named_object *object,

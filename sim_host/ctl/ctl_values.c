@@ -92,55 +92,57 @@ static void show(const struct ctl *ctl, const struct named_object *object,
     }
 }
 
-/* Reads one object and shows it. */
-static bool get_one(struct ctl *ctl, const struct named_object *object, struct json_writer *json)
+/* Reads one object and shows it. Returns 0, or as ctl_link_read() after a complaint. */
+static int get_one(struct ctl *ctl, const struct named_object *object, struct json_writer *json)
 {
     static struct object_value value;
     char message[OBJECT_MESSAGE_MAX];
-    if (ctl_link_read(&ctl->link, object, &value, message) != 0) {
+    const int result = ctl_link_read(&ctl->link, object, &value, message);
+    if (result != 0) {
         ctl_complain(ctl, "%s", message);
         if (ctl->json) {
             refusal_json(json, object->name, message);
         }
-        return false;
+        return result;
     }
     show(ctl, object, &value, json);
-    return true;
+    return 0;
 }
 
 /* An object of another maker: of an index alone also what lies below it, which its first byte counts. */
-static bool get_foreign(struct ctl *ctl, const char *word, struct json_writer *json)
+static int get_foreign(struct ctl *ctl, const char *word, struct json_writer *json)
 {
     static struct object_value value;
     struct ctl_address_object room;
     char message[OBJECT_MESSAGE_MAX];
     struct named_object *object = ctl_address(word, &room);
-    if (!get_one(ctl, object, json)) {
-        return false;
+    const int first = get_one(ctl, object, json);
+    if (first != 0) {
+        return first;
     }
     const bool whole = strchr(word, ':') == NULL;
     if (!whole || ctl_link_read(&ctl->link, object, &value, message) != 0 || value.length != 1) {
-        return true;
+        return 0;
     }
     const unsigned count = value.bytes[0];
     for (unsigned sub = 1; sub <= count; sub++) {
         ctl_link_any_object(room.entry.index, (uint8_t)sub, &room.object, &room.entry);
         const bool there = ctl_link_read(&ctl->link, object, &value, message) == 0;
         if (!there && sub == 1) {
-            return true; /* a variable of one byte */
+            return 0; /* a variable of one byte */
         }
         if (there) {
             show(ctl, object, &value, json);
         }
     }
-    return true;
+    return 0;
 }
 
 enum exit_status ctl_get(struct ctl *ctl, int count, char **words)
 {
     bool is_meant[OBJECT_LIST_MAX] = {false};
     struct json_writer json;
-    bool good = true;
+    bool good = true, silent = false; /* who is silent is asked no more */
     for (int i = 0; i < count; i++) {
         if (!ctl_is_foreign(ctl, words[i]) && ctl_mark(ctl, words[i], is_meant) != 0) {
             return EXIT_USAGE;
@@ -150,13 +152,15 @@ enum exit_status ctl_get(struct ctl *ctl, int count, char **words)
         json_begin(&json, ctl->out);
         json_open_object(&json, NULL);
     }
-    for (size_t i = 0; i < ctl->objects.count; i++) {
-        good = (!is_meant[i] || get_one(ctl, &ctl->objects.object[i], &json)) && good;
+    for (size_t i = 0; i < ctl->objects.count && !silent; i++) {
+        const int result = is_meant[i] ? get_one(ctl, &ctl->objects.object[i], &json) : 0;
+        good = good && result == 0;
+        silent = result == CTL_LINK_SILENT;
     }
-    for (int i = 0; i < count; i++) {
-        if (ctl_is_foreign(ctl, words[i])) {
-            good = get_foreign(ctl, words[i], &json) && good;
-        }
+    for (int i = 0; i < count && !silent; i++) {
+        const int result = ctl_is_foreign(ctl, words[i]) ? get_foreign(ctl, words[i], &json) : 0;
+        good = good && result == 0;
+        silent = result == CTL_LINK_SILENT;
     }
     if (ctl->json) {
         json_close_object(&json);
@@ -267,10 +271,14 @@ static bool set_one(struct ctl *ctl, const struct assignment *assignment, struct
     static struct object_value before, after;
     char message[OBJECT_MESSAGE_MAX], text[OBJECT_TEXT_MAX];
     const bool readable = (object->entry->access & CO_READ) != 0;
-    const bool known = readable && ctl_link_read(&ctl->link, object, &before, message) == 0;
+    const int read = readable ? ctl_link_read(&ctl->link, object, &before, message) : -1;
+    const bool known = read == 0;
     after = assignment->value;
-    unlock(ctl, object);
-    if (ctl_link_write(&ctl->link, object, &assignment->value, message) != 0 ||
+    if (read != CTL_LINK_SILENT) {
+        unlock(ctl, object);
+    }
+    if (read == CTL_LINK_SILENT ||
+        ctl_link_write(&ctl->link, object, &assignment->value, message) != 0 ||
         (readable && ctl_link_read(&ctl->link, object, &after, message) != 0)) {
         ctl_complain(ctl, "%s", message);
         if (ctl->json) {

@@ -243,9 +243,13 @@ static int check_given(const struct reading *reading, const char *path, char *me
             const bool applies = device_key_applies(&leg[side], key);
             if (given == 0 && applies && device_leg_keys[key].fallback == DEVICE_ASKED) {
                 char allowed[256];
-                snprintf(allowed, sizeof allowed, "is missing, allowed is %g to %g %s",
-                         (double)device_leg_keys[key].minimum, (double)device_leg_keys[key].maximum,
-                         device_leg_keys[key].unit);
+                const struct device_key *row = &device_leg_keys[key];
+                if (row->type == DEVICE_FLOAT || row->type == DEVICE_INT) {
+                    snprintf(allowed, sizeof allowed, "is missing, allowed is %g to %g %s",
+                             (double)row->minimum, (double)row->maximum, row->unit);
+                } else {
+                    snprintf(allowed, sizeof allowed, "is missing, allowed is %s", row->unit);
+                }
                 return refuse_leg_key(path, side, key, allowed, message);
             }
             if (!applies && ((given & IN_LEG) != 0 ||

@@ -1,4 +1,5 @@
 /* afo commission: from a box of parts to a device file and a page to sign. */
+#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -18,7 +19,7 @@
 
 enum { HELP_MAX = 4096, PATH_ROOM = OUTPUT_PATH_MAX + 256 };
 /* Answers of all nodes, and their heartbeats: seven bits are the node. */
-enum { ANY_NODE_MASK = 0x780 };
+enum { ANY_NODE_MASK = 0x780, ANSWER_POLL_MS = 50 };
 
 struct options {
     const char *interface, *device_path, *out_path, *page_path, *record_path;
@@ -66,6 +67,23 @@ static void take_skip(struct options *options, struct argp_state *state, char *t
     }
 }
 
+/* What is written must not take the place of what is read, nor of each other. */
+static void check_files(const struct options *options, struct argp_state *state)
+{
+    const char *files[] = {options->device_path, options->out_path, options->page_path,
+                           options->record_path};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        for (size_t k = 0; k < i; k++) {
+            if (files[i] != NULL && files[k] != NULL && strcmp(files[i], files[k]) == 0) {
+                argp_error(
+                    state,
+                    "%s is named twice: device file, --out, --page and --record are four files",
+                    files[i]);
+            }
+        }
+    }
+}
+
 static error_t take(int key, char *text, struct argp_state *state)
 {
     struct options *options = (struct options *)state->input;
@@ -108,6 +126,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         if (options->interface == NULL || options->device_path == NULL) {
             argp_error(state, "--can INTERFACE and --device FILE must be given");
         }
+        check_files(options, state);
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -127,21 +146,42 @@ static void instruct(void *context, enum commission_hand hand, enum side leg, co
     }
 }
 
+/* The first letter of the next line of standard input; '\0' at its end, or when the program is to end: an
+ * interrupt must not wait for a line. */
+static char next_answer(void)
+{
+    char first = '\0', letter;
+    while (!bus_program_is_to_end()) {
+        struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
+        if (poll(&input, 1, ANSWER_POLL_MS) <= 0) {
+            continue;
+        }
+        if (read(STDIN_FILENO, &letter, 1) != 1 || letter == '\0') {
+            return '\0';
+        }
+        if (letter == '\n') {
+            return first != '\0' ? first : ' ';
+        }
+        first = first == '\0' ? letter : first;
+    }
+    return '\0';
+}
+
 /* A person at the terminal answers y or n; nobody answers where standard input is at its end. */
 static int confirm(void *context, enum side leg, const char *question)
 {
-    char line[64];
     (void)context;
     (void)leg;
     for (;;) {
         printf("  ?? %s (y/n) ", question);
         fflush(stdout);
-        if (fgets(line, sizeof line, stdin) == NULL) {
+        const char answer = next_answer();
+        if (answer == '\0') {
             printf("\n");
             return -1;
         }
-        if (line[0] == 'y' || line[0] == 'n') {
-            return line[0] == 'y' ? 1 : 0;
+        if (answer == 'y' || answer == 'n') {
+            return answer == 'y' ? 1 : 0;
         }
     }
 }

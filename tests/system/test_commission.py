@@ -1,6 +1,7 @@
 """afo commission from the outside, over a virtual bus: a device in a stand, a person at the terminal."""
 import configparser
 import html.parser
+import re
 
 import pytest
 
@@ -98,11 +99,33 @@ def test_a_walking_device_and_a_silent_person_are_told(tmp_path):
     assert out.count("status 1") == 3, out    # steps are open
 
 
+def test_ctrl_c_and_kill_in_the_middle_of_a_motion_do_no_harm(tmp_path):
+    """It ends at once, the springs are slack, and the step can be done again."""
+    files = f"--out {tmp_path}/out.ini --page {tmp_path}/page.html --record {tmp_path}/record.ini"
+    out = in_stand(f"""
+        {commission(tmp_path, "--step", "identify", "--step", "rest")}
+        for signal in INT KILL; do
+            {BUILD}/afo commission --can vcan0 --device {DEVICE} {files} --step moves </dev/null >{tmp_path}/$signal 2>&1 & tool=$!
+            until candump -n 1 vcan0,290:7FF | grep -q '\]  07 '; do :; done   # a second tool would disturb it
+            kill -$signal $tool; wait $tool; echo "$signal $?"
+            until {BUILD}/afo ctl --can vcan0 get supervisor_state | grep -q standby; do :; done
+            {BUILD}/afo ctl --can vcan0 get measured.left_motor
+        done
+        {commission(tmp_path, "--step", "moves")}""")
+    assert "INT 1\n" in out and "KILL 137\n" in out, out
+    assert re.search(r"moves +interrupted\n +interrupted; the controller unloads", (tmp_path / "INT").read_text())
+    for found in re.findall(r"measured.left_motor = (\S+) m", out):
+        assert abs(float(found)) < 1e-3, out
+    assert len(re.findall("measured.left_motor", out)) == 2
+    assert re.search(r"moves +passed", out), out
+
+
 def test_wrong_usage():
     for words, part in ((["--device", DEVICE], "--can"), (["--can", "vcan0"], "--device"),
                         (["--can", "x", "--device", DEVICE, "--step", "sprin"], "nearest: spring"),
                         (["--can", "x", "--device", DEVICE, "--skip", "zero"], "NAME=REASON"),
                         (["--can", "x", "--device", "/nowhere"], "/nowhere"),
+                        (["--can", "x", "--device", DEVICE, "--out", DEVICE], "named twice"),
                         (["--can", "nocan9", "--device", DEVICE], "nocan9")):
         done = run(*words, command="commission")
         assert done.returncode == 2 and part in done.stderr, (words, done.stderr)

@@ -117,6 +117,15 @@ static void says(const char *text, const char *part)
     ck_assert_msg(strstr(text, part) != NULL, "\"%s\" lacks \"%s\"", text, part);
 }
 
+static const char *last_of(const char *text, const char *part)
+{
+    const char *last = NULL;
+    for (const char *at = text; (at = strstr(at, part)) != NULL; at++) {
+        last = at;
+    }
+    return last;
+}
+
 static void ticks(unsigned count)
 {
     for (unsigned i = 0; i < count; i++) {
@@ -314,6 +323,14 @@ START_TEST(a_silent_node_is_named)
     ctl_open(&ctl);
     ck_assert_int_eq(run("get", "device_type", NULL), EXIT_BAD);
     says(complaint_text, "node 77 does not answer");
+    /* and asked once only, however much is to be read */
+    ck_assert_int_eq(run("get", "0x1018:01", "0x1018:02", "identity_object", "0x6041", NULL),
+                     EXIT_BAD);
+    ck_assert_ptr_eq(strstr(complaint_text, "does not answer"),
+                     last_of(complaint_text, "does not answer"));
+    ck_assert_int_eq(run("set", "producer_heartbeat_time=100", NULL), EXIT_BAD);
+    ck_assert_ptr_eq(strstr(complaint_text, "does not answer"),
+                     last_of(complaint_text, "does not answer"));
 }
 END_TEST
 
