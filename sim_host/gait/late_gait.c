@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "model/timed_stride.h"
+#include "sim_host/gait/late_stride.h"
 #include "sim_host/gait/linear.h"
 
 #define DIFFERENCE 1e-6

@@ -3,23 +3,15 @@
  * The trailing ankle extends by itself until the spring is released, so a push-off of r0 gives less than
  * one in time. The laws' tables of such a walker are made from these gaits: then eq. (16) and the gains ask
  * for what the late push-off needs. Nothing is released earlier.
- * Computed in double whatever the caller is compiled for. The same bits everywhere.
+ * Computed in double whatever the caller is compiled for; plain doubles. The same bits everywhere.
  */
 #ifndef SIM_HOST_GAIT_LATE_GAIT_H
 #define SIM_HOST_GAIT_LATE_GAIT_H
 
 #include "sim_host/gait/gait_curve.h"
-#include "sim_host/gait/stride_derivative.h"
 
 /* Longest delay served, s. With a longer one no gain of eq. (16) holds the paper's walker's gaits. */
 #define LATE_GAIT_MOST_S 0.025
-
-/* The stride of model/timed_stride.h, and its derivative by the apex and r0 (central differences; the
- * other columns are not written). delay_s 0: stride_differentiate(). Returns the fault. */
-enum stride_fault late_gait_differentiate(const struct walker *walker, double delay_s,
-                                          const struct apex *from, double spring_rest_m,
-                                          struct stride_result *result,
-                                          struct stride_derivative *derivative);
 
 /* gait_curve() for the release delay_s, 0..LATE_GAIT_MOST_S, after heel strike; beyond that
  * GAIT_CURVE_BAD_WALKER. A single point at which the map jumps, because a slow ankle comes back before its

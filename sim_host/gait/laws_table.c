@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "sim_host/gait/late_gait.h"
+#include "sim_host/gait/late_stride.h"
 #include "sim_host/gait/linear.h"
 #include "sim_host/gait/loop_gain.h"
 

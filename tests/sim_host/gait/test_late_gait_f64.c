@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "model/timed_stride.h"
+#include "sim_host/gait/late_stride.h"
 #include "sim_host/gait/laws_table.h"
 #include "tests/support/assert_close.h"
 
