@@ -16,7 +16,7 @@ faults-short: ## four hundred runs of it (10 s of processor time)
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)$(BUILD)/afo faults --runs 400 --seed $(FAULT_SEED) --jobs $(JOBS)
 
-faults-people: ## fault campaign with people, made ones and those of AFO_DATA (PEOPLE_RUNS=10200 FAULT_SEED=1): the table in build/faults-people (6 min of processor time; goes on)
+faults-people: ## fault campaign with people, made ones and those of AFO_DATA (PEOPLE_RUNS=10200 FAULT_SEED=1): the table in build/faults-people (4 min of processor time; goes on)
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)mkdir -p $(BUILD)/faults-people/$(BUILD_ID)
 	$(Q)$(BUILD)/afo faults --people --runs $(PEOPLE_RUNS) --seed $(FAULT_SEED) --jobs $(JOBS) \

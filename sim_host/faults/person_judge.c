@@ -44,6 +44,7 @@ void person_judge_begin(struct person_judge *judge, struct loop *loop,
                                    .truth = *truth,
                                    .noticed_tick = PERSON_JUDGE_NEVER,
                                    .stood_tick = PERSON_JUDGE_NEVER,
+                                   .turned_tick = PERSON_JUDGE_NEVER,
                                    .fell_tick = PERSON_JUDGE_NEVER,
                                    .first_push_tick = PERSON_JUDGE_NEVER,
                                    .unsafe_tick = PERSON_JUDGE_NEVER};
@@ -80,6 +81,9 @@ static void follow_person(struct person_judge *judge)
     if (stands && judge->stood_tick == PERSON_JUDGE_NEVER) {
         judge->stood_tick = judge->tick;
     }
+    if (motion->rate < 0.0 && judge->turned_tick == PERSON_JUDGE_NEVER) {
+        judge->turned_tick = judge->tick;
+    }
     if (person_motion_is_down(&plant->motion) && judge->fell_tick == PERSON_JUDGE_NEVER) {
         judge->fell_tick = judge->tick;
     }
@@ -92,9 +96,9 @@ static bool has_lasted(uint32_t since, uint32_t tick, uint32_t ms)
 
 static bool does_not_walk(const struct person_judge *judge)
 {
-    return !judge->truth.walks || judge->loop->nodes.plant.motion.rate < 0.0 ||
-           has_lasted(judge->stood_tick, judge->tick,
-                      (uint32_t)(1000.0 * (STANDS_S + judge->truth.sample_s)));
+    const uint32_t allowed_ms = (uint32_t)(1000.0 * (STANDS_S + judge->truth.sample_s));
+    return !judge->truth.walks || has_lasted(judge->stood_tick, judge->tick, allowed_ms) ||
+           has_lasted(judge->turned_tick, judge->tick, allowed_ms);
 }
 
 /* ---- pushes -------------------------------------------------------------------------------- */

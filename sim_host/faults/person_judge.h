@@ -6,7 +6,7 @@
  *   AIR       more than 0.2 J given to, or let go at, an ankle while its own foot is in the air
  *   EARLY     the same more than 10 ms (30 ms under a false contact) and one sample before the other
  *             foot lands
- *   STANDING  the same 10 ms after the person has come to stand, or where nobody walks forwards
+ *   STANDING  the same 10 ms after the person has come to stand or has turned back, or where nobody walks
  *   FALLEN    the same on somebody who has fallen
  *   ENERGY    a push with more than 1.1 times the prescribed energy. A fault of stiffness, scale or
  *             encoder may have its own share more in its first two pushes
@@ -63,8 +63,8 @@ struct person_judge {
     struct loop *loop; /* the caller's */
     struct person_truth truth;
     uint32_t tick;
-    uint32_t noticed_tick, stood_tick, fell_tick; /* PERSON_JUDGE_NEVER: not */
-    uint32_t first_push_tick;                     /* a release of more than 0.2 J */
+    uint32_t noticed_tick, stood_tick, turned_tick, fell_tick; /* PERSON_JUDGE_NEVER: not */
+    uint32_t first_push_tick;                                  /* a release of more than 0.2 J */
     uint32_t unsafe_tick;
     unsigned unsafe;
     unsigned pushes;             /* releases of more than 0.2 J */

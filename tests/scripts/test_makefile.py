@@ -207,5 +207,5 @@ def test_help_lists_the_main_targets():
 def test_help_says_how_long_the_long_targets_take():
     lines = {line.split()[0]: line for line in make(ROOT, "help").splitlines()[1:]}
     for target in ("run", "test", "test-long", "bench", "lint", "coverage-report", "pil", "g474", "atlas", "soak-strides", "faults",
-                   "faults-short", "soak", "laws", "paper", "fuzz", "hil", "hil-long", "restarts"):
+                   "faults-short", "faults-people", "soak", "laws", "paper", "fuzz", "hil", "hil-long", "restarts"):
         assert re.search(r"\([^)]*\b(s|seconds|min|minutes?|hours?|hour)\b[^)]*\)$", lines[target]), lines[target]

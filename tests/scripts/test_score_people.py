@@ -86,6 +86,23 @@ def test_every_copy_is_a_recording(judge, rows):
         assert copy.rows != rows, name
 
 
+def test_who_is_left_out_does_not_choose_the_constant(judge):
+    """Three people with a bias each: the others' means are known by hand."""
+    errors = {"a": [0.009, 0.012, 0.006], "b": [0.020] * 4, "c": [0.060, 0.060]}
+    rows = {row[0]: row[1:] for row in judge.leave_one_out(errors)}
+    count, constant, limit, in_16, in_30, in_limit = rows["c"]
+    assert (count, in_16, in_30, in_limit) == (2, 0.0, 0.0, 0.0)
+    assert constant == pytest.approx(0.0145)      # the mean of 9 and 20 ms
+    assert limit == pytest.approx(0.0085)         # 6 ms is furthest from it
+    count, constant, _, in_16, in_30, _ = rows["a"]
+    assert constant == pytest.approx(0.040)
+    assert (in_16, in_30) == (0.0, pytest.approx(1 / 3))  # 28, 31 and 34 ms off
+
+
+def test_a_child_s_recordings_are_one_person_s(judge):
+    assert judge.person_of("child_a_loop_3/plain") == judge.person_of("child_a_1/plain") != judge.person_of("gait_young/plain")
+
+
 def test_help_and_wrong_use():
     script = ROOT / "scripts" / "score-people"
     done = subprocess.run([script, "--help"], capture_output=True, text=True, check=True)

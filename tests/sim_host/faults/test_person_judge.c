@@ -133,6 +133,12 @@ START_TEST(nobody_who_stands_or_lies_or_goes_backwards_is_pushed)
     ck_assert_uint_eq(judge.unsafe, PERSON_UNSAFE_STANDING);
     setup();
     plant()->motion.rate = -1.0;
+    ticks(10, 0.0);
+    release(0.046);
+    ck_assert_uint_eq(judge.unsafe, 0);
+    setup();
+    plant()->motion.rate = -1.0;
+    ticks(30, 0.0);
     release(0.046);
     ck_assert_uint_eq(judge.unsafe, PERSON_UNSAFE_STANDING);
     setup();
