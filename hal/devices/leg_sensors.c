@@ -118,6 +118,14 @@ static void combine_ages(struct leg_sensor_reading *reading)
                              : reading->ankle_age_ticks;
 }
 
+/* A second, different answer in a cycle. */
+static void notice_another(struct leg_sensor_reading *reading, bool differs)
+{
+    if (differs) {
+        duplicate_id_seen(&reading->duplicate_id_count);
+    }
+}
+
 static void take_angle(struct leg_sensor_reading *reading, const struct leg_sensor_config *config,
                        const uint8_t *from)
 {
@@ -125,9 +133,7 @@ static void take_angle(struct leg_sensor_reading *reading, const struct leg_sens
         (float)count_at(from, config->leg_bytes) * (TWO_PI / config->leg_counts_per_turn);
     const float angle_rad =
         wrap_turn((raw_rad - config->angle_zero_rad) * (float)config->angle_direction);
-    if (reading->leg_age_ticks == 0 && reading->leg_angle_rad != angle_rad) {
-        duplicate_id_seen(&reading->duplicate_id_count);
-    }
+    notice_another(reading, reading->leg_age_ticks == 0 && reading->leg_angle_rad != angle_rad);
     reading->leg_angle_rad = angle_rad;
     reading->leg_age_ticks = 0;
 }
@@ -136,9 +142,8 @@ static void take_ankle(struct leg_sensor_reading *reading, const struct leg_sens
                        const uint8_t *from)
 {
     const float extension_m = ankle_extension_m(config, count_at(from, config->ankle_bytes));
-    if (reading->ankle_age_ticks == 0 && reading->ankle_extension_m != extension_m) {
-        duplicate_id_seen(&reading->duplicate_id_count);
-    }
+    notice_another(reading,
+                   reading->ankle_age_ticks == 0 && reading->ankle_extension_m != extension_m);
     reading->ankle_extension_m = extension_m;
     reading->ankle_age_ticks = 0;
 }
