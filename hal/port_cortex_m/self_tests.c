@@ -37,12 +37,22 @@ static enum crash_cause test_ram(struct self_tests *tests, uint32_t *detail)
     return failed != 0u ? CRASH_RAM : CRASH_NONE;
 }
 
+static uint32_t test_part(uint32_t part)
+{
+    switch (part) {
+    case 0:
+        return core_test_registers();
+    case 1:
+        return core_test_low_floats();
+    default:
+        return core_test_high_floats();
+    }
+}
+
 static enum crash_cause test_registers(uint32_t part, uint32_t *detail)
 {
-    static uint32_t (*const parts[REGISTER_PARTS])(void) = {
-        core_test_registers, core_test_low_floats, core_test_high_floats};
     const uint32_t state = mmio_lock();
-    const uint32_t failed = parts[part]();
+    const uint32_t failed = test_part(part);
 
     mmio_unlock(state);
     *detail = part;

@@ -265,10 +265,15 @@ bool board_io_permit_is_high(void)
 static const struct drive_power_enable_ops pc1_ops = {toggle};
 const struct drive_power_enable pc1_drive_power_enable = {&pc1_ops, 0};
 
+bool board_io_stop_is_pressed(void)
+{
+    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 1U) == 0U;
+}
+
 static bool is_pressed(void *context)
 {
     (void)context;
-    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 1U) == 0U;
+    return board_io_stop_is_pressed();
 }
 
 static const struct emergency_stop_ops pc0_ops = {is_pressed};

@@ -239,7 +239,7 @@ static void note_cycles(uint32_t *slept)
 static bool must_stop(void *context)
 {
     (void)context;
-    return supply_is_low(&supply) || emergency_stop_is_pressed(&pc0_emergency_stop);
+    return supply_is_low(&supply) || board_io_stop_is_pressed();
 }
 
 static const struct emergency_stop_ops stop_ops = {must_stop};
@@ -255,7 +255,7 @@ static void show_board(struct controller_board *board)
     uint32_t bits =
         (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
         (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
-        (emergency_stop_is_pressed(&pc0_emergency_stop) ? 0u : (uint32_t)BOARD_STOP_CLOSED);
+        (board_io_stop_is_pressed() ? 0u : (uint32_t)BOARD_STOP_CLOSED);
 
     /* It toggles in each tick: after an odd number of them it is the other way round. */
     if ((tick - looked_at_tick) % 2u == 1u) {
