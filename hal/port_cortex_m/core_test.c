@@ -67,14 +67,14 @@ __attribute__((naked)) uint32_t core_test_high_floats(void)
 #define READ_WRITE_AT(offset, expected, next)                   \
     "ldr r3, [r0, #" offset "]\ncmp r3, " expected "\nbne 9f\n" \
     "str " next ", [r0, #" offset "]\n"
-#define UP(expected, next)                                                \
-    READ_WRITE_AT("0", expected, next)                                    \
-    READ_WRITE_AT("4", expected, next) READ_WRITE_AT("8", expected, next) \
-        READ_WRITE_AT("12", expected, next)
-#define DOWN(expected, next)                                              \
-    READ_WRITE_AT("12", expected, next)                                   \
-    READ_WRITE_AT("8", expected, next) READ_WRITE_AT("4", expected, next) \
-        READ_WRITE_AT("0", expected, next)
+#define UP(expected, next)             \
+    READ_WRITE_AT("0", expected, next) \
+    READ_WRITE_AT("4", expected, next) \
+    READ_WRITE_AT("8", expected, next) READ_WRITE_AT("12", expected, next)
+#define DOWN(expected, next)            \
+    READ_WRITE_AT("12", expected, next) \
+    READ_WRITE_AT("8", expected, next)  \
+    READ_WRITE_AT("4", expected, next) READ_WRITE_AT("0", expected, next)
 #define MARCH \
     WRITE("r1") UP("r1", "r2") UP("r2", "r1") DOWN("r1", "r2") DOWN("r2", "r1") UP("r1", "r1")
 

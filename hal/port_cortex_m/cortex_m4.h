@@ -36,6 +36,7 @@ union vector {
 /* ---- The linker script's places ----------------------------------------------- */
 extern uint32_t handler_stack_bottom[], handler_stack_top[];
 extern uint32_t thread_stack_bottom[], thread_stack_top[];
+extern uint32_t ram_memory[];             /* all RAM begins here */
 extern const union vector vector_table[]; /* the board's, at the beginning of its flash */
 extern struct crash_record crash_record;  /* both in memory that a reset does not clear */
 extern struct crash_streak crash_streak;

@@ -2,7 +2,7 @@
 #include "hal/port_cortex_m/cortex_m4.h"
 
 /* The linker script's: 128 KiB of RAM and 256 KiB with the program, aligned to their size. */
-extern const uint32_t ram_memory[], program_memory[];
+extern const uint32_t program_memory[];
 extern uint32_t data_load[], data_start[], data_end[], bss_start[], bss_end[];
 
 enum {

@@ -164,15 +164,20 @@ uint32_t iwdg_start(void)
 {
     static const struct mmio_expected expected[] = {
         {IWDG_PR, 7U, IWDG_PR_DIV4}, {IWDG_RLR, 0xFFFU, RELOAD}, {IWDG_WINR, 0xFFFU, WINDOW}};
+    const uint32_t before_window = COUNT_OF(expected) - 1U;
 
     mmio_write(IWDG_KR, IWDG_KEY_START);
     mmio_write(IWDG_KR, IWDG_KEY_UNLOCK);
     mmio_write(IWDG_PR, IWDG_PR_DIV4);
     mmio_write(IWDG_RLR, RELOAD);
     wait_for_watchdog();
+    const uint32_t lost = mmio_first_lost(expected, before_window);
+    if (lost != 0U) {
+        return lost; /* with another time-out the window would be another one, too */
+    }
     mmio_write(IWDG_WINR, WINDOW); /* RM0440: feeds, too, once the others are in force */
     wait_for_watchdog();
-    return mmio_first_lost(expected, COUNT_OF(expected));
+    return mmio_first_lost(expected + before_window, 1);
 }
 
 void iwdg_feed(void)
@@ -265,10 +270,15 @@ bool board_io_permit_is_high(void)
 static const struct drive_power_enable_ops pc1_ops = {toggle};
 const struct drive_power_enable pc1_drive_power_enable = {&pc1_ops, 0};
 
+bool board_io_stop_is_pressed(void)
+{
+    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 1U) == 0U;
+}
+
 static bool is_pressed(void *context)
 {
     (void)context;
-    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 1U) == 0U;
+    return board_io_stop_is_pressed();
 }
 
 static const struct emergency_stop_ops pc0_ops = {is_pressed};

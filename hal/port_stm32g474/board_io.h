@@ -79,6 +79,9 @@ extern const struct drive_power_enable pc1_drive_power_enable;
 /* Whether that line is high now. O(1). */
 bool board_io_permit_is_high(void);
 
+/* Whether PC0 is low: the contact is open. O(1). */
+bool board_io_stop_is_pressed(void);
+
 /* PC0, pulled down: high only while the closed contact feeds it. */
 extern const struct emergency_stop pc0_emergency_stop;
 

@@ -42,7 +42,8 @@ def test_no_instruction_loads_the_stack_pointer(code):
 
 
 def test_handlers_are_long_and_end_with_a_barrier(code):
-    for handler, work in (("tim2_handler", "tim2_clock_interrupt"), ("fdcan1_handler", "fdcan_interrupt")):
+    for handler, work in (("tim2_handler", "tim2_clock_interrupt"), ("fdcan1_handler", "fdcan_interrupt"),
+                          ("pvd_handler", "supply_interrupt")):
         lines = code[handler]
         ends = [i for i, line in enumerate(lines) if re.match(r"pop\S*\s.*pc|bx\s+lr|ldm\S*\s+sp!.*pc", line)]
         assert len(ends) == 1
@@ -56,8 +57,8 @@ def test_no_other_peripheral_is_used():
     """The registers that switch clocks on are written with these bits only."""
     text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "hal/port_stm32g474").glob("*.c"))
     clocks = set(re.findall(r"RCC_A(?:HB|PB)\d_\w+", text))
-    assert clocks == {"RCC_APB1_TIM2", "RCC_APB1_FDCAN", "RCC_APB1_PWR", "RCC_APB1_LPUART1", "RCC_AHB2_GPIOA", "RCC_AHB2_GPIOC"}
-    assert set(re.findall(r"RCC_\w+ENR\d?", text)) == {"RCC_APB1ENR1", "RCC_APB1ENR2", "RCC_AHB2ENR"}
+    assert clocks == {"RCC_APB1_LPTIM1", "RCC_APB2_SYSCFG", "RCC_APB1_TIM2", "RCC_APB1_FDCAN", "RCC_APB1_PWR", "RCC_APB1_LPUART1", "RCC_AHB2_GPIOA", "RCC_AHB2_GPIOC"}
+    assert set(re.findall(r"RCC_\w+ENR\d?", text)) == {"RCC_APB1ENR1", "RCC_APB1ENR2", "RCC_APB2ENR", "RCC_AHB2ENR"}
 
 
 def test_neither_edge_filtering_nor_single_shot_is_asked_for():

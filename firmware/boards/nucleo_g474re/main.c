@@ -1,23 +1,25 @@
 /* The orthosis on a NUCLEO-G474RE: FDCAN1 on PA11 and PA12, emergency stop on PC0. */
 #include "firmware/boards/nucleo_g474re/can_filters.h"
-#include "firmware/boards/nucleo_g474re/self_tests.h"
 #include "firmware/orthosis.h"
 #include "firmware/version.h"
 #include "hal/bus/frame_table.h"
 #include "hal/port_cortex_m/cortex_m4.h"
 #include "hal/port_cortex_m/cycle_counter.h"
+#include "hal/port_cortex_m/self_tests.h"
 #include "hal/port_cortex_m/tick_trace.h"
 #include "hal/port_fdcan/fdcan.h"
 #include "hal/port_stm32g474/board_io.h"
 #include "hal/port_stm32g474/clock_tree.h"
 #include "hal/port_stm32g474/flash_store.h"
 #include "hal/port_stm32g474/idle.h"
+#include "hal/port_stm32g474/lsi_meter.h"
 #include "hal/port_stm32g474/option_bytes.h"
 #include "hal/port_stm32g474/signs.h"
 #include "hal/port_stm32g474/supply.h"
 #include "hal/port_stm32g474/system_registers.h"
 
-enum { EXCEPTION_NMI = 2, RETRY_MS = 1000, BOARD_PERIOD = 256 };
+enum { EXCEPTION_NMI = 2, RETRY_MS = 1000, BOARD_PERIOD = 256, OSCILLATOR_PERIOD = 64 };
+#define PROGRAM_RAM_BYTES 0x8000u /* link.ld; with parity */
 
 static struct orthosis orthosis;
 static struct fdcan can;
@@ -26,6 +28,7 @@ static struct flash_store flash;
 static struct iwdg iwdg;
 static struct supply supply;
 static struct self_tests tests;
+static struct lsi_meter lsi;
 /* Before, timer and FDCAN1 have no clock: nobody may ask them anything. */
 static bool ports_run;
 
@@ -170,7 +173,8 @@ static void start_ports(void)
     must_hold(tim2_clock_init(&timer, CORE_HZ));
     ports_run = true;
     must_hold(supply_init(&supply));
-    must_hold(self_tests_init(&tests));
+    must_hold(lsi_meter_init(&lsi));
+    self_tests_init(&tests, ram_memory, PROGRAM_RAM_BYTES / sizeof(uint32_t));
     result = fdcan_init(&can, &config);
     must_hold(can.lost_register);
     if (result != FDCAN_OK) {
@@ -235,7 +239,7 @@ static void note_cycles(uint32_t *slept)
 static bool must_stop(void *context)
 {
     (void)context;
-    return supply_is_low(&supply) || emergency_stop_is_pressed(&pc0_emergency_stop);
+    return supply_is_low(&supply) || board_io_stop_is_pressed();
 }
 
 static const struct emergency_stop_ops stop_ops = {must_stop};
@@ -251,7 +255,7 @@ static void show_board(struct controller_board *board)
     uint32_t bits =
         (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
         (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
-        (emergency_stop_is_pressed(&pc0_emergency_stop) ? 0u : (uint32_t)BOARD_STOP_CLOSED);
+        (board_io_stop_is_pressed() ? 0u : (uint32_t)BOARD_STOP_CLOSED);
 
     /* It toggles in each tick: after an odd number of them it is the other way round. */
     if ((tick - looked_at_tick) % 2u == 1u) {
@@ -262,7 +266,7 @@ static void show_board(struct controller_board *board)
     permit_was_high = permit_is_high;
     looked_at_tick = tick;
     board->bits = (uint8_t)bits;
-    board->watchdog_clock_Hz = tests.lsi.hz;
+    board->watchdog_clock_Hz = lsi.hz;
     board->supply_dips = supply.dips;
     board->ram_rounds = tests.ram_rounds;
     board->program_rounds = orthosis.program_rounds;
@@ -282,10 +286,14 @@ static void test_board(void)
     struct controller_objects *objects = &orthosis.task.node.objects;
     static uint32_t turns;
     uint32_t detail = 0;
-    const enum crash_cause failed = self_tests_go_on(&tests, tim2_clock_now_us(&timer), &detail);
+    const enum crash_cause failed = self_tests_go_on(&tests, &detail);
 
     if (failed != CRASH_NONE) {
         cortex_m4_crash(failed, detail);
+    }
+    if (turns % (uint32_t)OSCILLATOR_PERIOD == 0u &&
+        lsi_meter_update(&lsi, tim2_clock_now_us(&timer)) && !lsi_meter_is_good(&lsi)) {
+        cortex_m4_crash(CRASH_OSCILLATOR, lsi.hz);
     }
     if (flash_store_take_corrected() && objects->counters.flash_corrected < UINT32_MAX) {
         objects->counters.flash_corrected++;

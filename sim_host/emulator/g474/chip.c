@@ -9,6 +9,7 @@
 
 enum {
     PAGE = 4096,
+    MEMORY_KEPT_MV = 1000,
     EXCEPTION_NMI = 2,
     STALL_LOOP = 0xE7FE /* b . */
 };
@@ -152,7 +153,7 @@ static uint32_t run_core(struct chip *chip, uint32_t pc)
 
 /* ---- Reset ---------------------------------------------------------------------------------------------- */
 
-void chip_reset(struct chip *chip, bool power_on)
+static void reset(struct chip *chip, bool power_on)
 {
     struct core *core = &chip->core;
     const uint64_t now_ns = chip_now_ns(chip);
@@ -202,7 +203,23 @@ void chip_power_cycle(struct chip *chip)
 {
     scramble(chip);
     chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
-    chip_reset(chip, true);
+    reset(chip, true);
+}
+
+void chip_set_supply(struct chip *chip, uint32_t millivolts)
+{
+    const bool was_low = chip_supply_is_low(chip), was_held = chip_supply_resets(chip);
+
+    chip->supply.vdd_mV = millivolts;
+    const bool held = chip_supply_resets(chip);
+    if (millivolts < (uint32_t)MEMORY_KEPT_MV) {
+        chip_power_cycle(chip);
+    } else if (held || was_held) {
+        chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
+        reset(chip, true);
+    }
+    chip->dead = chip->dead || held;
+    chip_supply_follow(chip, was_low);
 }
 
 void chip_run(struct chip *chip, uint64_t until_ns)
@@ -212,7 +229,7 @@ void chip_run(struct chip *chip, uint64_t until_ns)
     chip_refresh(chip);
     while (!chip->stop_asked) {
         if (chip->reset_asked) {
-            chip_reset(chip, false);
+            reset(chip, false);
             return;
         }
         chip_check_guards(chip);

@@ -232,7 +232,6 @@ uint64_t chip_next_due_cycle(const struct chip *chip);
 /* Core cycle at which `time_ns` is reached. */
 uint64_t chip_cycle_of(const struct chip *chip, uint64_t time_ns);
 
-void chip_reset(struct chip *chip, bool power_on);
 void chip_scs_reset(struct chip *chip);
 void chip_scs_map(struct chip *chip);
 uint64_t chip_systick_due(const struct chip *chip);
@@ -264,7 +263,11 @@ bool chip_has_clock(const struct chip *chip, uint32_t address, const char **name
 
 void chip_supply_reset(struct chip *chip);
 void chip_supply_map(struct chip *chip);
+/* Below the detector's threshold; below the brown-out level. */
 bool chip_supply_is_low(const struct chip *chip);
+bool chip_supply_resets(const struct chip *chip);
+/* The supply has changed: its detector's edge. */
+void chip_supply_follow(struct chip *chip, bool was_low);
 
 void chip_io_reset(struct chip *chip);
 void chip_io_map(struct chip *chip);

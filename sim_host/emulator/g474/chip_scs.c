@@ -384,8 +384,9 @@ static uint32_t trace_read(void *context, uint32_t offset)
 static void trace_write(void *context, uint32_t offset, uint32_t value)
 {
     const struct chip *chip = context;
-    const uint8_t packet[5] = {(uint8_t)(offset / 4 << 3 | 3), (uint8_t)value, (uint8_t)(value >> 8),
-                               (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
+    const uint8_t packet[5] = {(uint8_t)(offset / 4 << 3 | 3), (uint8_t)value,
+                               (uint8_t)(value >> 8), (uint8_t)(value >> 16),
+                               (uint8_t)(value >> 24)};
 
     if (chip->trace != NULL && offset < 0x80) {
         (void)fwrite(packet, sizeof packet, 1, chip->trace);

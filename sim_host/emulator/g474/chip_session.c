@@ -22,6 +22,9 @@ enum {
 };
 
 #define BIT(fault) (1u << SUPERVISOR_FAULT_##fault)
+#define CRASHES_OF_A_WILD_PROGRAM                                                \
+    (1u << CRASH_HARD_FAULT | 1u << CRASH_MEMORY_FAULT | 1u << CRASH_BUS_FAULT | \
+     1u << CRASH_USAGE_FAULT | 1u << CRASH_ASSERTION | 1u << CRASH_WATCHDOG)
 
 const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_NONE] = {"none", SUPERVISOR_FAULT_NONE, 0, CRASH_NONE, NULL},
@@ -53,8 +56,9 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_BROWN_OUT] = {"brown-out", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_SUPPLY, NULL},
     [CHIP_FAULT_RAM_SLICE] = {.name = "ram-slice", .says = "the RAM has failed"},
     [CHIP_FAULT_RAM_PARITY] = {"ram-parity", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_RAM_PARITY, NULL},
+    /* Most registers hold something that breaks down before the test comes to them. */
     [CHIP_FAULT_CORE_REGISTER] = {"core-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER,
-                                  NULL},
+                                  NULL, CRASHES_OF_A_WILD_PROGRAM},
     [CHIP_FAULT_FLOAT_REGISTER] = {"float-register", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_REGISTER,
                                    NULL},
     [CHIP_FAULT_SLOW_OSCILLATOR] = {"slow-oscillator", SUPERVISOR_FAULT_RESTARTED, 0,

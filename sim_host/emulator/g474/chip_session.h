@@ -55,9 +55,10 @@ struct chip_fault_kind {
     /* What the image must say in the end; others that are as right are bits of `or_latched`. */
     enum supervisor_fault latched;
     uint32_t or_latched;
-    enum crash_cause crash; /* the record it must leave */
+    enum crash_cause crash; /* the record it must leave; likewise bits of `or_crash` */
     const char
         *says; /* it does not run in the end, and the virtual COM port says so; NULL: it runs */
+    uint32_t or_crash;
 };
 
 /* By enum chip_fault. */

@@ -24,7 +24,6 @@ enum {
     LPTIM_CNT = 7,
     LPTIM_RUNS = 1 | 1 << 2,
     ARROK = 1 << 4,
-    MEMORY_KEPT_MV = 1000,
     NS_PER_S = 1000000000
 };
 
@@ -38,32 +37,20 @@ bool chip_supply_is_low(const struct chip *chip)
     return (control & PVDE) != 0 && chip->supply.vdd_mV < detector_mV[control >> 1 & 7];
 }
 
-static void follow_detector(struct chip *chip, bool before)
+bool chip_supply_resets(const struct chip *chip)
+{
+    return chip->supply.vdd_mV < brown_out_mV[chip->flash_registers.optr >> 8 & 7];
+}
+
+void chip_supply_follow(struct chip *chip, bool was_low)
 {
     const bool low = chip_supply_is_low(chip);
     uint32_t *exti = chip->supply.exti;
 
-    if (low != before) {
+    if (low != was_low) {
         exti[PR1] |= exti[low ? RTSR1 : FTSR1] & (uint32_t)LINE_PVD;
         chip_update(chip);
     }
-}
-
-void chip_set_supply(struct chip *chip, uint32_t millivolts)
-{
-    const bool before = chip_supply_is_low(chip);
-    const uint32_t least = brown_out_mV[chip->flash_registers.optr >> 8 & 7];
-    const bool was_held = chip->supply.vdd_mV < least;
-
-    chip->supply.vdd_mV = millivolts;
-    if (millivolts < (uint32_t)MEMORY_KEPT_MV) {
-        chip_power_cycle(chip);
-    } else if (millivolts < least || was_held) {
-        chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
-        chip_reset(chip, true);
-    }
-    chip->dead = chip->dead || millivolts < least;
-    follow_detector(chip, before);
 }
 
 static uint32_t exti_read(void *context, uint32_t offset)

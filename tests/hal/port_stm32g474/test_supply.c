@@ -165,7 +165,8 @@ START_TEST(it_measures_over_the_wraps_and_judges)
     static const struct {
         double hz;
         bool good;
-    } row[] = {{32000, true}, {29500, true}, {34000, true}, {26000, false}, {38000, false}, {0, false}};
+    } row[] = {{32000, true},  {29500, true},  {34000, true},
+               {26000, false}, {38000, false}, {0, false}};
     uint32_t now_us = UINT32_MAX - 2000000;
 
     ck_assert(lsi_meter_is_good(&meter)); /* not yet measured */

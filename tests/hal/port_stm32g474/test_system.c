@@ -478,9 +478,10 @@ START_TEST(the_watchdog_bites_after_120_ms_and_within_10)
     assert_close((double)iwdg[2] / hz, 0.120, 1e-3, 0);
     ck_assert_uint_le(iwdg[2], 0xFFF);
     assert_close((double)(iwdg[2] - iwdg[4]) / hz, 0.010, 1e-3, 0);
-    /* DS12288: LSI is 29.5 to 34 kHz. What the loop feeds falls into the window at both ends. */
+    /* DS12288: LSI is 29.5 to 34 kHz. What the loop feeds falls into the window at both ends, even if the
+     * two pages of a store took 40 ms each, which public drivers allow for (DS12288 has 24.47). */
     ck_assert(1e-3 * WATCHDOG_FEED_MS > (double)(iwdg[2] - iwdg[4]) / (hz * 29.5 / 32));
-    ck_assert(1e-3 * (WATCHDOG_FEED_MS + 2 * 24.47) < (double)iwdg[2] / (hz * 34 / 32));
+    ck_assert(1e-3 * (WATCHDOG_FEED_MS + 2 * 40) < (double)iwdg[2] / (hz * 34 / 32));
 }
 END_TEST
 

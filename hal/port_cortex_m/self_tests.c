@@ -1,14 +1,10 @@
-#include "firmware/boards/nucleo_g474re/self_tests.h"
+#include "hal/port_cortex_m/self_tests.h"
 
 #include <stdbool.h>
 
 #include "hal/port_cortex_m/core_test.h"
 #include "hal/port_cortex_m/cortex_m4.h"
 #include "hal/port_cortex_m/mmio.h"
-
-#define RAM_BASE 0x20000000u /* link.ld: what the program uses, and the starter tests */
-#define RAM_WORDS (0x8000u / 4u)
-#define LAST_SLICE (RAM_WORDS - (uint32_t)CORE_TEST_RAM_WORDS)
 
 /* Slices overlap by a word, so that each word is marched with both neighbours. */
 enum { SLICE_STEP = CORE_TEST_RAM_WORDS - 1, GUARD_WORDS = 8, ROUND = 64, REGISTER_PARTS = 3 };
@@ -21,7 +17,8 @@ static bool touches_guard(const uint32_t *at, const uint32_t *bottom)
 
 static enum crash_cause test_ram(struct self_tests *tests, uint32_t *detail)
 {
-    uint32_t *const at = (uint32_t *)(uintptr_t)RAM_BASE + tests->ram_word;
+    uint32_t *const at = tests->ram + tests->ram_word;
+    const uint32_t last = tests->ram_words - (uint32_t)CORE_TEST_RAM_WORDS;
     uint32_t failed = 0;
 
     if (!touches_guard(at, thread_stack_bottom) && !touches_guard(at, handler_stack_bottom)) {
@@ -29,23 +26,33 @@ static enum crash_cause test_ram(struct self_tests *tests, uint32_t *detail)
         failed = core_test_ram(at);
         mmio_unlock(state);
     }
-    if (tests->ram_word == LAST_SLICE) {
+    if (tests->ram_word == last) {
         tests->ram_word = 0;
         tests->ram_rounds += tests->ram_rounds < UINT32_MAX ? 1u : 0u;
     } else {
         const uint32_t next = tests->ram_word + (uint32_t)SLICE_STEP;
-        tests->ram_word = next < LAST_SLICE ? next : LAST_SLICE;
+        tests->ram_word = next < last ? next : last;
     }
     *detail = (uint32_t)(uintptr_t)at;
     return failed != 0u ? CRASH_RAM : CRASH_NONE;
 }
 
+static uint32_t test_part(uint32_t part)
+{
+    switch (part) {
+    case 0:
+        return core_test_registers();
+    case 1:
+        return core_test_low_floats();
+    default:
+        return core_test_high_floats();
+    }
+}
+
 static enum crash_cause test_registers(uint32_t part, uint32_t *detail)
 {
-    static uint32_t (*const parts[REGISTER_PARTS])(void) = {
-        core_test_registers, core_test_low_floats, core_test_high_floats};
     const uint32_t state = mmio_lock();
-    const uint32_t failed = parts[part]();
+    const uint32_t failed = test_part(part);
 
     mmio_unlock(state);
     *detail = part;
@@ -60,21 +67,12 @@ static enum crash_cause test_stacks(uint32_t *detail)
     return bottom != 0 ? CRASH_STACK : CRASH_NONE;
 }
 
-static enum crash_cause test_oscillators(struct self_tests *tests, uint32_t now_us,
-                                         uint32_t *detail)
+void self_tests_init(struct self_tests *tests, uint32_t *ram, uint32_t words)
 {
-    (void)lsi_meter_update(&tests->lsi, now_us);
-    *detail = tests->lsi.hz;
-    return lsi_meter_is_good(&tests->lsi) ? CRASH_NONE : CRASH_OSCILLATOR;
+    *tests = (struct self_tests){.ram = ram, .ram_words = words};
 }
 
-uint32_t self_tests_init(struct self_tests *tests)
-{
-    *tests = (struct self_tests){.turn = 0};
-    return lsi_meter_init(&tests->lsi);
-}
-
-enum crash_cause self_tests_go_on(struct self_tests *tests, uint32_t now_us, uint32_t *detail)
+enum crash_cause self_tests_go_on(struct self_tests *tests, uint32_t *detail)
 {
     const uint32_t turn = tests->turn;
 
@@ -82,12 +80,5 @@ enum crash_cause self_tests_go_on(struct self_tests *tests, uint32_t now_us, uin
     if (turn < (uint32_t)REGISTER_PARTS) {
         return test_registers(turn, detail);
     }
-    switch (turn) {
-    case REGISTER_PARTS:
-        return test_stacks(detail);
-    case REGISTER_PARTS + 1:
-        return test_oscillators(tests, now_us, detail);
-    default:
-        return test_ram(tests, detail);
-    }
+    return turn == (uint32_t)REGISTER_PARTS ? test_stacks(detail) : test_ram(tests, detail);
 }
