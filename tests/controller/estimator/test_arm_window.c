@@ -149,6 +149,23 @@ START_TEST(without_switches_it_opens_behind_the_strike_or_not_at_all)
 }
 END_TEST
 
+/* Only while the other leg slows down, and from the very first ticks on, too. */
+START_TEST(a_strike_alone_opens_nothing)
+{
+    struct bench bench;
+    start(&bench, 0.0, 0.03);
+    arm_window_strike(&bench.window, bench.tick, REAL(0.02));
+    ck_assert(!arm_window_is_open(&bench.window, &bench.params, bench.tick + 100));
+    start(&bench, 0.0, 0.03);
+    bench.tick = 5;
+    bench.view = (struct arm_view){.slowing = true, .swings = true, .own_leg_turns_back = true};
+    pass(&bench, 5);
+    arm_window_strike(&bench.window, bench.tick, REAL(0.02)); /* before there were ticks */
+    pass(&bench, 40);
+    ck_assert_uint_ne(bench.opened_tick, 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("arm_window");
@@ -157,6 +174,7 @@ int main(void)
     tcase_add_loop_test(all, any_sign_of_the_own_toe_off_closes_it, 0, 3);
     tcase_add_test(all, it_closes_when_no_contact_comes);
     tcase_add_loop_test(all, without_switches_it_opens_behind_the_strike_or_not_at_all, 0, 2);
+    tcase_add_test(all, a_strike_alone_opens_nothing);
     suite_add_tcase(suite, all);
     return run_suite(suite);
 }

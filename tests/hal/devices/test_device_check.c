@@ -4,6 +4,7 @@
 
 #include "hal/bus/frame_table.h"
 #include "hal/devices/device_check.h"
+#include "hal/devices/device_config.h"
 #include "hal/devices/device_nodes.h"
 #include "tests/support/assert_close.h"
 
@@ -71,6 +72,26 @@ START_TEST(the_default_fits_and_so_do_legs_that_share_nothing)
     FITS();
     left()->protocol = DEVICE_NO_DRIVE_PROTOCOL;
     FITS();
+}
+END_TEST
+
+/* The nodes are set up where every drive that is there speaks CiA 402. */
+START_TEST(a_leg_without_a_drive_leaves_the_other_canopen)
+{
+    static const struct {
+        int32_t left, right;
+        bool is;
+    } rows[] = {{DEVICE_CIA402, DEVICE_CIA402, true},
+                {DEVICE_NO_DRIVE_PROTOCOL, DEVICE_CIA402, true},
+                {DEVICE_CIA402, DEVICE_NO_DRIVE_PROTOCOL, true},
+                {DEVICE_CIA402, DEVICE_MIT, false},
+                {DEVICE_CANSIMPLE, DEVICE_CIA402, false},
+                {DEVICE_NO_DRIVE_PROTOCOL, DEVICE_MIT, false}};
+    for (unsigned i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        left()->protocol = rows[i].left;
+        right()->protocol = rows[i].right;
+        ck_assert_int_eq(device_is_canopen(&device), rows[i].is);
+    }
 }
 END_TEST
 
@@ -368,6 +389,7 @@ int main(void)
     TCase *tcase = tcase_create("device_check");
     tcase_add_checked_fixture(tcase, setup, NULL);
     tcase_add_test(tcase, the_default_fits_and_so_do_legs_that_share_nothing);
+    tcase_add_test(tcase, a_leg_without_a_drive_leaves_the_other_canopen);
     tcase_add_test(tcase, every_key_has_a_range_that_holds);
     tcase_add_test(tcase, directions_are_one_way_or_the_other);
     tcase_add_test(tcase, no_two_units_share_a_number);

@@ -171,6 +171,36 @@ START_TEST(a_drive_that_knows_no_bit_30_is_asked_without_it)
 }
 END_TEST
 
+/* Any TPDO's COB-ID is tried once more, not only the first one's; an RPDO's has no such bit. */
+static uint16_t refused_pdo;
+static unsigned refused_times;
+
+static void refuses_a_cob_id(struct can_msg *answer)
+{
+    if (answer->data[0] == 0x60 && (answer->data[1] | answer->data[2] << 8) == refused_pdo &&
+        answer->data[3] == 1 && refused_times == 0) {
+        const uint8_t value_range[8] = {
+            0x80, (uint8_t)refused_pdo, (uint8_t)(refused_pdo >> 8), 0x01, 0x30, 0x00, 0x09, 0x06};
+        memcpy(answer->data, value_range, sizeof value_range);
+        refused_times++;
+    }
+}
+
+START_TEST(only_a_tpdos_cob_id_is_tried_once_more)
+{
+    static const uint16_t pdos[] = {0x1800, 0x1802, 0x1400, 0x1401};
+    refused_pdo = pdos[_i];
+    refused_times = 0;
+    start();
+    spoil = refuses_a_cob_id;
+    ck_assert_int_eq(finish(true), _i < 2 ? SETUP_DONE : SETUP_ABORTED);
+    ck_assert_uint_eq(refused_times, 1);
+    if (_i >= 2) {
+        ck_assert_uint_eq(b.setup.failure.index, refused_pdo);
+    }
+}
+END_TEST
+
 /* 0x6061 and what is read back show the old value for a while after it was written: a drive changes its mode in
  * its own loop. Within 200 ms it is asked again, and then believed. */
 static struct {
@@ -449,6 +479,7 @@ int main(void)
     tcase_add_test(tests, another_rated_torque_is_refused_with_both_values);
     tcase_add_test(tests, another_kind_of_device_is_refused);
     tcase_add_test(tests, a_number_says_what_a_node_is);
+    tcase_add_loop_test(tests, only_a_tpdos_cob_id_is_tried_once_more, 0, 4);
     tcase_add_test(tests, a_silent_node_is_named);
     tcase_add_test(tests, lost_frames_delay_but_do_not_refuse);
     tcase_add_test(tests, late_answers_delay_but_do_not_refuse);
