@@ -183,6 +183,25 @@ def test_mark_keep_report(page, walking, tmp_path):
     page.picture("live-light")
 
 
+def test_compare_two_trials(page):
+    """A second trial, and both over each other."""
+    page.js("document.activeElement.blur()")
+    page.keys("r")
+    page.until_text("#record-state", "nobody")
+    tick = page.js("return afo.store.next")
+    page.until(f"return afo.store.next > {tick} + 2500", "two strides")
+    page.focus("record").send_keys(Keys.ENTER)
+    page.until("return document.querySelectorAll('#trials tbody tr').length === 2 && "
+               "!document.querySelector('#trials tbody').innerText.includes('incomplete')", "two trials")
+    for box in page.browser.find_elements(By.CSS_SELECTOR, "#trials input"):
+        box.send_keys(" ")
+    page.focus("compare").send_keys(Keys.ENTER)
+    page.until("return document.querySelector('dialog .report')?.innerText.includes('difference')", "compared")
+    page.picture("compare")
+    page.keys(Keys.ESCAPE)
+    page.until("return !document.querySelector('dialog')", "closed")
+
+
 @pytest.mark.parametrize("scheme", ["dark", "light"])
 def test_dark_and_light(page, scheme):
     prefer(page.browser, scheme)
