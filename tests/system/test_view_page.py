@@ -120,7 +120,8 @@ def test_it_says_that_stop_is_no_emergency_stop(page):
 
 def test_the_slider_changes_the_speed(page, walking):
     """By the keyboard; what the walker does is read off its own leg at the apex, not off the controller's word."""
-    page.until("return Number(document.getElementById('speed').max) > 0.5", "range")
+    page.until("return !document.getElementById('speed').disabled", "the speed is known")
+    assert page.js("return Number(document.getElementById('speed').value)") == pytest.approx(0.5)
     page.tab_to("speed")
     page.keys(Keys.ARROW_RIGHT * 4)
     page.until_text("#write-outcome", "read back 0.52")

@@ -62,6 +62,7 @@ export class Tune {
   show() {
     for (const one of this.settings.values()) if (document.activeElement !== one.input) one.input.value = number(one.value);
     const speed = this.settings.get("commands.desired_apex_speed");
+    $("speed").disabled = typeof speed?.value !== "number"; // what is not known yet is not moved
     if (speed && typeof speed.value === "number" && document.activeElement !== $("speed")) $("speed").value = speed.value;
     $("speed-value").textContent = speed ? `${number(speed.value)} rad/s` : "";
   }
