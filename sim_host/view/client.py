@@ -1,6 +1,7 @@
 """One browser: what waits for it, and how fast it may ask."""
 import asyncio
 import json
+import math
 import time
 
 WAITING_MAX_BYTES = 8 << 20   # a stalled browser misses what is beyond, and is told
@@ -16,7 +17,7 @@ class Client:
 
     def put(self, message):
         """Queues rows (bytes) or an event (dict); never waits."""
-        data = message if isinstance(message, bytes) else json.dumps(message, allow_nan=False, default=str)
+        data = message if isinstance(message, bytes) else json.dumps(clean(message), allow_nan=False, default=str)
         if self.bytes + len(data) > WAITING_MAX_BYTES:
             self.skipped += 1
             return
@@ -46,6 +47,9 @@ class Client:
                 break
             await asyncio.sleep(0.02)
 
+    def has_room(self, length):
+        return self.bytes + length <= WAITING_MAX_BYTES
+
     def may_ask(self):
         """False when it asks faster than a person can."""
         now = time.monotonic()
@@ -53,3 +57,14 @@ class Client:
         self.allowed_at = now
         self.allowance -= 1
         return self.allowance >= 0
+
+
+def clean(value):
+    """Numbers that JSON has not become null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: clean(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [clean(one) for one in value]
+    return value

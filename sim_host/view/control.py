@@ -125,8 +125,7 @@ class Control:
     # ---- what is asked ----------------------------------------------------------------
 
     def hello(self):
-        return {"settings": self.settings(), "can_restart": hasattr(self.site.source, "restart"),
-                "commissioning": []}
+        return {"settings": self.settings(), "can_restart": hasattr(self.site.source, "restart")}
 
     def tell_values(self):
         borne = {name: self._borne(name) for name in self.values if self._borne(name)}

@@ -142,13 +142,15 @@ class Site:
                 "trouble": hub.trouble_text, **hub.state_words()}
         for part in self.hello_parts:
             told.update(part())
-        return clean(told)
+        return told
 
     def do_range(self, client, asked):
         first, last = int(asked["first"]), int(asked["last"])
         last = min(last, first + RANGE_TICKS_MAX)
         for start in range(first, last, PIECE_TICKS):
             at, rows = self.hub.history.get(start, min(start + PIECE_TICKS, last))
+            if not client.has_room(rows.nbytes + hubs.HEADER.size):
+                break  # it did not take what it asked for before
             if len(rows):
                 client.put(hubs.rows_message(at, rows, self.hub.walk))
         client.put({"type": "range", "first": first, "last": last})
@@ -204,17 +206,6 @@ class Site:
         await done.wait()
         if self.hub.recorder:
             self.hub.recorder.close()
-
-
-def clean(value):
-    """Numbers that JSON has not become null."""
-    if isinstance(value, float):
-        return value if np.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: clean(one) for key, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [clean(one) for one in value]
-    return value
 
 
 def load_log(hub, path, complain):

@@ -42,6 +42,12 @@ FAULTS = {
                                 "Disconnect other masters and tools that send targets, SYNC or NMT. Then reset."),
     "a tool wrote to a drive or sensor": ("A tool wrote to a drive or sensor over SDO.",
                                           "While the device runs only the controller may. Restart the nodes, then reset."),
+    "the left latch's report does not change": (
+        "The left latch told the same in three releases: its contact or its wire is broken, or the latch is stuck.",
+        "Keep the spring unloaded. Move the left latch by hand, and see whether its report here changes; mend it, then reset."),
+    "the right latch's report does not change": (
+        "The right latch told the same in three releases: its contact or its wire is broken, or the latch is stuck.",
+        "Keep the spring unloaded. Move the right latch by hand, and see whether its report here changes; mend it, then reset."),
     "a drive's setting has changed": ("A drive's setting is not what it was at the set-up.",
                                       "The drive may have restarted. Switch drive and controller off and on."),
 }

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from afo import AFO, ROOT, run
+from gait_play import write
+from made_gait import made_gait
 from viewer import Talk, viewing
 
 VIEW = ROOT / "sim_host" / "view"
@@ -184,3 +186,20 @@ def test_a_push_by_somebody_is_found_before_the_fault():
     jerk = [note for note in notes if "jerked backwards" in note]
     assert jerk and abs(float(jerk[0].split(" s:")[0]) - 1.8) < 0.02
     assert any("last push" in note for note in notes)
+
+
+def test_a_recorded_persons_events_are_the_feet_of_the_recording(tmp_path):
+    """A made walk of a person: strikes by the foot switches, in their number and cadence; pushes of both legs."""
+    path = write(tmp_path / "made.csv", made_gait())
+    person, device = ROOT / "sim_host/persons/adult70.ini", ROOT / "sim_host/devices/exo50.ini"
+    more = ("--person", person, "--device", device)
+    done = run("--recording", path, *more, "--switches", "exact", "--log", tmp_path / "p.log", "--quiet")
+    assert done.returncode in (0, 1), done.stderr
+    with viewing("--replay", tmp_path / "p.log", *more) as view:
+        who = Talk(view).hear()
+    with open(path, newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    down = {side: np.array([float(row[f"contact_{side}"]) for row in rows]) for side in "lr"}
+    landings = sum(int(np.sum(np.diff(one) > 0)) for one in down.values())
+    strikes = [event for event in who["events"] if event["kind"] == "strike"]
+    assert landings > 20 and abs(len(strikes) - landings) <= 4 and {event["sign"] for event in strikes[4:]} == {"switch"}

@@ -120,7 +120,8 @@ def test_it_says_that_stop_is_no_emergency_stop(page):
 
 def test_the_slider_changes_the_speed(page, walking):
     """By the keyboard; what the walker does is read off its own leg at the apex, not off the controller's word."""
-    page.until("return Number(document.getElementById('speed').max) > 0.5", "range")
+    page.until("return !document.getElementById('speed').disabled", "the speed is known")
+    assert page.js("return Number(document.getElementById('speed').value)") == pytest.approx(0.5)
     page.tab_to("speed")
     page.keys(Keys.ARROW_RIGHT * 4)
     page.until_text("#write-outcome", "read back 0.52")
@@ -181,6 +182,25 @@ def test_mark_keep_report(page, walking, tmp_path):
     folder = next(pathlib.Path(walking.process.args[walking.process.args.index("--trials") + 1]).glob("*P12"))
     assert run("--speed", "0.5", folder / "bus.log", command="replay").returncode == 0
     page.picture("live-light")
+
+
+def test_compare_two_trials(page):
+    """A second trial, and both over each other."""
+    page.js("document.activeElement.blur()")
+    page.keys("r")
+    page.until_text("#record-state", "nobody")
+    tick = page.js("return afo.store.next")
+    page.until(f"return afo.store.next > {tick} + 2500", "two strides")
+    page.focus("record").send_keys(Keys.ENTER)
+    page.until("return document.querySelectorAll('#trials tbody tr').length === 2 && "
+               "!document.querySelector('#trials tbody').innerText.includes('incomplete')", "two trials")
+    for box in page.browser.find_elements(By.CSS_SELECTOR, "#trials input"):
+        box.send_keys(" ")
+    page.focus("compare").send_keys(Keys.ENTER)
+    page.until("return document.querySelector('dialog .report')?.innerText.includes('difference')", "compared")
+    page.picture("compare")
+    page.keys(Keys.ESCAPE)
+    page.until("return !document.querySelector('dialog')", "closed")
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])

@@ -10,8 +10,7 @@ import websocket
 
 from afo import AFO, ROOT
 
-PATIENCE_S = 90
-HEADER_BYTES = 24
+PATIENCE_S = 300
 
 
 class View:

@@ -30,7 +30,6 @@ export class Tune {
     speed.max = told.subject.highest_speed_rad_s ?? 2;
     $("settings").replaceChildren(...settings.map((one) => this.setting(one)));
     this.show();
-    this.commissioning(told.commissioning || []);
   }
 
   setting(one) {
@@ -63,6 +62,7 @@ export class Tune {
   show() {
     for (const one of this.settings.values()) if (document.activeElement !== one.input) one.input.value = number(one.value);
     const speed = this.settings.get("commands.desired_apex_speed");
+    $("speed").disabled = typeof speed?.value !== "number"; // what is not known yet is not moved
     if (speed && typeof speed.value === "number" && document.activeElement !== $("speed")) $("speed").value = speed.value;
     $("speed-value").textContent = speed ? `${number(speed.value)} rad/s` : "";
   }
@@ -87,18 +87,6 @@ export class Tune {
     if (!this.may) return;
     $("request-outcome").textContent = `${what} …`;
     this.ask({ do: "request", what });
-  }
-
-  commissioning(steps) {
-    $("commission").replaceChildren(...steps.map(([name, text]) => {
-      const button = document.createElement("button");
-      button.textContent = name;
-      button.title = text;
-      button.onclick = () => this.ask({ do: "commission", step: name });
-      return button;
-    }));
-    $("commission-hint").textContent = steps.length ? "A step of afo commission, in a stand, nobody wears it. The result stands below and in the trials' folder."
-      : "On a bus only (--can): the device is in a stand.";
   }
 
   say(text, isBad) {
@@ -146,7 +134,7 @@ export class Tune {
       }));
     } else if (told.type === "refused") {
       if (["write", "undo"].includes(told.do)) this.say(told.text, true);
-      else if (["request", "commission"].includes(told.do)) $("request-outcome").textContent = told.text;
+      else if (told.do === "request") $("request-outcome").textContent = told.text;
     }
   }
 }
