@@ -19,7 +19,7 @@ FORCED = re.compile(r"drive hangs|motor jammed|drive force limited|drive speed l
                     r"low battery|motor encoder|spring stiffer|controller resets|controller misses|latch opens by itself|"
                     r"foreign node sends commands|leg-held")
 # What the controller could know, and does not yet: SAFETY.md counts it apart.
-OPEN = re.compile(r"motor's scale|person falls|LATE")
+OPEN = re.compile(r"motor's scale|person falls|LATE|parameter changes in memory")
 
 
 def people(*arguments, env=None):
