@@ -401,10 +401,10 @@ START_TEST(a_board_is_checked_line_by_line)
                                           .option_bytes = 0xFEEFFBAA,
                                           .wanted_option_bytes = 0xFEEFFBAA,
                                           .reset_flags = 1u << 27,
-                                          .bits = BOARD_BOOST | BOARD_STOP_CLOSED |
-                                                  BOARD_PERMIT_MOVES};
-    static const char *const lines[] = {
-        "clock ", "boost", "watchdog", "option", "supply", "supply", "stop", "permit", "program"};
+                                          .bits =
+                                              BOARD_BOOST | BOARD_STOP_CLOSED | BOARD_PERMIT_MOVES};
+    static const char *const lines[] = {"clock ", "boost", "watchdog", "option", "supply",
+                                        "supply", "stop",  "permit",   "program"};
 
     ck_assert_int_eq(run("board", NULL), EXIT_BAD);
     says(complaint_text, "no board");
