@@ -192,7 +192,7 @@ enum device_key_when {
     X(ankle_table_4_m, FLOAT, "m", 0.0f, 0.5f, 0.0f, WHEN_LEVER, "at four, and beyond")                     \
     X(latch_delay_s, FLOAT, "s", 0.0f, 0.025f, 0.0f, WHEN_DRIVEN,                                           \
       "mean time from the other foot's contact until the latch is open; the laws allow for it")             \
-    X(contact_bit, INT, "", 0.0f, 15.0f, 0.0f, WHEN_LATCH_DRIVE, \
+    X(contact_bit, INT, "", 0.0f, 15.0f, 0.0f, WHEN_LATCH_DRIVE,                                            \
       "bit of the statusword that is 1 while the contact at the latch is closed; 0: it does not tell")
 
 #endif
