@@ -276,6 +276,16 @@ def test_what_is_locked_is_refused_in_the_same_words(tmp_path, lines, words):
     assert not (tmp_path / "out.bin").exists()
 
 
+@pytest.mark.parametrize("device,stays", [("ak80", True), ("virtual", False)])
+def test_springs_that_nothing_unloads_are_in_the_report(device, stays):
+    """A device that says unload = none: text and JSON say so, of both legs."""
+    walk = ("--speed", "0.42", "--steps", "3", "--device", ROOT / f"sim_host/devices/{device}.ini")
+    assert ("link loss  NOT SAFE" in run(*walk).stdout) == stays
+    drives = json.loads(run(*walk, "--quiet", "--json").stdout)["drives"]
+    assert [drives[leg]["loaded_without_link"] for leg in ("left", "right")] == [stays, stays]
+    assert drives["push_share"] == 1 and not drives["withdrawn"] and drives["withdrawn_for"] is None
+
+
 def test_a_speed_beyond_the_actuator_is_refused(tmp_path):
     """0.8 rad/s takes 0.17 m of spring, which this stroke does not have; the gait of 95 % of it walks at 0.571."""
     path = tmp_path / "short.ini"
