@@ -386,7 +386,10 @@ END_TEST
 /* Whose steps a node gets, its number says: as configured, else as the standard numbers go. */
 START_TEST(a_number_says_what_a_node_is)
 {
-    static const uint8_t numbers[NETWORK_NODES] = {21, 22, 23, 24, 25, 26};
+    uint8_t numbers[NETWORK_NODES];
+    for (uint8_t role = 0; role < NETWORK_NODES; role++) {
+        numbers[role] = (uint8_t)(21 + role);
+    }
     for (uint8_t role = 0; role < NETWORK_NODES; role++) {
         struct node_setup setup;
         struct node_setup_config config = as_the_drive_is;
