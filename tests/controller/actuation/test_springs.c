@@ -164,6 +164,28 @@ START_TEST(a_new_walk_begins_afresh)
 }
 END_TEST
 
+/* Commissioning puts a motor somewhere; what ends it takes it back from there, and not at once. */
+START_TEST(a_placed_motor_is_taken_back_from_where_it_is)
+{
+    springs_place(&springs, SIDE_LEFT, 0.03f);
+    ck_assert_int_eq(springs.sea[SIDE_LEFT].phase, SEA_LOADING);
+    assert_close(springs.sea[SIDE_LEFT].target_m, 0.03, 1e-9, 0.0);
+    input.sea[SIDE_LEFT].precompression_m = 0.03f;
+    springs_stop(&springs, &input);
+    float before_m = 0.03f;
+    for (int i = 0; i < 400; i++) {
+        input.tick++;
+        springs_command(&springs, &params, &input, SUPERVISOR_UNLOADING, &gait, request);
+        const float now_m = request[SIDE_LEFT].precompression_m;
+        ck_assert(now_m <= before_m + 1e-6f);
+        ck_assert(now_m >= before_m - 0.001f); /* 0.6 m/s, and some more to stop */
+        before_m = now_m;
+        input.sea[SIDE_LEFT].precompression_m = now_m;
+    }
+    assert_close(before_m, 0.0, 1e-6, 0.0);
+}
+END_TEST
+
 START_TEST(a_compass_loads_whatever_its_latch_says)
 {
     params.body = (float)BODY_COMPASS;
@@ -358,6 +380,7 @@ int main(void)
     tcase_add_test(tests, a_compass_loads_whatever_its_latch_says);
     tcase_add_test(tests, a_latch_that_closes_in_swing_loads_nothing);
     tcase_add_test(tests, a_new_walk_begins_afresh);
+    tcase_add_test(tests, a_placed_motor_is_taken_back_from_where_it_is);
     tcase_add_test(tests, a_slow_motor_is_seen_not_to_have_loaded);
     tcase_add_test(tests, the_motor_is_on_its_way_back_before_the_foot_leaves);
     tcase_add_test(tests, a_fitted_person_gets_more_of_the_push);
