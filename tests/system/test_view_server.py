@@ -263,9 +263,8 @@ def test_a_killed_server_leaves_a_marked_trial(tmp_path):
         talk.event("step")
         talk.ask(do="record", on=True)
         talk.until(lambda m: m.get("type") == "recorder", "recording")
-        for _ in range(2):
-            talk.event("step")
-        last_us = 1000 * talk.next
+        talk.event("step")
+        last_us = 1000 * talk.event("step")["tick"]
         os.kill(view.server_pid(), signal.SIGKILL)
     folder = one_folder(tmp_path)
     assert (folder / "INCOMPLETE").read_text()
