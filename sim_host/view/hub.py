@@ -240,7 +240,7 @@ class Hub:
 
     def broadcast(self, data):
         for client in list(self.clients):
-            client.put(data)
+            client.put_live(data)
 
     def time_s(self):
         return self.decoder.tick * self.subject["tick_s"]

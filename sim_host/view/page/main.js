@@ -13,6 +13,7 @@ const DRAW_MS = 30, AHEAD = 1500, BACK_S = 12;
 const page = {
   hello: null, store: null, paused: false, head: 0, windowS: 10, zoom: null, rate: 1, playedAt: 0, asked: -1, dirty: true,
   draw: { drawn: 0, within: 0, worst: 0, lags: [] }, pending: [], lastDraw: 0,
+  skipped: 0, hellos: 0, // messages that were left out for this browser; how often it began
 };
 const figure = new Figure($("figure"));
 const steps = new StepCharts($("chart-speed"), $("chart-r0"), (step) => goTo(step.tick));
@@ -25,6 +26,7 @@ const keep = new Keep((what) => link.ask(what), (...a) => link.fetch(...a));
 
 function hello(message) {
   page.hello = message;
+  page.hellos++;
   const isFirst = !page.store;
   if (isFirst) {
     page.store = new Store(message.signals);
@@ -86,7 +88,7 @@ function message(told) {
   else if (told.type === "begin") { begin(told.walk); page.paused = false; pressed(); }
   else if (told.type === "trouble") trouble(told.text);
   else if (told.type === "over") $("link").textContent = "the walk is over";
-  else if (told.type === "skipped") trouble("This browser was too slow: some ticks are missing here. The record is whole.");
+  else if (told.type === "skipped") page.skipped += told.messages, trouble("This browser was too slow: some ticks are missing here. The record is whole.");
   else { tune.message(told); keep.message(told); }
 }
 
