@@ -19,7 +19,7 @@ FORCED = re.compile(r"drive hangs|motor jammed|drive force limited|drive speed l
                     r"low battery|motor encoder|spring stiffer|controller resets|controller misses|latch opens by itself|"
                     r"foreign node sends commands|leg-held")
 # What the controller could know, and does not yet: SAFETY.md counts it apart.
-OPEN = re.compile(r"motor's scale|person falls|LATE|parameter changes in memory")
+OPEN = re.compile(r"motor's scale|parameter changes in memory")
 
 
 def people(*arguments, env=None):
@@ -38,7 +38,7 @@ def told(text):
 
 
 def unforced(text):
-    return [line for line in told(text) if "UNSAFE" in line and not FORCED.search(line) and not OPEN.search(line)]
+    return [line for line in told(text) if ("UNSAFE" in line or "LATE" in line) and not FORCED.search(line) and not OPEN.search(line)]
 
 
 def test_a_sample_with_made_people_is_safe():
