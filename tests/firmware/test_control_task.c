@@ -822,7 +822,7 @@ START_TEST(what_was_counted_can_be_read_over_the_bus)
     struct bench b;
     start(&b);
     run_ticks(&b, 3, 0x0240);
-    ck_assert_uint_eq(counter_of(&b, 0), 28);
+    ck_assert_uint_eq(counter_of(&b, 0), 29);
     control_task_show_cycles(&b.task, 9000);
     control_task_show_cycles(&b.task, 8000); /* the most counts */
     ck_assert_uint_eq(counter_of(&b, 28), 9000);
