@@ -252,10 +252,9 @@ static void show_board(struct controller_board *board)
     static uint32_t looked_at_tick;
     const uint32_t tick = orthosis.task.tick;
     const bool permit_is_high = board_io_permit_is_high();
-    uint32_t bits =
-        (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
-        (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
-        (board_io_stop_is_pressed() ? 0u : (uint32_t)BOARD_STOP_CLOSED);
+    uint32_t bits = (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
+                    (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
+                    (board_io_stop_is_pressed() ? 0u : (uint32_t)BOARD_STOP_CLOSED);
 
     /* It toggles in each tick: after an odd number of them it is the other way round. */
     if ((tick - looked_at_tick) % 2u == 1u) {
