@@ -276,7 +276,7 @@ static unsigned run_tick(struct control_task *task)
         audit_drives(task, busy);
     }
     drive_care_update(&task->controller, task->config.limits, &task->config.drives, task->tick,
-                      busy, &task->node.device);
+                      busy || task->audit.under_way, &task->node.device);
     network_update(&task->network, &task->config.bus, task->bring_up.configured);
     controller_node_update(&task->node, &task->controller, &task->output, task->emergency_stop,
                            task->now_ns);
@@ -365,7 +365,7 @@ bool control_task_was_busy(const struct control_task *task)
 
     return task->output.new_step || event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
            event[GAIT_LIFT_OFF].happened || observer->apex.work.busy ||
-           task->bring_up.setup.under_way;
+           task->bring_up.setup.under_way || task->audit.under_way;
 }
 
 void control_task_show_cycles(struct control_task *task, uint32_t cycles)

@@ -131,20 +131,19 @@ static bool expects_heartbeat(const struct network *network)
     return expected;
 }
 
-/* The tick has nothing to do but what every tick has. What a busy one puts off, the next ones do. */
-static bool is_quiet(struct drive_audit *audit, const struct network *network, uint32_t tick,
-                     bool busy)
+/* Once a tick: what a busy one puts off, the next ones do. */
+static bool is_busy(struct drive_audit *audit, bool busy)
 {
     enum { PUT_OFF_TICKS = 2 };
     if (busy) {
         audit->memory.busy_ticks = PUT_OFF_TICKS;
-        return false;
+        return true;
     }
     if (audit->memory.busy_ticks > 0) {
         audit->memory.busy_ticks--;
-        return false;
+        return true;
     }
-    return tick % SLOW_PDO_TICKS != 0 && !expects_heartbeat(network);
+    return false;
 }
 
 static bool compare(struct drive_audit *audit, enum co_sdo_result result,
@@ -176,11 +175,12 @@ bool drive_audit_update(struct drive_audit *audit, const struct bring_up *bring_
     if (audit->memory.quiet_ticks > 0) {
         audit->memory.quiet_ticks--;
     }
-    const bool quiet = is_quiet(audit, network, tick, busy);
+    const bool is_put_off = is_busy(audit, busy);
     if (tick % DRIVE_AUDIT_TICKS == 0) {
         audit->memory.waits = true;
     }
-    if (audit->memory.waits && !audit->under_way && quiet) {
+    if (audit->memory.waits && !audit->under_way && !is_put_off && tick % SLOW_PDO_TICKS != 0 &&
+        !expects_heartbeat(network)) {
         audit->memory.waits = false;
         begin(audit, bring_up, network, tick / DRIVE_AUDIT_TICKS, now_ns);
     }

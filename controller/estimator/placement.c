@@ -6,6 +6,8 @@
  * resolve 0.01 mm, and a push-off of 3 degrees moves a heel 12 cm behind the joint by 6 mm. */
 #define STUCK_M REAL(0.0003)
 #define MOVES_M REAL(0.006)
+/* In a step that turns the leg by less, some 18 cm on a 0.9 m leg, a foot may never push off. */
+#define FULL_TURN_RAD REAL(0.2)
 /* Extended further in stance than at its end, by more than a cuff gives way. */
 #define EARLY_M REAL(0.002)
 /* Of a stance: own landing, the other foot leaves, lands, and this one leaves. */
@@ -37,12 +39,13 @@ static void begin_stance(struct placement_leg *leg, real extension_m)
     leg->instants = 1;
 }
 
-/* An ankle is stuck if the other one moves, or if neither ever did: both sensors dead, or both mounted backwards.
- * Of two that hardly move nobody knows. */
+/* An ankle is stuck if the other one moves, or if neither ever did in full steps: both sensors dead, or both
+ * mounted backwards. Of two that hardly move nobody knows, and small steps leave both still. */
 static bool says_stuck(const struct placement *placement, int side)
 {
     const real other_m = placement->moved_m[1 - side];
-    return other_m > MOVES_M || (other_m < STUCK_M && placement->moved_m[side] < STUCK_M);
+    return other_m > MOVES_M || (other_m < STUCK_M && placement->moved_m[side] < STUCK_M &&
+                                 real_abs(placement->leg[side].turned_rad) > FULL_TURN_RAD);
 }
 
 static void end_stance(struct placement *placement, int side, real extension_m)
@@ -79,7 +82,8 @@ static void lands(struct placement *placement, const struct placement_view *view
     const int standing = 1 - side;
     struct placement_leg *leg = placement->leg;
     if (placement->single[standing]) {
-        judge_turn(&leg[standing], leg[standing].from_rad - view->angle_rad[standing]);
+        leg[standing].turned_rad = leg[standing].from_rad - view->angle_rad[standing];
+        judge_turn(&leg[standing], leg[standing].turned_rad);
         judge_turn(&leg[side], view->angle_rad[side] - leg[side].from_rad);
         placement->single[standing] = false;
     }

@@ -7,7 +7,7 @@
  *   - A foot pushes off: as it leaves, its ankle is extended further than in the rest of its stance. One that
  *     was extended further before is the other leg's, or mounted backwards.
  *   - An ankle that keeps one value through a stance, while the other one moves, is stuck; so are both that
- *     never moved.
+ *     never moved in full steps.
  *   - The contact that is wired to a latch is the other foot's. A latch that says otherwise is on the wrong
  *     leg, with its drive, or its wire is broken.
  * All but the last is looked at when a foot lands or leaves, not in every tick.
@@ -40,6 +40,7 @@ enum {
 
 struct placement_leg {
     real from_rad;               /* as the foot in the air left */
+    real turned_rad;             /* backwards, in its last single support */
     real low_m, high_m;          /* extension at the instants of this stance so far, */
     uint8_t instants;            /* and how many these are; 0 = its landing was not seen */
     uint8_t turns, stuck, early; /* what was wrong in a row, saturating */

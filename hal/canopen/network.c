@@ -166,6 +166,9 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
 {
     for (int i = 0; i < NETWORK_NODES; i++) {
         struct network_node *node = &network->node[i];
+        if (node->id == 0) {
+            continue; /* no such node on this bus */
+        }
         if (node->silent_ticks <= HEARTBEAT_TIMEOUT_TICKS) {
             node->silent_ticks++;
         }
@@ -188,19 +191,22 @@ void network_update(struct network *network, const struct can_bus *bus, unsigned
 
 bool network_has_error(const struct network *network)
 {
-    bool has = false;
+    unsigned codes = 0;
     for (int i = 0; i < NETWORK_NODES; i++) {
-        has = has || network->node[i].error_code != 0;
+        codes |= network->node[i].error_code;
     }
-    return has;
+    return codes != 0;
 }
 
 bool network_all_operational(const struct network *network)
 {
+    unsigned codes = 0;
     for (int i = 0; i < NETWORK_NODES; i++) {
-        if (network->node[i].id != 0 && network->node[i].state != NMT_OPERATIONAL) {
+        const struct network_node *node = &network->node[i];
+        if (node->id != 0 && node->state != NMT_OPERATIONAL) {
             return false;
         }
+        codes |= node->error_code;
     }
-    return !network_has_error(network);
+    return codes == 0;
 }

@@ -58,7 +58,8 @@ static void ring_put(struct fdcan *can, const struct can_msg *message, uint64_t 
     mmio_barrier(); /* the slot is complete before the loop can see it */
     const uint32_t in = can->ring_in + 1U;
     can->ring_in = in;
-    if ((message->flags & CAN_FRAME_OWN) != 0U || message->id >= (uint32_t)FDCAN_URGENT_ID ||
+    if ((message->flags & CAN_FRAME_OWN) != 0U ||
+        (message->id >= (uint32_t)FDCAN_URGENT_ID && message->id <= (uint32_t)FDCAN_URGENT_LAST) ||
         in - can->ring_out >= (uint32_t)FDCAN_BATCH) {
         can->ring_due = in;
     }

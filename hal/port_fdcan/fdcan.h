@@ -19,7 +19,8 @@ enum {
     FDCAN_RX_RING =
         16,          /* a power of two; a frame takes 50 us or more, a tick of the loop as long */
     FDCAN_BATCH = 4, /* so many received frames do not wait for the tick to end */
-    FDCAN_URGENT_ID = 0x580, /* SDO and what is behind it: somebody may wait for the answer */
+    FDCAN_URGENT_ID = 0x580, /* SDO: somebody may wait for the answer */
+    FDCAN_URGENT_LAST = 0x67F,
     FDCAN_TX_QUEUE = 12,
     FDCAN_TX_BUFFERS = 3,
     FDCAN_INIT_POLLS = 100000 /* a few ms: the core needs some bit times */

@@ -48,6 +48,9 @@ FAULTS = {
     "the right latch's report does not change": (
         "The right latch told the same in three releases: its contact or its wire is broken, or the latch is stuck.",
         "Keep the spring unloaded. Move the right latch by hand, and see whether its report here changes; mend it, then reset."),
+    "sensors or latches misplaced": (
+        "A sensor or a latch sits on the wrong leg or the wrong way round, or an ankle's sensor is stuck.",
+        "Look at object 0x2001:9 (afo ctl get misplaced): it tells which. Exchange or turn the part, reset, and walk anew."),
     "a drive's setting has changed": ("A drive's setting is not what it was at the set-up.",
                                       "The drive may have restarted. Switch drive and controller off and on."),
 }

@@ -131,7 +131,7 @@ def test_before_the_push_nothing_is_pushed(tmp_path, made):
 def test_a_motor_that_cannot_hold_its_spring_says_so(tmp_path, made):
     """Its peak current loads the spring, its I^2 t limit does not hold it: not loaded in time, less is prescribed;
     far too weak, the drive reports a fault, which is no withdrawal."""
-    weak = changed(tmp_path / "weak.ini", "exo50", ("current_continuous_A = 10.5 ", "current_continuous_A = 6 "))
+    weak = changed(tmp_path / "weak.ini", "exo50", ("current_continuous_A = 10.5 ", "current_continuous_A = 7 "))
     good = walk(*EXO50, "--recording", made)[1]["push"]
     status, result = walk(*weak, "--recording", made)
     assert status == 0

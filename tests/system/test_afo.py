@@ -9,7 +9,7 @@ import pytest
 
 from afo import AFO, ROOT, run
 
-COMMANDS = ("sim", "study", "faults", "soak", "replay", "walker", "host", "ctl", "commission", "blackbox", "update", "settings", "size", "device", "eds", "pil", "g474", "slcan")
+COMMANDS = ("sim", "study", "faults", "soak", "replay", "view", "report", "walker", "host", "ctl", "commission", "blackbox", "update", "settings", "size", "device", "eds", "pil", "g474", "slcan")
 STUDIES = ("fixed-point", "continue", "doublings", "bifurcation", "basin", "gain", "noise", "map", "atlas", "laws",
            "latch", "observe", "observer-gains", "table")
 DEVICE_COMMANDS = ("check", "show", "keys", "frames", "import", "convert")
@@ -96,9 +96,15 @@ def test_the_value_of_an_option_is_not_taken_for_one():
 def test_a_fault_that_does_not_exist_is_answered_by_the_list():
     done = afo("faults", "--only", "nosuch")
     assert done.returncode == 2 and not done.stdout
-    table = (ROOT / "sim_host/faults/fault_kinds.h").read_text()
-    for name in re.findall(r'^    X\(\w+,\s+"([^"]+)"', table, re.M):
-        assert f"  {name}\n" in done.stderr
+    people = afo("faults", "--people", "--only", "nosuch")
+    assert people.returncode == 2 and not people.stdout
+    both, of_people = (ROOT / "sim_host/faults/fault_kinds.h").read_text().split("#define PEOPLE_FAULT_TABLE")
+    names = [re.findall(r'^    X\(\w+,\s+"([^"]+)"', table, re.M) for table in (both, of_people)]
+    assert all(names)
+    for name in names[0]:
+        assert f"  {name}\n" in done.stderr and f"  {name}\n" in people.stderr
+    for name in names[1]:
+        assert f"  {name}\n" not in done.stderr and f"  {name}\n" in people.stderr
     few = afo("faults", "--only", "push", "--runs", 3)
     assert few.returncode == 2 and "  push (with more --runs)\n" in few.stderr
 

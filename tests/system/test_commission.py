@@ -106,7 +106,7 @@ def test_ctrl_c_and_kill_in_the_middle_of_a_motion_do_no_harm(tmp_path):
         {commission(tmp_path, "--step", "identify", "--step", "rest")}
         for signal in INT KILL; do
             {BUILD}/afo commission --can vcan0 --device {DEVICE} {files} --step moves </dev/null >{tmp_path}/$signal 2>&1 & tool=$!
-            until candump -n 1 vcan0,290:7FF | grep -q '\]  07 '; do :; done   # a second tool would disturb it
+            until candump -n 1 vcan0,290:7FF | grep -q '\\]  07 '; do :; done   # a second tool would disturb it
             kill -$signal $tool; wait $tool; echo "$signal $?"
             until {BUILD}/afo ctl --can vcan0 get supervisor_state | grep -q standby; do :; done
             {BUILD}/afo ctl --can vcan0 get measured.left_motor

@@ -73,6 +73,15 @@ START_TEST(a_healthy_walk_has_nothing)
     walk = healthy();
     walk.pushed_m[SIDE_LEFT] = 0.005;
     ck_assert_uint_eq(found_after(&walk, 100), 0);
+    /* Small steps with both ankles still, as far as their sensors tell. */
+    walk = healthy();
+    walk.step_rad = 0.25;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        walk.pushed_m[side] = walk.resting_m[side] = 0.0;
+    }
+    ck_assert_uint_eq(found_after(&walk, 100), 0);
+    walk.step_rad = STEP_RAD; /* full ones: both sensors are dead */
+    ck_assert_uint_eq(found_after(&walk, 12), PLACEMENT_STUCK | PLACEMENT_STUCK << 1);
     /* Both ankles hardly move: slow walking, or a splint. */
     walk = healthy();
     walk.pushed_m[SIDE_LEFT] = walk.resting_m[SIDE_LEFT];

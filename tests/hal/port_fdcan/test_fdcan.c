@@ -269,11 +269,15 @@ START_TEST(the_loop_is_called_for_a_batch_or_what_is_urgent)
     ck_assert(arrive(0x181, 8, 0));
     interrupts();
     ck_assert(!fdcan_is_due(&can));
+    ck_assert(arrive(0x701, 1, 0)); /* a heartbeat waits, too */
+    interrupts();
+    ck_assert(!fdcan_is_due(&can));
     ck_assert(arrive(0x581, 8, 0));
     interrupts();
     ck_assert(fdcan_is_due(&can));
     ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
-    ck_assert(fdcan_is_due(&can)); /* still behind the first */
+    ck_assert(fdcan_is_due(&can)); /* still behind the first two */
+    ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
     ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
     ck_assert(!fdcan_is_due(&can));
 }
