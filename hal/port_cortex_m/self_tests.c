@@ -1,6 +1,7 @@
 #include "hal/port_cortex_m/self_tests.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "hal/port_cortex_m/core_test.h"
 #include "hal/port_cortex_m/cortex_m4.h"
@@ -64,7 +65,7 @@ static enum crash_cause test_stacks(uint32_t *detail)
     const uint32_t *const bottom = cortex_m4_stack_too_deep();
 
     *detail = (uint32_t)(uintptr_t)bottom;
-    return bottom != 0 ? CRASH_STACK : CRASH_NONE;
+    return bottom != NULL ? CRASH_STACK : CRASH_NONE;
 }
 
 void self_tests_init(struct self_tests *tests, uint32_t *ram, uint32_t words)
