@@ -306,6 +306,9 @@ def test_a_packet_begins_and_ends_a_recording(tmp_path):
         def say(text):
             udp.sendto(text.encode(), ("127.0.0.1", view.port))
             return udp.recv(1000).decode()
+        talk = Talk(view)
+        talk.until(lambda m: m.get("type") == "hello", "the server is up")
+        talk.close()
         udp.sendto(b"wrong start P1", ("127.0.0.1", view.port))
         assert say(f"{view.token} stop").startswith("refused")  # the wrong one began nothing
         assert say(f"{view.token} start CAM3") == "done"
