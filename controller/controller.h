@@ -55,7 +55,7 @@ struct controller {
     struct motion motion;
     struct derate derate;
     bool
-        request_spent; /* after a fault, a withdrawal or a walk in test mode: it takes a new request */
+        request_spent; /* it has ended by a fault, a withdrawal, or in test mode: it takes a new one */
     bool observing;    /* the observer has been started */
 };
 

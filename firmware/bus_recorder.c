@@ -24,8 +24,7 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
  * set up: what was asked of it is not kept, and its answer would mean nothing to a replay. */
 static bool was_dear(const struct bus_recorder *recorder)
 {
-    return recorder->frames > QUIET_FRAMES || control_task_was_busy(recorder->source.task) ||
-           recorder->source.task->audit.under_way;
+    return recorder->frames > QUIET_FRAMES || control_task_was_busy(recorder->source.task);
 }
 
 static void end_tick(struct bus_recorder *recorder)

@@ -236,9 +236,10 @@ void orthosis_start_cycle(struct orthosis *orthosis)
         if (orthosis->in_quiet_ticks != NULL) {
             orthosis->in_quiet_ticks();
         }
-        if (orthosis->wearer != NULL) {
-            look_after_wearer(orthosis);
-        }
+    }
+    if (orthosis->wearer !=
+        NULL) { /* in every tick: nothing that keeps the device busy may put it off */
+        look_after_wearer(orthosis);
     }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),
                         &orthosis->recorder.inner);

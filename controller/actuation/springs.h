@@ -7,7 +7,8 @@
  * of it does not drag at the foot in swing: when the ankle has reached the motor or comes back, when the
  * own foot's switch opens, and early enough that next to nothing of the spring is left as the foot
  * leaves. That time, and how far the ankle is extended then, are learned, leg by leg: a toe-off is known
- * too late for its own step. A spring is loaded no further than its motor is back in that time. What was prescribed and not given is known (push_watch.h).
+ * too late for its own step. A spring is loaded no further than its motor is back in that time; a leg's
+ * first push is a harmless one, that shows it. What was prescribed and not given is known (push_watch.h).
  */
 #ifndef CONTROLLER_ACTUATION_SPRINGS_H
 #define CONTROLLER_ACTUATION_SPRINGS_H

@@ -52,8 +52,7 @@ static void judge_supply(struct derate_leg *leg, const struct derate_limits *lim
     }
 }
 
-/* How long it is true, up to a little more than the time that is asked about; it takes as long to be
- * forgotten. */
+/* How long it has been true, up to the time that is asked about; it takes as long to be forgotten. */
 static real lasting_s(real before_s, bool now, real period_s, real asked_s)
 {
     const real after_s = now ? before_s + period_s : before_s - period_s;
