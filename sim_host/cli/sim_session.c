@@ -6,6 +6,7 @@
 
 #include "model/tick.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/program_output.h"
 #include "sim_host/cli/progress.h"
 #include "sim_host/cli/recording_options.h"
 #include "sim_host/loop/walk_watch.h"
@@ -50,14 +51,6 @@ int sim_session_configure(struct sim_session *session)
     return 0;
 }
 
-static int open_output(struct output_file *file, const char *path)
-{
-    char message[OUTPUT_PATH_MAX + 256];
-    return path == NULL || output_file_open(file, path, message, sizeof message) == 0
-               ? 0
-               : program_complain("%s", message);
-}
-
 int sim_session_open(struct sim_session *session)
 {
     const struct sim_options *options = &session->options;
@@ -74,9 +67,9 @@ int sim_session_open(struct sim_session *session)
         session->loop = NULL;
         return program_complain("out of memory");
     }
-    if (open_output(&session->csv, options->csv_path) != 0 ||
-        open_output(&session->log, options->log_path) != 0 ||
-        open_output(&session->pushes, options->pushes_path) != 0 ||
+    if (program_open_output(&session->csv, options->csv_path) != 0 ||
+        program_open_output(&session->log, options->log_path) != 0 ||
+        program_open_output(&session->pushes, options->pushes_path) != 0 ||
         loop_init(session->loop, &session->config, session->log.stream, message) != 0) {
         free(session->loop);
         session->loop = NULL;

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 
 #include "sim_host/cli/exit_status.h"
-#include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/program_output.h"
 #include "sim_host/faults/people_campaign.h"
 #include "sim_host/faults/people_summary.h"
 #include "sim_host/faults/work.h"
@@ -99,44 +99,22 @@ static int run_many(const struct fault_options *options, struct people_campaign 
     return status;
 }
 
-/* With no path: a file that is not open. */
-static bool open_output(struct output_file *file, const char *path)
-{
-    char message[OUTPUT_PATH_MAX + 256];
-    *file = (struct output_file){0};
-    if (path != NULL && output_file_open(file, path, message, sizeof message) != 0) {
-        program_complain("%s", message);
-        return false;
-    }
-    return true;
-}
-
-static bool commit_output(struct output_file *file)
-{
-    char message[OUTPUT_PATH_MAX + 256];
-    if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
-        program_complain("%s", message);
-        return false;
-    }
-    return true;
-}
-
 static int run_alone(const struct fault_options *options, struct people_campaign *campaign)
 {
     struct people_plan plan;
     struct people_result result;
     struct output_file log, ticks;
     people_plan(options->seed, options->run, people_campaign_recordings(campaign), &plan);
-    if (!open_output(&log, options->log)) {
+    if (program_open_output(&log, options->log) != 0) {
         return EXIT_USAGE;
     }
-    if (!open_output(&ticks, options->ticks)) {
+    if (program_open_output(&ticks, options->ticks) != 0) {
         output_file_discard(&log);
         return EXIT_USAGE;
     }
     (void)people_campaign_run(campaign, &plan, log.stream, ticks.stream, &result);
-    const bool log_kept = commit_output(&log);
-    const bool ticks_kept = commit_output(&ticks);
+    const bool log_kept = program_commit_output(&log) == 0;
+    const bool ticks_kept = program_commit_output(&ticks) == 0;
     people_summary_tell(stdout, campaign, &result);
     return !log_kept || !ticks_kept                          ? EXIT_USAGE
            : result.unsafe == 0 && result.unsafe_device == 0 ? EXIT_GOOD

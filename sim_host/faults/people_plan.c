@@ -1,6 +1,7 @@
 #include "sim_host/faults/people_plan.h"
 
 #include "model/tick.h"
+#include "sim_host/faults/fault_shot.h"
 
 enum {
     WALK_TICKS = 1200,    /* a step lasts 0.5 to 0.9 s: every phase of a stride */
@@ -99,17 +100,8 @@ static double one_of(enum fault_kind kind, double part, double magnitude)
 
 static void draw_shot(uint64_t *state, enum fault_kind kind, struct fault_shot *shot)
 {
-    const struct fault_kind_info *info = &fault_kinds[kind];
-    const double span = (double)(info->longest_ms - info->shortest_ms);
-    const double part = injector_random(state); /* cubed: short ones more often than long */
-    shot->kind = kind;
-    shot->node = (uint8_t)(injector_random(state) * 4.0);
-    shot->duration_ticks =
-        TICKS_OF_MS(info->shortest_ms + (uint32_t)(span * part * part * part + 0.5));
-    const double strength = injector_random(state);
-    shot->magnitude =
-        one_of(kind, strength, info->least + (info->greatest - info->least) * strength);
-    shot->seed = (uint64_t)(injector_random(state) * 0x1p53);
+    const double strength = fault_shot_draw(state, kind, shot);
+    shot->magnitude = one_of(kind, strength, shot->magnitude);
 }
 
 void people_plan(uint64_t seed, uint32_t index, unsigned recordings, struct people_plan *plan)

@@ -1,5 +1,6 @@
 #include "sim_host/faults/people_summary.h"
 
+#include "sim_host/faults/fault_shot.h"
 #include "sim_host/faults/oracle.h"
 
 enum { ROW_PAIRS = FAULT_ALL_KINDS, ROW_ALL, ROWS };
@@ -107,13 +108,6 @@ unsigned people_summary(FILE *stream, const struct people_campaign *campaign,
     return bad;
 }
 
-static void tell_tick(FILE *stream, const char *what, uint32_t tick)
-{
-    if (tick != PERSON_JUDGE_NEVER) {
-        fprintf(stream, ", %s at %u", what, tick);
-    }
-}
-
 void people_summary_tell(FILE *stream, const struct people_campaign *campaign,
                          const struct people_result *result)
 {
@@ -124,20 +118,12 @@ void people_summary_tell(FILE *stream, const struct people_campaign *campaign,
             foot_switch_preset_names[plan->scene.switches],
             plan->from_power_on ? " from power-on" : "");
     for (unsigned i = 0; i < plan->count; i++) {
-        const struct fault_shot *shot = &plan->shot[i];
-        const struct fault_kind_info *info = &fault_kinds[shot->kind];
-        fprintf(stream, "%s %s", i > 0 ? " and" : "", info->name);
-        if (info->least != info->greatest) {
-            fprintf(stream, " %.4g%s%s", shot->magnitude, info->unit[0] != '\0' ? " " : "",
-                    info->unit);
-        }
-        fprintf(stream, ", node %u, from tick %u for %u;", shot->node, shot->start_tick,
-                shot->duration_ticks);
+        fault_shot_tell(stream, &plan->shot[i], i > 0);
     }
     fprintf(stream, " %s, %u pushes", result->assisted ? "assisted" : "not assisted",
             result->pushes);
-    tell_tick(stream, "first push", result->first_push_tick);
-    tell_tick(stream, "noticed", result->noticed_tick);
+    fault_tick_tell(stream, "first push", result->first_push_tick);
+    fault_tick_tell(stream, "noticed", result->noticed_tick);
     fprintf(stream, ", controller: %s%s", supervisor_fault_name(result->fault),
             result->late ? ", LATE" : "");
     for (int bit = 0; bit < PERSON_UNSAFE_BITS; bit++) {
@@ -150,6 +136,6 @@ void people_summary_tell(FILE *stream, const struct people_campaign *campaign,
             fprintf(stream, ", UNSAFE: %s", oracle_unsafe_name(bit));
         }
     }
-    tell_tick(stream, "unsafe", result->unsafe_tick);
+    fault_tick_tell(stream, "unsafe", result->unsafe_tick);
     fputc('\n', stream);
 }

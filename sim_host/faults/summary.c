@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "model/tick.h"
+#include "sim_host/faults/fault_shot.h"
 
 enum { ROW_PAIRS = FAULT_KINDS, ROW_ALL = FAULT_KINDS + 1, ROWS = FAULT_KINDS + 2 };
 
@@ -117,32 +118,17 @@ unsigned summary_table(FILE *stream, const struct campaign_result *results, uint
     return bad;
 }
 
-static void tell_tick(FILE *stream, const char *what, uint32_t tick)
-{
-    if (tick != ORACLE_NEVER) {
-        fprintf(stream, ", %s at %u", what, tick);
-    }
-}
-
 void summary_tell(FILE *stream, const struct campaign_result *result)
 {
     const struct campaign_plan *plan = &result->plan;
     fprintf(stream, "run %u (%s):", plan->index, campaign_scene_name(plan->scene));
     for (unsigned i = 0; i < plan->count; i++) {
-        const struct fault_shot *shot = &plan->shot[i];
-        const struct fault_kind_info *info = &fault_kinds[shot->kind];
-        fprintf(stream, "%s %s", i > 0 ? " and" : "", info->name);
-        if (info->least != info->greatest) {
-            fprintf(stream, " %.4g%s%s", shot->magnitude, info->unit[0] != '\0' ? " " : "",
-                    info->unit);
-        }
-        fprintf(stream, ", node %u, from tick %u for %u;", shot->node, shot->start_tick,
-                shot->duration_ticks);
+        fault_shot_tell(stream, &plan->shot[i], i > 0);
     }
     fprintf(stream, " %s", result->effective ? "effective" : "without effect");
-    tell_tick(stream, "felt", result->effect_tick);
-    tell_tick(stream, "noticed", result->noticed_tick);
-    tell_tick(stream, "unloaded", result->unloaded_tick);
+    fault_tick_tell(stream, "felt", result->effect_tick);
+    fault_tick_tell(stream, "noticed", result->noticed_tick);
+    fault_tick_tell(stream, "unloaded", result->unloaded_tick);
     fprintf(stream, ", controller: %s, walker: %s%s", supervisor_fault_name(result->fault),
             walk_fault_name(result->walk_fault), result->late ? ", LATE" : "");
     for (int bit = 0; bit < UNSAFE_BITS; bit++) {
@@ -150,6 +136,6 @@ void summary_tell(FILE *stream, const struct campaign_result *result)
             fprintf(stream, ", UNSAFE: %s", oracle_unsafe_name(bit));
         }
     }
-    tell_tick(stream, "unsafe", result->unsafe_tick);
+    fault_tick_tell(stream, "unsafe", result->unsafe_tick);
     fputc('\n', stream);
 }

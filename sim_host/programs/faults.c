@@ -4,8 +4,8 @@
 
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/experiment.h"
-#include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/program_output.h"
 #include "sim_host/faults/campaign.h"
 #include "sim_host/faults/fault_options.h"
 #include "sim_host/faults/people_main.h"
@@ -19,28 +19,6 @@
 /* ---- one run alone ------------------------------------------------------------------- */
 
 enum { MESSAGE_BYTES = OUTPUT_PATH_MAX + 256 };
-
-/* With no path: a file that is not open. */
-static bool open_output(struct output_file *file, const char *path)
-{
-    char message[MESSAGE_BYTES];
-    *file = (struct output_file){0};
-    if (path != NULL && output_file_open(file, path, message, sizeof message) != 0) {
-        program_complain("%s", message);
-        return false;
-    }
-    return true;
-}
-
-static bool commit_output(struct output_file *file)
-{
-    char message[MESSAGE_BYTES];
-    if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
-        program_complain("%s", message);
-        return false;
-    }
-    return true;
-}
 
 /* What the table of --csv is a table of. */
 static int write_experiment(const struct fault_options *options, const struct campaign_plan *plan,
@@ -88,11 +66,11 @@ static int run_alone(const struct fault_options *options)
     struct campaign_result result;
     struct output_file log, ticks;
     campaign_plan(options->seed, options->run, &plan);
-    if (!open_output(&log, options->log)) {
+    if (program_open_output(&log, options->log) != 0) {
         return EXIT_USAGE;
     }
     struct campaign *campaign =
-        open_output(&ticks, options->ticks) ? campaign_create(&options->walker) : NULL;
+        program_open_output(&ticks, options->ticks) == 0 ? campaign_create(&options->walker) : NULL;
     if (campaign == NULL) {
         output_file_discard(&log);
         output_file_discard(&ticks);
@@ -100,8 +78,9 @@ static int run_alone(const struct fault_options *options)
     }
     campaign_run(campaign, &plan, log.stream, ticks.stream, &result);
     campaign_destroy(campaign);
-    const bool log_kept = commit_output(&log);
-    const bool ticks_kept = commit_output(&ticks) && write_experiment(options, &plan, &ticks) == 0;
+    const bool log_kept = program_commit_output(&log) == 0;
+    const bool ticks_kept =
+        program_commit_output(&ticks) == 0 && write_experiment(options, &plan, &ticks) == 0;
     summary_tell(stdout, &result);
     return !log_kept || !ticks_kept ? EXIT_USAGE : result.unsafe == 0 ? EXIT_GOOD : EXIT_BAD;
 }

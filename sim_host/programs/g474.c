@@ -5,8 +5,8 @@
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/g474_options.h"
 #include "sim_host/cli/g474_report.h"
-#include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/program_output.h"
 #include "sim_host/cli/progress.h"
 #include "sim_host/ctl/ctl.h"
 #include "sim_host/emulator/g474/chip_trial.h"
@@ -24,22 +24,6 @@ static void tell_progress(void *context, uint32_t steps)
     progress_tell((struct progress *)context, steps);
 }
 
-static int open_output(struct output_file *file, const char *path)
-{
-    char message[OUTPUT_PATH_MAX + 256];
-    return path == NULL || output_file_open(file, path, message, sizeof message) == 0
-               ? 0
-               : program_complain("%s", message);
-}
-
-static int commit_output(struct output_file *file)
-{
-    char message[OUTPUT_PATH_MAX + 256];
-    return file->stream == NULL || output_file_commit(file, message, sizeof message) == 0
-               ? 0
-               : program_complain("%s", message);
-}
-
 static int prepare(struct g474 *g474)
 {
     const struct g474_options *options = &g474->options;
@@ -51,9 +35,9 @@ static int prepare(struct g474 *g474)
                                   message) != 0) {
         return program_complain("%s", message);
     }
-    if (open_output(&g474->log, options->log_path) != 0 ||
-        open_output(&g474->costs, options->costs_path) != 0 ||
-        open_output(&g474->trace, options->trace_path) != 0) {
+    if (program_open_output(&g474->log, options->log_path) != 0 ||
+        program_open_output(&g474->costs, options->costs_path) != 0 ||
+        program_open_output(&g474->trace, options->trace_path) != 0) {
         return -1;
     }
     session->steps = options->emulator.steps;
@@ -128,8 +112,8 @@ static int run(struct g474 *g474)
         chip_trial_run(session);
     }
     const double wall_s = now_s() - start_s;
-    if (commit_output(&g474->log) != 0 || commit_output(&g474->costs) != 0 ||
-        commit_output(&g474->trace) != 0) {
+    if (program_commit_output(&g474->log) != 0 || program_commit_output(&g474->costs) != 0 ||
+        program_commit_output(&g474->trace) != 0) {
         return EXIT_BAD;
     }
     if (g474->options.emulator.json) {

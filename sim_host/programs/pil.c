@@ -8,10 +8,10 @@
 #include <time.h>
 
 #include "sim_host/cli/exit_status.h"
-#include "sim_host/cli/output_file.h"
 #include "sim_host/cli/pil_options.h"
 #include "sim_host/cli/pil_report.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/program_output.h"
 #include "sim_host/cli/progress.h"
 #include "sim_host/cli/recording_options.h"
 #include "sim_host/emulator/image_start.h"
@@ -52,22 +52,6 @@ static int configure(struct pil *pil)
     return 0;
 }
 
-static int open_output(struct output_file *file, const char *path)
-{
-    char message[OUTPUT_PATH_MAX + 256];
-    return path == NULL || output_file_open(file, path, message, sizeof message) == 0
-               ? 0
-               : program_complain("%s", message);
-}
-
-static int commit_output(struct output_file *file)
-{
-    char message[OUTPUT_PATH_MAX + 256];
-    return file->stream == NULL || output_file_commit(file, message, sizeof message) == 0
-               ? 0
-               : program_complain("%s", message);
-}
-
 static int start(struct pil *pil)
 {
     struct pil_session *session = &pil->session;
@@ -90,9 +74,9 @@ static int prepare(struct pil *pil)
     struct pil_session *session = &pil->session;
     char message[LOOP_MESSAGE_MAX] = "";
 
-    if (configure(pil) != 0 || open_output(&pil->log, options->log_path) != 0 ||
-        open_output(&pil->costs, options->costs_path) != 0 ||
-        open_output(&pil->black_box_log, options->black_box_path) != 0) {
+    if (configure(pil) != 0 || program_open_output(&pil->log, options->log_path) != 0 ||
+        program_open_output(&pil->costs, options->costs_path) != 0 ||
+        program_open_output(&pil->black_box_log, options->black_box_path) != 0) {
         return -1;
     }
     pil_bridge_init(&session->bridge, &session->emulator);
@@ -144,8 +128,8 @@ static int run(struct pil *pil)
         pil_session_fetch_black_box(session, pil->black_box_log.stream);
     }
     const double wall_s = now_s() - start_s;
-    if (commit_output(&pil->log) != 0 || commit_output(&pil->costs) != 0 ||
-        commit_output(&pil->black_box_log) != 0) {
+    if (program_commit_output(&pil->log) != 0 || program_commit_output(&pil->costs) != 0 ||
+        program_commit_output(&pil->black_box_log) != 0) {
         return EXIT_BAD;
     }
     if (pil->options.emulator.json) {
