@@ -125,7 +125,7 @@ static void give(struct person_judge *judge, int side, double energy_J)
     const bool well = judge->tick < judge->well_until[side];
     judge->air_J[side] = own_down ? 0.0 : judge->air_J[side] + energy_J;
     judge->still_J[side] = does_not_walk(judge) && !well ? judge->still_J[side] + energy_J : 0.0;
-    if (judge->air_J[side] > LET_GO_J && judge->truth.exact) {
+    if (judge->air_J[side] > LET_GO_J) {
         blame(judge, PERSON_UNSAFE_AIR);
     }
     if (judge->still_J[side] > LET_GO_J) {

@@ -51,7 +51,7 @@ enum { PERSON_JUDGE_LEAD_TICKS = 64 };
 /* What the judge is told of the person and of the faults; the caller's to fill. */
 struct person_truth {
     bool walks;          /* forward walking at all */
-    bool exact;          /* contacts are true to the millisecond */
+    bool exact;          /* contacts are true to the millisecond; else nothing is EARLY */
     double stands_s;     /* of the recording: from here on the person stands */
     double sample_s;     /* of the recording */
     double prescribed_J; /* of a push */

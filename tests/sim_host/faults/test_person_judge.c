@@ -85,10 +85,17 @@ START_TEST(work_in_the_air_counts_from_a_fifth_of_a_joule_on)
     ticks(100, -0.01); /* a spring that is pressed back does nothing */
     ck_assert_uint_eq(judge.unsafe, 0);
     setup();
-    judge.truth.exact = false;
+    judge.truth.exact = false; /* the milliseconds are not known; a foot in the air is */
     stand_on(false, true);
     ticks(40, 0.01);
-    ck_assert_uint_eq(judge.unsafe, 0);
+    ck_assert_uint_eq(judge.unsafe, PERSON_UNSAFE_AIR);
+    setup();
+    judge.truth.exact = false;
+    stand_on(true, false);
+    ticks(100, 0.0);
+    release(0.046);
+    ticks(60, 0.01);
+    ck_assert_uint_eq(judge.unsafe & (unsigned)PERSON_UNSAFE_EARLY, 0);
 }
 END_TEST
 
