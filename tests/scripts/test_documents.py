@@ -98,7 +98,7 @@ def test_every_command_of_afo_exists(document):
     """`build/afo NAME --option`: the command has a help, and the help has the option."""
     for piece in commands(read(document)):
         for call in re.findall(r"build/afo(?: [^;&|)]*)?", piece):
-            names = re.match(r"build/afo((?: [a-z][a-z-]*){0,2})", call)[1].split()
+            names = re.match(r"build/afo((?: [a-z][a-z0-9-]*){0,2})", call)[1].split()
             if names[:1] == ["study"]:
                 text = help_of(BUILD / "afo", *names) or ""
                 text += help_of(BUILD / "afo", "study") or ""
