@@ -21,6 +21,7 @@
 #include "sim_host/programs/view_subject.h"
 
 enum { ARGUMENTS_MAX = 32, SERVE_TICKS = TICKS_OF_MS(8), SOCKET_BYTES = 4 << 20 };
+enum { SERVER_END_MS = 10000, END_PERIOD_MS = 20 };
 
 struct view {
     struct view_options options;
@@ -173,8 +174,18 @@ static int end_server(struct view *view, int fd)
 {
     int status = 0;
     close(fd); /* the end of its input ends it */
-    if (view->server_pid > 0 && waitpid(view->server_pid, &status, 0) == view->server_pid &&
-        WIFEXITED(status)) {
+    pid_t ended = 0;
+    for (int i = 0; view->server_pid > 0 && ended == 0 && i < SERVER_END_MS / END_PERIOD_MS; i++) {
+        ended = waitpid(view->server_pid, &status, WNOHANG);
+        if (ended == 0) {
+            (void)usleep(1000 * END_PERIOD_MS);
+        }
+    }
+    if (view->server_pid > 0 && ended == 0) {
+        program_complain("the page's server does not end: it is killed");
+        kill(view->server_pid, SIGKILL);
+        (void)waitpid(view->server_pid, &status, 0);
+    } else if (ended > 0 && WIFEXITED(status)) {
         view->server_status = WEXITSTATUS(status);
     }
     return view->server_status;

@@ -49,8 +49,13 @@ def main(arguments):
         complain(text)
     if missing:
         return EXIT_USAGE
+    import complaints
     import web  # behind the check of what it needs
-    return web.run(options, json.loads(options.subject), complain)
+    heard = complaints.gather()
+    try:
+        return web.run(options, json.loads(options.subject), heard.say)
+    finally:
+        heard.end()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
 """The server of afo view: who gets in, who harms nobody, what is recorded; without a browser."""
+import contextlib
 import json
 import os
 import resource
@@ -185,6 +186,36 @@ def test_clients_that_read_send_nothing_to_the_bus(tmp_path, undisturbed):
     hostile.join()
     mine, other = (open(path, "rb").read() for path in (tmp_path / "v.log", undisturbed))
     assert len(mine) > 1000000 and other.startswith(mine[:mine.rindex(b"\n", 0, -1) + 1])
+    said = view.process.stderr.read()
+    assert "LineTooLong" in said and "Traceback" not in said and len(said.splitlines()) < 20
+
+
+def test_who_reads_no_errors_does_not_stop_the_server(tmp_path):
+    """A pipe that is full already: whoever writes to it waits."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(writing, b"x" * 4096)
+    os.set_blocking(writing, True)
+    with viewing("--speed", "0.5", errors=writing) as view:
+        with socket.create_connection(("127.0.0.1", view.port), timeout=5) as one:
+            one.sendall(b"GET / HTTP/1.1\r\nX: " + b"y" * 20000)
+            one.recv(1000)
+        assert get(view, "/")[0] == 200
+        view.process.send_signal(signal.SIGINT)
+        assert view.process.wait(30) == 0
+    os.close(reading)
+    os.close(writing)
+
+
+def test_a_stopped_server_does_not_hold_the_walks_end(tmp_path):
+    with viewing("--speed", "0.8", "--steps", "2", "--log", tmp_path / "v.log") as view:
+        pid = view.server_pid()
+        os.kill(pid, signal.SIGSTOP)
+        assert view.process.wait(60) == 0
+        assert "it is killed" in view.process.stderr.read()
+        assert not os.path.exists(f"/proc/{pid}") and (tmp_path / "v.log").stat().st_size > 100000
 
 
 def test_a_killed_server_changes_no_command(tmp_path, undisturbed):
