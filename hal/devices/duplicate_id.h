@@ -1,8 +1,11 @@
 /* Two nodes with one identifier: more frames come than cycles go by.
  *
  * A frame that comes twice with the same content is CAN's own doing (a repetition that one
- * receiver did not need); one that comes a cycle late makes two in the next, but was missed
- * in its own. What is left over is somebody else's.
+ * receiver did not need). Frames that a full bus held up come together in a later cycle, but were
+ * missed in their own: so many are owed, DUPLICATE_ID_OWED_MAX at most, since a frame that was
+ * lost for good is owed for ever. What is left over is somebody else's.
+ *
+ * Found after 2 cycles if nothing is owed, after 5 at most. Cost: O(1).
  */
 #ifndef HAL_DEVICES_DUPLICATE_ID_H
 #define HAL_DEVICES_DUPLICATE_ID_H
@@ -10,19 +13,24 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { DUPLICATE_ID_LIMIT = 2 }; /* from here on it is a foreign node */
+enum {
+    DUPLICATE_ID_LIMIT = 2, /* from here on it is a foreign node */
+    DUPLICATE_ID_OWED_MAX = 3
+};
 
 /* A frame with other content than the one before it in the same cycle. */
-static inline void duplicate_id_seen(uint8_t *duplicate_id_count)
+static inline void duplicate_id_seen(int8_t *duplicate_id_count)
 {
     *duplicate_id_count =
-        (uint8_t)(*duplicate_id_count < UINT8_MAX ? *duplicate_id_count + 1 : *duplicate_id_count);
+        (int8_t)(*duplicate_id_count < INT8_MAX ? *duplicate_id_count + 1 : *duplicate_id_count);
 }
 
 /* A cycle without a frame. */
-static inline void duplicate_id_missed(uint8_t *duplicate_id_count)
+static inline void duplicate_id_missed(int8_t *duplicate_id_count)
 {
-    *duplicate_id_count = (uint8_t)(*duplicate_id_count > 0 ? *duplicate_id_count - 1 : 0);
+    *duplicate_id_count =
+        (int8_t)(*duplicate_id_count > -DUPLICATE_ID_OWED_MAX ? *duplicate_id_count - 1
+                                                              : -DUPLICATE_ID_OWED_MAX);
 }
 
 #endif

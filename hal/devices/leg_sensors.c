@@ -168,7 +168,7 @@ static void receive_leg(struct leg_sensors *sensors, const struct can_msg *messa
         count_malformed(sensors);
         return;
     }
-    const uint8_t before = reading->duplicate_id_count;
+    const int8_t before = reading->duplicate_id_count;
     take_angle(reading, config, message->data);
     if (!config->ankle_is_apart) {
         if (reading->duplicate_id_count != before) {

@@ -42,7 +42,7 @@ struct leg_sensor_reading {
     float ankle_extension_m; /* >= 0 for a lever; linear ankles may read below 0 by noise */
     uint16_t age_ticks;      /* 0 = both are from the newest cycle; UINT16_MAX = never */
     uint16_t leg_age_ticks, ankle_age_ticks; /* of each */
-    uint8_t duplicate_id_count;              /* different frames more than cycles: duplicate_id.h */
+    int8_t duplicate_id_count;               /* different frames more than cycles: duplicate_id.h */
     uint16_t foot_age_ticks;                 /* of the switch's frame; UINT16_MAX = never */
     enum foot_contact foot; /* FOOT_UNKNOWN without a frame for FOOT_AGE_MAX_TICKS */
 };

@@ -141,12 +141,30 @@ static void watch_arming(struct cansimple_axis *axis, const struct sea_drive_com
     }
 }
 
-/* Requests that change the drive's state: sent, then given time, then repeated. */
+/* The way to closed loop: the mode, then the state, a request a tick. */
+static enum can_result send_start(struct cansimple_axis *axis, const struct can_bus *bus)
+{
+    if (!axis->mode_is_told) {
+        const enum can_result result =
+            send(axis, CANSIMPLE_SET_CONTROLLER_MODE, 8, CANSIMPLE_MODE_POSITION,
+                 CANSIMPLE_INPUT_PASSTHROUGH, bus);
+        axis->mode_is_told = result == CAN_OK;
+        return result;
+    }
+    axis->mode_is_told = false;
+    axis->repeat_wait = REPEAT_TICKS;
+    return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
+}
+
+/* Requests that change the drive's state: sent, then given time, then repeated. Those to start are
+ * sent only while may_start, and end it for this tick: an estimate and a target a tick of either
+ * drive leave a bus of 1 Mbit/s no room for more than one. */
 static enum can_result send_requests(struct cansimple_axis *axis,
-                                     const struct sea_drive_command *command,
+                                     const struct sea_drive_command *command, bool *may_start,
                                      const struct can_bus *bus)
 {
     const enum drive_state state = state_of(axis);
+    axis->mode_is_told = axis->mode_is_told && command->enable && state == DRIVE_DISABLED;
     if (axis->clearing) { /* waits for no other request: it was asked for in one tick only */
         const enum can_result result = send(axis, CANSIMPLE_CLEAR_ERRORS, 0, 0, 0, bus);
         axis->clearing = result != CAN_OK;
@@ -157,25 +175,20 @@ static enum can_result send_requests(struct cansimple_axis *axis,
         axis->repeat_wait--;
         return CAN_OK;
     }
-    axis->repeat_wait = REPEAT_TICKS;
-    if (command->enable && state == DRIVE_DISABLED && axis->age_ticks == 0) {
-        const enum can_result result =
-            send(axis, CANSIMPLE_SET_CONTROLLER_MODE, 8, CANSIMPLE_MODE_POSITION,
-                 CANSIMPLE_INPUT_PASSTHROUGH, bus);
-        return result != CAN_OK
-                   ? result
-                   : send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
+    if (command->enable && state == DRIVE_DISABLED && axis->age_ticks == 0 && *may_start) {
+        *may_start = false;
+        return send_start(axis, bus);
     }
     if ((!command->enable || axis->leaving) &&
         (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
+        axis->repeat_wait = REPEAT_TICKS;
         return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
     }
-    axis->repeat_wait = 0;
     return CAN_OK;
 }
 
 static enum can_result send_axis_command(struct cansimple_axis *axis,
-                                         const struct sea_drive_command *command,
+                                         const struct sea_drive_command *command, bool *may_start,
                                          const struct can_bus *bus)
 {
     watch_arming(axis, command);
@@ -189,7 +202,7 @@ static enum can_result send_axis_command(struct cansimple_axis *axis,
     if (axis->age_ticks != UINT16_MAX) {
         first_failure = send(axis, CANSIMPLE_SET_INPUT_POS, 8, bytes_of_f32(target_turns), 0, bus);
     }
-    const enum can_result result = send_requests(axis, command, bus);
+    const enum can_result result = send_requests(axis, command, may_start, bus);
     return first_failure == CAN_OK ? result : first_failure;
 }
 
@@ -198,11 +211,13 @@ static enum can_result send_commands(void *context, const struct sea_drive_comma
 {
     struct cansimple_drives *drives = (struct cansimple_drives *)context;
     enum can_result first_failure = CAN_OK;
+    bool may_start = true;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         if (drives->axis[leg].config.node == 0) {
             continue;
         }
-        const enum can_result result = send_axis_command(&drives->axis[leg], &command[leg], bus);
+        const enum can_result result =
+            send_axis_command(&drives->axis[leg], &command[leg], &may_start, bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;
     }
     return first_failure;

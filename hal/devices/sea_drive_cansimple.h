@@ -33,6 +33,7 @@ struct cansimple_axis {
     uint16_t clear_wait; /* until a further reset is taken */
     bool leaving;        /* was told to leave closed loop, and its heartbeat has not said so yet */
     bool clearing;       /* a reset was asked for and Clear Errors is not sent yet */
+    bool mode_is_told;   /* the controller mode went out, closed loop did not yet */
     uint8_t axis_state;
     uint16_t age_ticks;           /* of the position */
     uint16_t heartbeat_age_ticks; /* of error and state */

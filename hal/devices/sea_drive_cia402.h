@@ -44,7 +44,7 @@ struct cia402_axis {
     uint16_t age_ticks;
     uint16_t slow_age_ticks;
     struct sea_latch_sender sender; /* of controlword and outputs */
-    uint8_t duplicate_id_count;     /* different states more than cycles: sample_surplus.h */
+    int8_t duplicate_id_count;      /* different states more than cycles: duplicate_id.h */
     uint8_t reset_ticks;            /* of a fault reset under way: the bit is set, then low again */
 };
 

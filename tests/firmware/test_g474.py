@@ -49,6 +49,14 @@ def test_a_walk_of_a_minute_equals_the_host_and_replays(tmp_path):
     assert int(re.search(r"(\d+) ticks; all \d+ frames", replay.stdout).group(1)) >= walk["ticks"] - 1
 
 
+@pytest.mark.parametrize("device", ["ak80", "cia402", "epos4", "odrive"])
+def test_a_device_of_others_walks_on_the_chip(device):
+    """Their frames bunch where the bus is full: the phase of the chip's ticks is another one than the host's."""
+    walk = g474("--steps", "3", "--speed", "0.8", "--device", f"sim_host/devices/{device}.ini")
+    assert walk["steps"] == 3 and not walk["fell"] and walk["findings"] == 0
+    assert walk["differences"] == 0 and walk["compared_frames"] > 5000
+
+
 @pytest.mark.parametrize("frame", ["5", "3000"])
 def test_one_changed_bit_is_noticed(frame):
     assert g474("--steps", "3", "--speed", "0.45", "--corrupt", frame, status=1)["differences"] >= 1

@@ -1,5 +1,6 @@
 /* Frames of the leg sensors, byte by byte, and at the limits of their fields. */
 #include "hal/bus/frame_table.h"
+#include "hal/devices/duplicate_id.h"
 #include "hal/devices/leg_sensors.h"
 #include "tests/support/assert_close.h"
 
@@ -160,29 +161,47 @@ START_TEST(frames_beyond_one_a_cycle_are_counted)
     leg_sensors_init(&sensors, straight);
     const struct can_msg own = leg_frame(0x283, 1000, 5), other = leg_frame(0x283, 1001, 5),
                          ankle = leg_frame(0x283, 1000, 6);
-    const uint8_t *duplicate_id_count = &sensors.reading[SIDE_LEFT].duplicate_id_count;
+    const int8_t *duplicate_id_count = &sensors.reading[SIDE_LEFT].duplicate_id_count;
     for (int cycle = 0; cycle < 100; cycle++) { /* repeated by CAN itself: nothing */
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &own));
         leg_sensors_age(&sensors);
     }
-    ck_assert_uint_eq(*duplicate_id_count, 0);
-    for (int late = 0; late < 100; late++) { /* a cycle late, and again: one at most */
+    ck_assert_int_eq(*duplicate_id_count, 0);
+    for (int i = 0; i < 100; i++) { /* silence owes no more than that */
         leg_sensors_age(&sensors);
+    }
+    ck_assert_int_eq(*duplicate_id_count, -DUPLICATE_ID_OWED_MAX);
+    for (int i = 0; i < DUPLICATE_ID_OWED_MAX; i++) {
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
         leg_sensors_age(&sensors);
-        ck_assert_uint_eq(*duplicate_id_count, 1);
     }
-    ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &ankle));
-    ck_assert_uint_eq(*duplicate_id_count, 2);
-    ck_assert_uint_eq(sensors.reading[SIDE_RIGHT].duplicate_id_count, 0);
+    ck_assert_int_eq(*duplicate_id_count, 0);
+    for (int late = 0; late < 100; late++) { /* a cycle late, and again: what was owed */
+        leg_sensors_age(&sensors);
+        ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
+        ck_assert_int_eq(*duplicate_id_count, 0);
+        leg_sensors_age(&sensors);
+    }
+    leg_sensors_age(&sensors);
+    leg_sensors_age(&sensors); /* a full bus: two cycles late, then three at once */
+    ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other) &&
+              leg_sensors_receive(&sensors, &own));
+    ck_assert_int_eq(*duplicate_id_count, 0);
+    leg_sensors_age(&sensors);
+    for (int i = 1; i <= 3; i++) { /* somebody else, each cycle */
+        ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &ankle));
+        ck_assert_int_eq(*duplicate_id_count, i);
+        leg_sensors_age(&sensors);
+    }
+    ck_assert_int_eq(sensors.reading[SIDE_RIGHT].duplicate_id_count, -DUPLICATE_ID_OWED_MAX);
     for (int i = 0; i < 1000; i++) {
         ck_assert(leg_sensors_receive(&sensors, &own) && leg_sensors_receive(&sensors, &other));
     }
-    ck_assert_uint_eq(*duplicate_id_count, UINT8_MAX);
+    ck_assert_int_eq(*duplicate_id_count, INT8_MAX);
     for (int i = 0; i < 1000; i++) {
         leg_sensors_age(&sensors);
     }
-    ck_assert_uint_eq(*duplicate_id_count, 0);
+    ck_assert_int_eq(*duplicate_id_count, -DUPLICATE_ID_OWED_MAX);
 }
 END_TEST
 
@@ -267,11 +286,11 @@ START_TEST(a_second_ankle_sensor_is_noticed)
         const struct can_msg ankle = ankle_frame(0x287, i);
         (void)leg_sensors_receive(&sensors, &ankle);
     }
-    ck_assert_uint_eq(sensors.reading[SIDE_LEFT].duplicate_id_count, 1);
+    ck_assert_int_eq(sensors.reading[SIDE_LEFT].duplicate_id_count, 1);
     const struct can_msg first = leg_frame(0x284, 1, 1), second = leg_frame(0x284, 2, 2);
     (void)leg_sensors_receive(&sensors, &first);
     (void)leg_sensors_receive(&sensors, &second); /* both values differ: one frame too many */
-    ck_assert_uint_eq(sensors.reading[SIDE_RIGHT].duplicate_id_count, 1);
+    ck_assert_int_eq(sensors.reading[SIDE_RIGHT].duplicate_id_count, 1);
 }
 END_TEST
 

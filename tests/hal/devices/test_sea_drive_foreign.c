@@ -94,8 +94,10 @@ START_TEST(cansimple_way_to_closed_loop_without_a_kick)
     ck_assert_ptr_nonnull(position);
     ck_assert_mem_eq(position->data, at_10_5_turns, 4); /* where it is, not where it shall go */
     const struct can_msg *mode = fake_bus_last(&b.fake, 0x02B);
-    const struct can_msg *state = fake_bus_last(&b.fake, 0x027);
     ck_assert_ptr_nonnull(mode);
+    ck_assert_ptr_null(fake_bus_last(&b.fake, 0x027)); /* the state: a tick later */
+    ck_assert_int_eq(sea_drives_command(&b.drives, b.command, &b.bus), CAN_OK);
+    const struct can_msg *state = fake_bus_last(&b.fake, 0x027);
     ck_assert_ptr_nonnull(state);
     ck_assert_int_eq(mode->data[0], 3);
     ck_assert_int_eq(mode->data[4], 1);
@@ -237,7 +239,7 @@ START_TEST(cansimple_a_drive_that_went_to_another_state_is_a_fault)
 }
 END_TEST
 
-/* A request goes out in the tick that asks for it, however long nothing was asked for. */
+/* Requests begin in the tick that asks for it, however long nothing was asked for. */
 START_TEST(cansimple_a_request_is_not_late)
 {
     struct odrive_bench b;
@@ -247,11 +249,37 @@ START_TEST(cansimple_a_request_is_not_late)
     command_ticks(&b, _i);
     ck_assert_ptr_null(fake_bus_last(&b.fake, 0x027));
     b.command[SIDE_LEFT].enable = true;
-    command_ticks(&b, 1);
+    command_ticks(&b, 2);
     ck_assert_ptr_nonnull(fake_bus_last(&b.fake, 0x027));
     ck_assert_uint_eq(fake_bus_last(&b.fake, 0x027)->length, 4);
     ck_assert_uint_eq(fake_bus_last(&b.fake, 0x02B)->length, 8);
     ck_assert_uint_eq(fake_bus_last(&b.fake, 0x02C)->length, 8);
+}
+END_TEST
+
+/* Position of both and one request more is what the bus has room for in a tick. */
+START_TEST(cansimple_two_drives_start_one_request_a_tick)
+{
+    static const uint32_t order[] = {0x02B, 0x027, 0x04B, 0x047};
+    struct odrive_bench b;
+    start_odrive(&b);
+    for (uint32_t id = 0x020; id <= 0x040; id += 0x020) {
+        ck_assert(give(&b.drives, id + 9, at_10_5_turns, 8));
+        ck_assert(give(&b.drives, id + 1, heartbeat_idle, 8));
+    }
+    b.command[SIDE_LEFT].enable = b.command[SIDE_RIGHT].enable = true;
+    for (int i = 0; i < 4; i++) {
+        fake_bus_clear(&b.fake);
+        command_ticks(&b, 1);
+        for (int k = 0; k < 4; k++) {
+            ck_assert_uint_eq(fake_bus_count(&b.fake, order[k]), k == i);
+        }
+    }
+    fake_bus_clear(&b.fake);
+    command_ticks(&b, 90); /* time to follow, before anything is said again */
+    for (int k = 0; k < 4; k++) {
+        ck_assert_uint_eq(fake_bus_count(&b.fake, order[k]), 0);
+    }
 }
 END_TEST
 
@@ -442,6 +470,7 @@ int main(void)
     tcase_add_test(tests, cansimple_off_and_on_again_between_two_heartbeats_is_no_fault);
     tcase_add_loop_test(tests, cansimple_a_drive_that_went_to_another_state_is_a_fault, 0, 6);
     tcase_add_loop_test(tests, cansimple_a_request_is_not_late, 1, 4);
+    tcase_add_test(tests, cansimple_two_drives_start_one_request_a_tick);
     tcase_add_test(tests, cansimple_a_reset_of_one_tick_clears_the_errors);
     tcase_add_test(tests, mit_fields_at_their_ends_and_in_the_middle);
     tcase_add_test(tests, mit_enters_after_an_answer_and_commands_bytes_in_order);
