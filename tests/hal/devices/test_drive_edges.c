@@ -119,6 +119,9 @@ START_TEST(cansimple_enters_at_a_fresh_position)
     ck_assert_ptr_nonnull(fake_bus_last(&fake, 0x02C));
     ck_assert_ptr_null(fake_bus_last(&fake, 0x027)); /* a cycle old */
     ck_assert(give(0x029, at_1_turn, 8, 0));
+    send_commands(); /* the mode, then the state */
+    ck_assert_ptr_nonnull(fake_bus_last(&fake, 0x02B));
+    ck_assert_ptr_null(fake_bus_last(&fake, 0x027));
     send_commands();
     ck_assert_uint_eq(fake_bus_last(&fake, 0x027)->data[0], 8);
 }
