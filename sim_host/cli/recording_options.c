@@ -65,6 +65,7 @@ static bool take_column(struct recording_format *format, const char *text)
 
 enum {
     KEY_RECORDING = 0x900,
+    KEY_PLANT,
     KEY_COLUMN,
     KEY_RATE,
     KEY_ANGLES,
@@ -77,7 +78,9 @@ enum {
 };
 
 static const struct argp_option option_list[] = {
-    {0, 0, 0, 0, "A recorded person:", 2},
+    {0, 0, 0, 0, "A person:", 2},
+    {"plant", KEY_PLANT, "KIND", 0,
+     "who wears the device: walker (default), or reflex, a person whose muscles answer to it", 0},
     {"recording", KEY_RECORDING, "FILE.csv", 0, "recorded walking in the walker's place", 0},
     {"column", KEY_COLUMN, "ROLE=NAME", 0,
      "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
@@ -100,11 +103,15 @@ static const struct argp_option option_list[] = {
     {0}};
 
 static const double FAULT_S = 10.0;
+static const double REFLEX_LEAST_KG = 10.0;
 static const char *const latch_fault_names[PLANT_LATCH_FAULT_COUNT] = {
     "well", "opens", "stays-open", "stays-closed"};
 
 static void check_together(struct argp_state *state, const struct recording_options *options)
 {
+    if (options->path != NULL && options->by_reflexes) {
+        argp_error(state, "--recording and --plant reflex exclude each other: there is one wearer");
+    }
     if (options->path == NULL && options->format_given) {
         argp_error(state, "--column, --rate and --angles describe the recording of --recording");
     }
@@ -112,15 +119,16 @@ static void check_together(struct argp_state *state, const struct recording_opti
         (options->path == NULL || options->switches == FOOT_SWITCH_NONE)) {
         argp_error(state, "--fit needs --recording, and foot switches");
     }
-    if (options->path == NULL && options->switches_given) {
+    if (!recording_options_person(options) && options->switches_given) {
         argp_error(state, "--switches and the faults of switches and latches are of the person of "
-                          "--recording");
+                          "--recording or --plant reflex");
     }
 }
 
 static error_t take(int key, char *text, struct argp_state *state)
 {
     static const char *const units[] = {"deg", "rad"};
+    static const char *const plants[] = {"walker", "reflex"};
     struct recording_options *options = (struct recording_options *)state->input;
     options->format_given =
         options->format_given || key == KEY_COLUMN || key == KEY_RATE || key == KEY_ANGLES;
@@ -129,6 +137,10 @@ static error_t take(int key, char *text, struct argp_state *state)
     switch (key) {
     case KEY_RECORDING:
         options->path = text;
+        return 0;
+    case KEY_PLANT:
+        options->by_reflexes =
+            option_choice(state, "--plant", text, plants, 2, sizeof plants[0]) == 1;
         return 0;
     case KEY_COLUMN:
         if (!take_column(&options->format, text)) {
@@ -212,12 +224,25 @@ int recording_options_apply(const struct recording_options *options, struct loop
                             char *message)
 {
     struct control_params *params = &config->params;
-    if (strlen(options->path) >= PLANT_PATH_MAX) {
+    if (options->by_reflexes) {
+        const double mass_kg = (double)params->torso_mass_kg + 2.0 * (double)params->leg_mass_kg;
+        if (mass_kg < REFLEX_LEAST_KG) {
+            snprintf(
+                message, LOOP_MESSAGE_MAX,
+                "--plant reflex: %s weighs %g kg; name a person of %g kg or more with --person, "
+                "such as sim_host/persons/adult70.ini, and a device with --device",
+                config->subject.person.name, mass_kg, REFLEX_LEAST_KG);
+            return -1;
+        }
+        config->plant.kind = PLANT_REFLEX_PERSON;
+        reflex_person_default(mass_kg, (double)params->leg_length_m, &config->plant.reflex);
+    } else if (strlen(options->path) >= PLANT_PATH_MAX) {
         snprintf(message, LOOP_MESSAGE_MAX, "the path of the recording is too long");
         return -1;
+    } else {
+        config->plant.kind = PLANT_RECORDED_PERSON;
+        snprintf(config->plant.recording_path, PLANT_PATH_MAX, "%s", options->path);
     }
-    config->plant.kind = PLANT_RECORDED_PERSON;
-    snprintf(config->plant.recording_path, PLANT_PATH_MAX, "%s", options->path);
     config->plant.recording_format = options->format;
     params->body = (real)BODY_PERSON;
     params->apex_window_s = PERSON_APEX_WINDOW_S;

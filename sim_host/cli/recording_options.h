@@ -1,4 +1,4 @@
-/* A recording in the walker's place, from the command line. */
+/* A person in the walker's place, recorded or walking by reflexes, from the command line. */
 #ifndef SIM_HOST_CLI_RECORDING_OPTIONS_H
 #define SIM_HOST_CLI_RECORDING_OPTIONS_H
 
@@ -11,6 +11,7 @@
 /* What is asked of a recording. */
 struct recording_options {
     const char *path; /* NULL: no recording */
+    bool by_reflexes; /* a person who walks by reflexes; no recording then */
     struct recording_format format;
     bool format_given; /* some of the format is not the default */
     bool open_loop;    /* keep the law */
@@ -36,5 +37,11 @@ void recording_options_init(struct recording_options *options);
  * loop_init(). */
 int recording_options_apply(const struct recording_options *options, struct loop_config *config,
                             char *message);
+
+/* Whether a person stands in the walker's place. */
+static inline bool recording_options_person(const struct recording_options *options)
+{
+    return options->path != NULL || options->by_reflexes;
+}
 
 #endif

@@ -51,14 +51,14 @@ enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
 /* An option that would do nothing is a mistake of the caller's, not a wish. */
 static void check_used(struct argp_state *state, const struct sim_options *options)
 {
-    if (options->recording.path != NULL && ground_options_given(&options->ground)) {
+    if (recording_options_person(&options->recording) && ground_options_given(&options->ground)) {
         argp_error(state,
                    "--slope-deg, --terrain-mm and --push act on the simulated walker, not on "
-                   "the recorded one of --recording");
+                   "a person");
     }
-    if (options->recording.path != NULL && options->walk.law_given &&
+    if (recording_options_person(&options->recording) && options->walk.law_given &&
         options->walk.law != LAW_PERSON) {
-        argp_error(state, "--law and --recording exclude each other: a person's law is \"person\"");
+        argp_error(state, "--law is the walker's: a person's law is \"person\"");
     }
     if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
         argp_error(state, "--fault-step needs --fault NAME");
@@ -67,10 +67,9 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
 
 static void check_together(struct argp_state *state, struct sim_options *options)
 {
-    options->walk.person = options->recording.path != NULL;
-    if (options->recording.path != NULL && options->walk.speed_rad_s > 0.0) {
-        argp_error(state,
-                   "--speed and --recording exclude each other: a person chooses their speed");
+    options->walk.person = recording_options_person(&options->recording);
+    if (recording_options_person(&options->recording) && options->walk.speed_rad_s > 0.0) {
+        argp_error(state, "--speed is the walker's: a person chooses their speed");
     }
     if (options->ticks && options->csv_path == NULL) {
         argp_error(state, "--ticks needs --csv FILE");
@@ -160,7 +159,7 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
     recording_options_init(&options->recording);
     option_parse(&parser, argc, argv, options);
     if (options->steps == 0) {
-        options->steps = options->recording.path != NULL ? UINT32_MAX : DEFAULT_STEPS;
+        options->steps = recording_options_person(&options->recording) ? UINT32_MAX : DEFAULT_STEPS;
     }
     if (options->fault_step == UINT32_MAX) {
         options->fault_step = DEFAULT_FAULT_STEP;

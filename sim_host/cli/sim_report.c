@@ -59,7 +59,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
     json_text(&json, "fault", outcome->fault[0] != '\0' ? outcome->fault : NULL);
     json_unsigned(&json, "steps", record->count);
     json_number(&json, "target_speed_rad_s", loop->config.desired_speed_rad_s, 9);
-    if (options->recording.path != NULL) {
+    if (recording_options_person(&options->recording)) {
         json_unsigned(&json, "apexes_left", record->apexes[SIDE_LEFT]);
         json_unsigned(&json, "apexes_right", record->apexes[SIDE_RIGHT]);
         recording_report_json(&json, &record->gait);
@@ -204,6 +204,9 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
     const struct control_params *params = &loop->config.params;
     if (options->recording.path != NULL) {
         fprintf(stream, "  recording  %s\n", options->recording.path);
+    }
+    if (options->recording.by_reflexes) {
+        fprintf(stream, "  wearer     a person who walks by reflexes\n");
     }
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.person.name, (double)params->torso_mass_kg,

@@ -41,7 +41,7 @@ int sim_session_configure(struct sim_session *session)
     ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
-    if (options->recording.path != NULL) {
+    if (recording_options_person(&options->recording)) {
         struct recording_options recording = options->recording;
         recording.open_loop = options->walk.open_loop;
         if (recording_options_apply(&recording, &session->config, message) != 0) {
@@ -54,7 +54,7 @@ int sim_session_configure(struct sim_session *session)
 int sim_session_open(struct sim_session *session)
 {
     const struct sim_options *options = &session->options;
-    const bool recorded = options->recording.path != NULL;
+    const bool recorded = recording_options_person(&options->recording);
     const uint32_t rows = recorded ? RECORDED_STEPS_MAX : options->steps + 2;
     const double origin_s =
         recorded ? (double)session->config.plant.recording_start_tick * session->config.plant.tick_s
@@ -75,7 +75,7 @@ int sim_session_open(struct sim_session *session)
         session->loop = NULL;
         return message[0] != '\0' ? program_complain("%s", message) : -1;
     }
-    if (recorded) {
+    if (options->recording.path != NULL) {
         const struct recording *recording = &session->loop->nodes.plant.recording;
         session->record.gait.origin_s -= recording->start_s; /* as the file counts */
         if (recording_span_rad(recording) < LEAST_SPAN_RAD) {

@@ -41,7 +41,7 @@ static const struct argp_option option_list[] = {
 
 static void check_together(struct argp_state *state, const struct view_options *options)
 {
-    const bool recorded = options->sim.recording.path != NULL;
+    const bool recorded = recording_options_person(&options->sim.recording);
     if ((options->interface != NULL) + (options->replay_path != NULL) + recorded > 1) {
         argp_error(state, "--can, --replay and --recording exclude each other");
     }
@@ -145,7 +145,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         option_refuse_argument(state, text);
         return 0;
     case ARGP_KEY_END:
-        options->sim.walk.person = options->sim.recording.path != NULL;
+        options->sim.walk.person = recording_options_person(&options->sim.recording);
         check_together(state, options);
         return 0;
     default:

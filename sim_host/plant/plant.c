@@ -50,6 +50,9 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
         }
         recorded_person_at(&plant->recording, 0.0, &plant->recording_cursor, &plant->person);
     }
+    if (config->kind == PLANT_REFLEX_PERSON) {
+        plant_init_reflex_person(plant);
+    }
     for (int side = 0; side < SIDE_COUNT; side++) {
         sea_init(&plant->sea[side], &config->sea[side], config->seed + (uint64_t)side);
         sensor_init(&plant->sensor[side], &config->sensors[side], config->seed,
@@ -79,7 +82,7 @@ void plant_set_command(struct plant *plant, enum side side, const struct sea_com
 
 static bool is_person(const struct plant *plant)
 {
-    return plant->config.kind == PLANT_RECORDED_PERSON;
+    return plant->config.kind != PLANT_WALKER;
 }
 
 static double ankle_of(const struct plant *plant, enum side side)
@@ -158,10 +161,16 @@ void plant_advance(struct plant *plant)
         sea_built_share(&plant->sea[SIDE_LEFT].built, &plant->sea[SIDE_RIGHT].built,
                         plant->config.tick_s);
     }
-    if (is_person(plant)) {
-        plant_advance_recorded_person(plant);
-    } else {
+    switch (plant->config.kind) {
+    case PLANT_WALKER:
         advance_walker(plant);
+        break;
+    case PLANT_RECORDED_PERSON:
+        plant_advance_recorded_person(plant);
+        break;
+    case PLANT_REFLEX_PERSON:
+        plant_advance_reflex_person(plant);
+        break;
     }
     plant->tick++;
     plant->walk.time_s = plant_now_s(plant);
@@ -206,6 +215,8 @@ void plant_truth(const struct plant *plant, struct plant_truth *truth)
     truth->finished = person->finished;
     if (!is_person(plant)) {
         walker_truth(plant, truth);
+    } else if (plant->config.kind == PLANT_REFLEX_PERSON) {
+        plant_reflex_truth(plant, truth);
     }
 }
 
@@ -228,14 +239,6 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
     }
 }
 
-double plant_ankle_lever_m(const struct plant *plant, enum side side, double ankle_m)
-{
-    const struct recording_format *format = &plant->config.recording_format;
-    const struct recording_ankle *ankle = &format->ankle[side];
-    return is_person(plant) ? sea_lever_at_way_m(&ankle->lever_table, ankle->lever_m, ankle_m)
-                            : 0.0;
-}
-
 bool plant_next_event(struct plant *plant, struct walk_event *event)
 {
     return walk_next_event(&plant->walk, event);
@@ -253,6 +256,10 @@ enum walk_fault plant_fault(const struct plant *plant)
 
 void plant_push(struct plant *plant, double impulse_x_Ns, double impulse_y_Ns)
 {
+    if (plant->config.kind == PLANT_REFLEX_PERSON) {
+        reflex_person_push(&plant->reflex, (struct vector2){-impulse_x_Ns, impulse_y_Ns});
+        return;
+    }
     const double impulse_Ns[2] = {impulse_x_Ns, impulse_y_Ns};
     walk_push(&plant->walk, impulse_Ns);
 }

@@ -1,7 +1,8 @@
 /* The plant: what the orthosis moves and what its sensors measure.
  *
  * It is the 3-DOF walker with two SEAs, held until it may walk (start_hold.h). Or it is a recorded
- * person, whose motion the SEAs do not change. In both cases each leg has a sensor.
+ * person, whose motion the SEAs do not change. Or it is a person who walks by reflexes
+ * (sim_host/reflex), whom they do move. In every case each leg has a sensor.
  * One plant_advance() is one tick, from SYNC k to SYNC k+1. A process that owns a plant calls, at
  * SYNC k:
  *     plant_set_command() for each side whose command takes effect now
@@ -32,6 +33,7 @@
 #include "sim_host/plant/sensors.h"
 #include "sim_host/plant/start_hold.h"
 #include "sim_host/plant/walk.h"
+#include "sim_host/reflex/reflex_person.h"
 
 /* Faults of a recorded person's latch, effective at once. */
 enum plant_latch_fault {
@@ -42,7 +44,11 @@ enum plant_latch_fault {
     PLANT_LATCH_FAULT_COUNT = 4
 };
 
-enum plant_kind { PLANT_WALKER = 0, PLANT_RECORDED_PERSON = 1 };
+enum plant_kind {
+    PLANT_WALKER = 0,
+    PLANT_RECORDED_PERSON = 1, /* whose motion the device does not change */
+    PLANT_REFLEX_PERSON = 2    /* whose muscles answer to the device */
+};
 
 enum { PLANT_PATH_MAX = 512, PLANT_ERROR_MAX = 512 };
 
@@ -61,7 +67,8 @@ struct plant_config {
     char recording_path[PLANT_PATH_MAX]; /* PLANT_RECORDED_PERSON: the recording */
     const struct recording *recording;   /* the caller's, in the file's place; NULL: read the file.
                                         * It must outlive the plant */
-    struct recording_format recording_format;
+    struct recording_format recording_format; /* its ankles are a reflex person's, too */
+    struct reflex_person_params reflex;       /* PLANT_REFLEX_PERSON; its step is a drive period */
     struct foot_switch_params foot_switch[SIDE_COUNT]; /* of a recorded person; default: none */
     enum plant_latch_fault latch_fault;                /* of both latches of a recorded person, */
     double latch_fault_s;                              /* from this time on */
@@ -80,7 +87,8 @@ enum plant_error {
     PLANT_BAD_GROUND = -7,
     PLANT_BAD_RECORDING = -8,
     PLANT_BAD_TICK = -9, /* tick not 0.1 .. 10 ms, or not a whole number of drive periods */
-    PLANT_BAD_FOOT_SWITCH = -10
+    PLANT_BAD_FOOT_SWITCH = -10,
+    PLANT_BAD_PERSON = -11
 };
 
 /* Cumulative energies (J) since init. */
@@ -106,7 +114,8 @@ struct plant {
     double foothold_height_m, next_foothold_height_m; /* above the slope line */
     double person_work_J[SIDE_COUNT];
     struct recording recording;
-    struct recorded_person_state person;
+    struct recorded_person_state person; /* of either kind, as the sensors and the SEAs meet it */
+    struct reflex_person reflex;
     struct person_motion motion;
     size_t recording_cursor;
     enum plant_latch_fault latch_broken[SIDE_COUNT]; /* beside the config's; set at any time */
@@ -150,9 +159,9 @@ struct plant_truth {
     double leg_angle_rad[SIDE_COUNT], leg_rate_rad_s[SIDE_COUNT];
     double ankle_m[SIDE_COUNT], ankle_rate_m_s[SIDE_COUNT];
     bool contact[SIDE_COUNT];
-    double ground_force_N[SIDE_COUNT][2]; /* walker only */
-    double hip_m[2];                      /* walker only, world */
-    double toe_m[SIDE_COUNT][2];          /* walker only, world */
+    double ground_force_N[SIDE_COUNT][2]; /* walker and reflex person only */
+    double hip_m[2];             /* the same, world; a reflex person walks towards -x, too */
+    double toe_m[SIDE_COUNT][2]; /* the same, world */
     enum side stance;
     enum walk_phase phase;
     enum walk_fault fault;

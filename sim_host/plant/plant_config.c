@@ -124,6 +124,13 @@ enum plant_error plant_config_check(const struct plant_config *config, char *mes
             return complain(PLANT_BAD_FOOT_SWITCH, message, part, bad);
         }
     }
+    if (config->kind == PLANT_REFLEX_PERSON) {
+        struct reflex_person_params reflex = config->reflex;
+        reflex.step_s = config->sea[SIDE_LEFT].drive_period_s;
+        if ((bad = reflex_person_check(&reflex)) != NULL) {
+            return complain(PLANT_BAD_PERSON, message, "reflex person", bad);
+        }
+    }
     if (!periods_fit(config)) {
         return complain(PLANT_BAD_TICK, message, "tick", "tick_s or drive_period_s");
     }

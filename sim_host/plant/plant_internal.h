@@ -17,4 +17,14 @@ enum plant_error plant_config_check(const struct plant_config *config, char *mes
  * recorded ankles. */
 void plant_advance_recorded_person(struct plant *plant);
 
+/* The switches of a person's feet, wired to the other leg's latch. */
+void plant_run_switches(struct plant *plant, bool has_contact);
+/* A person's latch at a moment, s: opens it, closes it, breaks it. */
+void plant_run_latch(struct plant *plant, enum side side, double ankle_m, double now_s);
+
+/* One tick of a person who walks by reflexes: body and SEAs drive period by drive period. */
+void plant_init_reflex_person(struct plant *plant);
+void plant_advance_reflex_person(struct plant *plant);
+void plant_reflex_truth(const struct plant *plant, struct plant_truth *truth);
+
 #endif

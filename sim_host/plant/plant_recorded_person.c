@@ -53,57 +53,6 @@ static void pass_apex(struct plant *plant, const struct recorded_person_state *n
     }
 }
 
-/* The switches read the recorded contact, with errors of their own, and are wired to the latches. */
-static void run_switches(struct plant *plant)
-{
-    const double now_s = plant_now_s(plant);
-    for (int k = 0; k < SIDE_COUNT; k++) {
-        plant->foot[k] = foot_switch_update(&plant->foot_switch[k], plant->person.contact[k],
-                                            plant->recording.has_contact, now_s);
-        contact_wire_update(&plant->other_foot[side_other((enum side)k)], plant->foot[k], now_s);
-    }
-}
-
-static enum plant_latch_fault latch_fault(const struct plant *plant, enum side side, double now_s)
-{
-    if (plant->latch_broken[side] != PLANT_LATCH_WELL) {
-        return plant->latch_broken[side];
-    }
-    return now_s >= plant->config.latch_fault_s ? plant->config.latch_fault : PLANT_LATCH_WELL;
-}
-
-/* A latch that opens by itself does so under load: at this share of its stroke. */
-static const double OPENS_AT_STROKE_RATIO = 0.02;
-
-/* A person's ankle can extend at any time: its extension opens no latch. */
-static void run_latch(struct plant *plant, enum side side, double ankle_m, double now_s)
-{
-    struct sea *sea = &plant->sea[side];
-    const enum plant_latch_fault fault = latch_fault(plant, side, now_s);
-    if (fault == PLANT_LATCH_OPENS && sea->latch == SEA_LATCH_CLOSED &&
-        sea->position_m > OPENS_AT_STROKE_RATIO * sea->params.stroke_max_m) {
-        sea->release_pending = true;
-        sea->release_time_s = now_s;
-    } else if (fault == PLANT_LATCH_STAYS_CLOSED) {
-        sea->release_pending = false;
-    } else if (sea_may_release(sea) && contact_wire_has_edge(&plant->other_foot[side], now_s)) {
-        sea_other_foot_contact(sea, now_s);
-    }
-    const bool due = sea->release_pending && sea->release_time_s <= now_s;
-    if ((due || sea_lets_go(sea)) && sea_release_now(sea)) {
-        walk_post(&plant->walk, WALK_EVENT_RELEASE, side, now_s, sea->position_m);
-    }
-    /* Within the latch's own tolerance: a motor that is back at zero stands on either side of it. */
-    if (sea->latch == SEA_LATCH_RELEASED && sea->position_m <= ankle_m + sea->params.reclose_m) {
-        sea_lift_off(sea);
-        walk_post(&plant->walk, WALK_EVENT_LIFT_OFF, side, now_s, ankle_m);
-    }
-    /* A slack spring's output stands at its motor, wherever the ankle is. */
-    if (fault != PLANT_LATCH_STAYS_OPEN && sea_reclose(sea, 0.0)) {
-        walk_post(&plant->walk, WALK_EVENT_RECLOSED, side, now_s, sea->position_m);
-    }
-}
-
 static void run_actuator(struct plant *plant, enum side side,
                          const struct recorded_person_state *next)
 {
@@ -114,7 +63,7 @@ static void run_actuator(struct plant *plant, enum side side,
     const double step_m = (next->ankle_m[side] - start_m) / (double)periods;
     for (int i = 0; i < periods; i++) {
         const double ankle_m = start_m + (double)i * step_m;
-        run_latch(plant, side, ankle_m, plant_now_s(plant) + (double)i * period_s);
+        plant_run_latch(plant, side, ankle_m, plant_now_s(plant) + (double)i * period_s);
         sea_drive_period(sea, ankle_m);
         const double before_N = sea_ankle_force_N(sea, ankle_m);
         sea_finish_period(sea);
@@ -135,7 +84,7 @@ void plant_advance_recorded_person(struct plant *plant)
     person_motion_apply(&plant->motion, plant->config.tick_s, &plant->person, &next);
     pass_apex(plant, &next);
     pass_contacts(plant, from, plant->recording_cursor);
-    run_switches(plant);
+    plant_run_switches(plant, plant->recording.has_contact);
     for (int side = 0; side < SIDE_COUNT; side++) {
         run_actuator(plant, (enum side)side, &next);
     }

@@ -93,6 +93,12 @@ PARTS = {
 }
 
 
+def test_a_type_that_is_called_like_a_function_is_no_use_of_it(tmp_path):
+    lay_out(tmp_path, CLEAN | PARTS)
+    lay_out(tmp_path, {"hal/device_errors.c": PARTS["hal/device_errors.c"] + "struct device_run *hook;\n"})
+    assert "0 violations" in run(tmp_path).stdout
+
+
 def test_files_that_use_each_other_behind_a_shared_header_are_caught(tmp_path):
     lay_out(tmp_path, CLEAN | PARTS)
     assert "0 violations" in run(tmp_path).stdout

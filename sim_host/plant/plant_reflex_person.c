@@ -1,0 +1,132 @@
+/* A person who walks by reflexes, with the SEAs at the ankles: what the springs do moves the person. Like a
+ * recording's, the walk begins at recording_start_tick; the pose of its begin is held before. */
+#include "model/trig.h"
+#include "sim_host/plant/plant_internal.h"
+#include "sim_host/plant/walk_internal.h"
+
+#define RIGHT_ANGLE_RAD 1.57079632679489661923
+#define CONTACT_N 20.0 /* what a foot on the ground carries at least */
+
+/* Pitch of the virtual leg from hip to ankle, and its rate: thigh and shank are equally long (recording.h). */
+static void virtual_leg(const struct reflex_person *reflex, enum side side, double *angle_rad,
+                        double *rate_rad_s)
+{
+    const double *angle = reflex->body.q + multibody_leg(side),
+                 *rate = reflex->body.dq + multibody_leg(side);
+    *angle_rad = 0.5 * (angle[PART_THIGH] + angle[PART_SHANK]);
+    *rate_rad_s = 0.5 * (rate[PART_THIGH] + rate[PART_SHANK]);
+}
+
+static double plantarflexion_rad(const struct reflex_person *reflex, enum side side)
+{
+    struct joint_angles joints;
+    muscles_joint_angles(&reflex->body, side, &joints);
+    return joints.angle_rad[JOINT_ANKLE] - RIGHT_ANGLE_RAD;
+}
+
+static double ankle_m_of(const struct plant *plant, enum side side)
+{
+    return recording_ankle_m(&plant->config.recording_format.ankle[side],
+                             plantarflexion_rad(&plant->reflex, side));
+}
+
+static void look(const struct plant *plant, struct recorded_person_state *person)
+{
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        const enum side side = (enum side)k;
+        virtual_leg(&plant->reflex, side, &person->leg_angle_rad[k], &person->leg_rate_rad_s[k]);
+        person->ankle_m[k] = ankle_m_of(plant, side);
+        person->contact[k] = plant->reflex.ground_N[k].y > CONTACT_N;
+    }
+}
+
+void plant_init_reflex_person(struct plant *plant)
+{
+    struct reflex_person_params params = plant->config.reflex;
+    params.step_s = plant->config.sea[SIDE_LEFT].drive_period_s;
+    reflex_person_init(&plant->reflex, &params);
+    look(plant, &plant->person);
+}
+
+/* Heel strikes, toe-offs, and the leg passing the vertical while its foot is on the ground. */
+static void post_events(struct plant *plant, const struct recorded_person_state *before)
+{
+    const struct recorded_person_state *now = &plant->person;
+    const double tick_s = plant->config.tick_s, next_s = plant_now_s(plant) + tick_s;
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        const enum side side = (enum side)k;
+        const double from = before->leg_angle_rad[k], to = now->leg_angle_rad[k];
+        if (from > 0.0 && to <= 0.0 && now->contact[k]) {
+            const double part = from / (from - to);
+            const double rate = before->leg_rate_rad_s[k] +
+                                part * (now->leg_rate_rad_s[k] - before->leg_rate_rad_s[k]);
+            walk_post(&plant->walk, WALK_EVENT_APEX, side, next_s - (1.0 - part) * tick_s, -rate);
+        }
+        if (now->contact[k] != before->contact[k]) {
+            walk_post(&plant->walk, now->contact[k] ? WALK_EVENT_HEEL_STRIKE : WALK_EVENT_TOE_OFF,
+                      side, next_s, now->leg_angle_rad[k]);
+        }
+    }
+}
+
+/* What the spring does at the ankle: its force over the lever's arm there. */
+static double torque_Nm(const struct plant *plant, enum side side, double ankle_m, double *force_N)
+{
+    *force_N = sea_ankle_force_N(&plant->sea[side], ankle_m);
+    return *force_N * plant_ankle_lever_m(plant, side, ankle_m);
+}
+
+static void run_period(struct plant *plant, double now_s)
+{
+    struct reflex_person_loads loads = {.ankle_Nm = {0.0}};
+    double before_m[SIDE_COUNT], before_N[SIDE_COUNT];
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        const enum side side = (enum side)k;
+        before_m[k] = ankle_m_of(plant, side);
+        plant_run_latch(plant, side, before_m[k], now_s);
+        sea_drive_period(&plant->sea[k], before_m[k]);
+        loads.ankle_Nm[k] = torque_Nm(plant, side, before_m[k], &before_N[k]);
+    }
+    if (plant->tick >= plant->config.recording_start_tick) {
+        reflex_person_step(&plant->reflex, &loads);
+    }
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        const enum side side = (enum side)k;
+        const double after_m = ankle_m_of(plant, side);
+        sea_finish_period(&plant->sea[k]);
+        const double after_N = sea_ankle_force_N(&plant->sea[k], after_m);
+        plant->person_work_J[k] += 0.5 * (before_N[k] + after_N) * (after_m - before_m[k]);
+    }
+}
+
+void plant_advance_reflex_person(struct plant *plant)
+{
+    const double period_s = plant->config.sea[SIDE_LEFT].drive_period_s;
+    const int periods = (int)(plant->config.tick_s / period_s + 0.5);
+    const struct recorded_person_state before = plant->person;
+    plant_run_switches(plant, true);
+    for (int i = 0; i < periods; i++) {
+        run_period(plant, plant_now_s(plant) + (double)i * period_s);
+    }
+    look(plant, &plant->person);
+    post_events(plant, &before);
+    if (reflex_person_fell(&plant->reflex) && plant->walk.fault == WALK_FAULT_NONE) {
+        plant->walk.fault = WALK_FAULT_FALLEN_FORWARD;
+    }
+}
+
+void plant_reflex_truth(const struct plant *plant, struct plant_truth *truth)
+{
+    const struct reflex_person *reflex = &plant->reflex;
+    truth->hip_m[0] = -reflex->body.q[MULTIBODY_X];
+    truth->hip_m[1] = reflex->body.q[MULTIBODY_Y];
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        struct vector2 at, speed;
+        multibody_foot_point(&reflex->params.segments, &reflex->body, (enum side)k,
+                             reflex->params.segments.ball_m, &at, &speed);
+        truth->toe_m[k][0] = -at.x;
+        truth->toe_m[k][1] = at.y;
+        truth->ground_force_N[k][0] = -reflex->ground_N[k].x;
+        truth->ground_force_N[k][1] = reflex->ground_N[k].y;
+    }
+}

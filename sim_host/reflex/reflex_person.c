@@ -1,0 +1,318 @@
+#include "sim_host/reflex/reflex_person.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+/* Table of segments of Geyer & Herr (2010) for 80 kg and legs of 1 m: mass by 80 kg, lengths by 1 m; a centre of mass
+ * there is measured from the lower end. */
+#define THIGH_KG (8.5 / 80.0)
+#define SHANK_KG (3.5 / 80.0)
+#define FOOT_KG (1.25 / 80.0)
+#define TRUNK_KG (53.5 / 80.0)
+#define THIGH_KGM2 (0.15 / 80.0)
+#define SHANK_KGM2 (0.05 / 80.0)
+#define FOOT_KGM2 (0.005 / 80.0)
+#define TRUNK_KGM2 (3.0 / 80.0)
+#define PART_M 0.5
+#define CENTRE_M 0.2        /* of thigh and shank, below their upper joint */
+#define TRUNK_CENTRE_M 0.35 /* above the hip */
+#define FOOT_CENTRE_M 0.02  /* ahead of the ankle */
+#define HEEL_M 0.04
+#define BALL_M 0.16
+#define FELL_SHARE 0.6
+#define SENSE_PERIOD_S 0.001
+
+void reflex_person_default(double mass_kg, double leg_m, struct reflex_person_params *params)
+{
+    const double inertia = mass_kg * leg_m * leg_m;
+    *params = (struct reflex_person_params){
+        .mass_kg = mass_kg,
+        .leg_m = leg_m,
+        .gravity_m_s2 = 9.80665,
+        .start_speed_m_s = 1.144,
+        .start_lean_rad = 0.0755,
+        .step_s = 0.00025,
+    };
+    struct segments *segments = &params->segments;
+    const struct segment limb = {0.0, PART_M * leg_m, {0.0, -CENTRE_M * leg_m}, 0.0};
+    segments->gravity_m_s2 = params->gravity_m_s2;
+    segments->trunk = (struct segment){
+        TRUNK_KG * mass_kg, 0.0, {0.0, TRUNK_CENTRE_M * leg_m}, TRUNK_KGM2 * inertia};
+    segments->part[PART_THIGH] = segments->part[PART_SHANK] = limb;
+    segments->part[PART_THIGH].mass_kg = THIGH_KG * mass_kg;
+    segments->part[PART_THIGH].inertia_kgm2 = THIGH_KGM2 * inertia;
+    segments->part[PART_SHANK].mass_kg = SHANK_KG * mass_kg;
+    segments->part[PART_SHANK].inertia_kgm2 = SHANK_KGM2 * inertia;
+    segments->part[PART_FOOT] =
+        (struct segment){FOOT_KG * mass_kg, 0.0, {FOOT_CENTRE_M * leg_m, 0.0}, FOOT_KGM2 * inertia};
+    segments->heel_m = (struct vector2){-HEEL_M * leg_m, 0.0};
+    segments->ball_m = (struct vector2){BALL_M * leg_m, 0.0};
+    contact_default(mass_kg, &params->contact);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        muscles_default(mass_kg, leg_m, params->muscle[side]);
+    }
+    reflex_gains_healthy(&params->gains);
+}
+
+static int is_within(double value, double low, double high)
+{
+    return value >= low && value <= high; /* false for a NaN */
+}
+
+const char *reflex_person_check(const struct reflex_person_params *params)
+{
+    const double a_sense = SENSE_PERIOD_S / params->step_s;
+    if (!is_within(params->mass_kg, 10.0, 200.0)) {
+        return "mass_kg: allowed is 10 to 200";
+    }
+    if (!is_within(params->leg_m, 0.4, 1.5)) {
+        return "leg_m: allowed is 0.4 to 1.5";
+    }
+    if (!is_within(params->gravity_m_s2, 0.1, 100.0)) {
+        return "gravity_m_s2: allowed is 0.1 to 100";
+    }
+    if (!is_within(params->start_speed_m_s, 0.0, 3.0)) {
+        return "start_speed_m_s: allowed is 0 to 3";
+    }
+    if (!is_within(a_sense, 1.0, 100.0) || fabs(a_sense - floor(a_sense + 0.5)) > 1e-9) {
+        return "step_s: a millisecond is a whole number of steps, 100 at most";
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        for (int i = 0; i < MUSCLE_COUNT; i++) {
+            const struct muscle *muscle = &params->muscle[side][i];
+            if (!is_within(muscle->force_max_N, 1.0, 20000.0) ||
+                !is_within(muscle->optimal_m, 0.005, 0.5) ||
+                !is_within(muscle->slack_m, 0.01, 1.0) ||
+                !is_within(muscle->speed_max_per_s, 1.0, 30.0)) {
+                return muscle_names[i];
+            }
+        }
+    }
+    return NULL;
+}
+
+static struct vector2 point_of(const struct segments *segments, int point)
+{
+    return point == FOOT_HEEL ? segments->heel_m : segments->ball_m;
+}
+
+/* ---- sensing -------------------------------------------------------------------------------------------------- */
+
+static void sense(const struct reflex_person *person, struct reflex_moment *moment)
+{
+    const struct reflex_person_params *params = &person->params;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct reflex_sense *leg = &moment->leg[side];
+        struct joint_angles joints;
+        muscles_joint_angles(&person->body, (enum side)side, &joints);
+        for (int i = 0; i < MUSCLE_COUNT; i++) {
+            leg->force[i] = person->muscle[side][i].force_N / params->muscle[side][i].force_max_N;
+            leg->length[i] = person->muscle[side][i].length_m / params->muscle[side][i].optimal_m;
+        }
+        leg->knee_rad = joints.angle_rad[JOINT_KNEE];
+        leg->knee_rate_rad_s = joints.rate_rad_s[JOINT_KNEE];
+        leg->load = person->ground_N[side].y / (params->mass_kg * params->gravity_m_s2);
+    }
+    moment->lean_rad = -person->body.q[MULTIBODY_TRUNK];
+    moment->lean_rate_rad_s = -person->body.dq[MULTIBODY_TRUNK];
+}
+
+/* ---- the start ------------------------------------------------------------------------------------------------ */
+
+/* Late single support: the right foot flat on the ground behind the hip, the left leg ahead, bent. */
+static void start_pose(struct reflex_person *person)
+{
+    static const double thigh[SIDE_COUNT] = {[SIDE_LEFT] = 0.35, [SIDE_RIGHT] = -0.20};
+    static const double shank[SIDE_COUNT] = {[SIDE_LEFT] = 0.15, [SIDE_RIGHT] = -0.30};
+    static const double foot[SIDE_COUNT] = {[SIDE_LEFT] = 0.20, [SIDE_RIGHT] = 0.0};
+    const struct reflex_person_params *params = &person->params;
+    struct multibody_state *body = &person->body;
+    body->q[MULTIBODY_TRUNK] = -params->start_lean_rad;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const int first = multibody_leg((enum side)side);
+        body->q[first + PART_THIGH] = thigh[side];
+        body->q[first + PART_SHANK] = shank[side];
+        body->q[first + PART_FOOT] = foot[side];
+    }
+    struct vector2 position, velocity;
+    multibody_foot_point(&params->segments, body, SIDE_RIGHT, params->segments.ball_m, &position,
+                         &velocity);
+    const double sink_m =
+        0.5 * params->mass_kg * params->gravity_m_s2 / params->contact.stiffness_N_m;
+    body->q[MULTIBODY_Y] = -position.y - sink_m;
+    body->dq[MULTIBODY_X] = params->start_speed_m_s;
+    /* The stance leg turns about its ankle, the other one goes ahead. */
+    const double turn_rad_s = params->start_speed_m_s / params->leg_m;
+    body->dq[MULTIBODY_RIGHT + PART_THIGH] = body->dq[MULTIBODY_RIGHT + PART_SHANK] = -turn_rad_s;
+    body->dq[MULTIBODY_LEFT + PART_SHANK] = turn_rad_s;
+    body->dq[MULTIBODY_LEFT + PART_THIGH] = 0.0;
+}
+
+void reflex_person_init(struct reflex_person *person, const struct reflex_person_params *params)
+{
+    memset(person, 0, sizeof *person);
+    person->params = *params;
+    start_pose(person);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        struct joint_angles joints;
+        muscles_joint_angles(&person->body, (enum side)side, &joints);
+        for (int i = 0; i < MUSCLE_COUNT; i++) {
+            const double total_m =
+                muscles_total_m(params->muscle[side], (enum muscle_id)i, params->leg_m, &joints);
+            muscle_settle(&params->muscle[side][i], total_m, 0.01, &person->muscle[side][i]);
+        }
+    }
+    person->ground_N[SIDE_RIGHT].y = params->mass_kg * params->gravity_m_s2;
+    struct reflex_moment moment;
+    sense(person, &moment);
+    reflexes_init(&person->reflexes, &moment);
+}
+
+/* ---- a step --------------------------------------------------------------------------------------------------- */
+
+/* What does not change within a step. */
+struct held {
+    double torque_Nm[SIDE_COUNT][JOINT_COUNT]; /* of muscles and device */
+    const struct reflex_person_loads *loads;
+};
+
+static void accelerate(const struct reflex_person *person, const struct held *held,
+                       const struct multibody_state *body, double acceleration[MULTIBODY_DOF],
+                       struct vector2 ground_N[SIDE_COUNT])
+{
+    const struct reflex_person_params *params = &person->params;
+    double force[MULTIBODY_DOF] = {held->loads->push_N.x, held->loads->push_N.y};
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        double torque[JOINT_COUNT];
+        struct joint_angles joints;
+        memcpy(torque, held->torque_Nm[side], sizeof torque);
+        muscles_joint_angles(body, (enum side)side, &joints);
+        muscles_add_joint_ends(&joints, params->mass_kg, torque);
+        muscles_add_to_body(torque, (enum side)side, force);
+        ground_N[side] = (struct vector2){0.0, 0.0};
+        for (int point = 0; point < FOOT_POINTS; point++) {
+            struct vector2 position, velocity;
+            const struct vector2 at = point_of(&params->segments, point);
+            multibody_foot_point(&params->segments, body, (enum side)side, at, &position,
+                                 &velocity);
+            const struct vector2 push =
+                contact_force(&params->contact, &person->contact[side][point], position, velocity,
+                              held->loads->ground_m[side], NULL);
+            if (push.y > 0.0) {
+                multibody_add_force(&params->segments, body, (enum side)side, at, push, force);
+                ground_N[side].x += push.x;
+                ground_N[side].y += push.y;
+            }
+        }
+    }
+    multibody_accelerations(&params->segments, body, force, acceleration);
+}
+
+/* Runge and Kutta's fourth order; the contacts' holds stay where they are meanwhile. */
+static void advance_body(struct reflex_person *person, const struct held *held)
+{
+    static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
+    const double step_s = person->params.step_s;
+    const struct multibody_state start = person->body;
+    struct multibody_state slope = {{0}, {0}}, sum = {{0}, {0}};
+    for (int stage = 0; stage < 4; stage++) {
+        struct multibody_state here;
+        struct vector2 ground_N[SIDE_COUNT];
+        for (int i = 0; i < MULTIBODY_DOF; i++) {
+            here.q[i] = start.q[i] + at[stage] * step_s * slope.q[i];
+            here.dq[i] = start.dq[i] + at[stage] * step_s * slope.dq[i];
+        }
+        accelerate(person, held, &here, slope.dq, ground_N);
+        for (int i = 0; i < MULTIBODY_DOF; i++) {
+            slope.q[i] = here.dq[i];
+            sum.q[i] += weight[stage] / 6.0 * slope.q[i];
+            sum.dq[i] += weight[stage] / 6.0 * slope.dq[i];
+        }
+        if (stage == 0) {
+            memcpy(person->ground_N, ground_N, sizeof ground_N);
+        }
+    }
+    for (int i = 0; i < MULTIBODY_DOF; i++) {
+        person->body.q[i] = start.q[i] + step_s * sum.q[i];
+        person->body.dq[i] = start.dq[i] + step_s * sum.dq[i];
+    }
+}
+
+static void pull(struct reflex_person *person, const struct reflex_person_loads *loads,
+                 enum side side, double torque_Nm[JOINT_COUNT])
+{
+    const struct reflex_person_params *params = &person->params;
+    struct joint_angles joints;
+    muscles_joint_angles(&person->body, side, &joints);
+    memset(torque_Nm, 0, JOINT_COUNT * sizeof *torque_Nm);
+    for (int i = 0; i < MUSCLE_COUNT; i++) {
+        const enum muscle_id id = (enum muscle_id)i;
+        const double total_m = muscles_total_m(params->muscle[side], id, params->leg_m, &joints);
+        const double force_N =
+            muscle_step(&params->muscle[side][i], total_m, person->stimulation[side][i],
+                        params->step_s, &person->muscle[side][i]);
+        muscles_add_torque(id, params->leg_m, &joints, force_N, torque_Nm);
+    }
+    for (int i = 0; i < JOINT_COUNT; i++) {
+        const double work_J = torque_Nm[i] * joints.rate_rad_s[i] * params->step_s;
+        person->torque_Nm[side][i] = torque_Nm[i];
+        person->muscle_work_J[side][i] += work_J;
+        person->muscle_positive_work_J[side][i] += work_J > 0.0 ? work_J : 0.0;
+    }
+    torque_Nm[JOINT_ANKLE] += loads->ankle_Nm[side];
+}
+
+void reflex_person_step(struct reflex_person *person, const struct reflex_person_loads *loads)
+{
+    const struct reflex_person_params *params = &person->params;
+    struct held held = {.loads = loads};
+    const uint64_t a_sense = (uint64_t)(SENSE_PERIOD_S / params->step_s + 0.5);
+    if (person->steps % a_sense == 0) {
+        struct reflex_moment moment;
+        sense(person, &moment);
+        reflexes_sense(&person->reflexes, &moment);
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            reflexes_stimulate(&person->reflexes, &params->gains, (enum side)side,
+                               person->stimulation[side]);
+        }
+    }
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        pull(person, loads, (enum side)side, held.torque_Nm[side]);
+    }
+    advance_body(person, &held);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        for (int point = 0; point < FOOT_POINTS; point++) {
+            struct vector2 position, velocity;
+            multibody_foot_point(&params->segments, &person->body, (enum side)side,
+                                 point_of(&params->segments, point), &position, &velocity);
+            contact_update(&params->contact, &person->contact[side][point], position, velocity,
+                           loads->ground_m[side]);
+        }
+    }
+    person->steps++;
+}
+
+void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns)
+{
+    /* Without gravity, at rest: the accelerations of such a force are the speeds that it leaves in a second. */
+    struct segments segments = person->params.segments;
+    struct multibody_state rest = person->body;
+    const double force[MULTIBODY_DOF] = {impulse_Ns.x, impulse_Ns.y};
+    double change[MULTIBODY_DOF];
+    segments.gravity_m_s2 = 0.0;
+    memset(rest.dq, 0, sizeof rest.dq);
+    multibody_accelerations(&segments, &rest, force, change);
+    for (int i = 0; i < MULTIBODY_DOF; i++) {
+        person->body.dq[i] += change[i];
+    }
+}
+
+int reflex_person_fell(const struct reflex_person *person)
+{
+    double check = 0.0;
+    for (int i = 0; i < MULTIBODY_DOF; i++) {
+        check += person->body.q[i] - person->body.q[i] + (person->body.dq[i] - person->body.dq[i]);
+    }
+    return !(check == 0.0) || person->body.q[MULTIBODY_Y] < FELL_SHARE * person->params.leg_m;
+}

@@ -1,0 +1,69 @@
+/* A person who walks by reflexes: the body, its fourteen muscles, its feet on the ground, and what drives them.
+ *
+ * The state is plain data: a copy is a snapshot, and the same future follows from it bit for bit. A step costs about
+ * 5 us. Planar; no learning; nothing is known of balance beyond the reflexes (reflexes.h).
+ */
+#ifndef SIM_HOST_REFLEX_REFLEX_PERSON_H
+#define SIM_HOST_REFLEX_REFLEX_PERSON_H
+
+#include <stdint.h>
+
+#include "sim_host/reflex/contact.h"
+#include "sim_host/reflex/muscles.h"
+#include "sim_host/reflex/reflexes.h"
+
+enum foot_point { FOOT_HEEL = 0, FOOT_BALL = 1, FOOT_POINTS = 2 };
+
+struct reflex_person_params {
+    double mass_kg, leg_m; /* hip to sole */
+    double gravity_m_s2;
+    struct segments segments;
+    struct contact_params contact;
+    struct muscle muscle[SIDE_COUNT][MUSCLE_COUNT];
+    struct reflex_gains gains;
+    /* At the start: hip's speed, and how far the legs are apart. The left leg is ahead and swings. */
+    double start_speed_m_s, start_lean_rad;
+    double step_s; /* a whole part of a millisecond */
+};
+
+/* What acts on it from outside during a step. */
+struct reflex_person_loads {
+    double ankle_Nm[SIDE_COUNT]; /* of a device, positive extends (plantarflexes) */
+    struct vector2 push_N;       /* at the hip */
+    double ground_m[SIDE_COUNT]; /* height below each foot */
+};
+
+struct reflex_person {
+    struct reflex_person_params params;
+    struct multibody_state body;
+    struct muscle_state muscle[SIDE_COUNT][MUSCLE_COUNT];
+    struct contact_point contact[SIDE_COUNT][FOOT_POINTS];
+    struct reflexes reflexes;
+    double stimulation[SIDE_COUNT][MUSCLE_COUNT];
+    struct vector2
+        ground_N[SIDE_COUNT]; /* the ground's force on each foot, at the last step's begin */
+    double muscle_work_J[SIDE_COUNT][JOINT_COUNT]; /* at each joint, since the start */
+    double muscle_positive_work_J[SIDE_COUNT][JOINT_COUNT];
+    double torque_Nm[SIDE_COUNT][JOINT_COUNT]; /* of the muscles, at the last step's begin */
+    uint64_t steps;
+};
+
+/* A healthy person, new to the device: Geyer & Herr's, scaled from their 80 kg and 1 m, with softer feet and the gains
+ * that suit these. */
+void reflex_person_default(double mass_kg, double leg_m, struct reflex_person_params *params);
+
+/* NULL, or which number is out of its range. */
+const char *reflex_person_check(const struct reflex_person_params *params);
+
+void reflex_person_init(struct reflex_person *person, const struct reflex_person_params *params);
+
+/* One step of params.step_s. */
+void reflex_person_step(struct reflex_person *person, const struct reflex_person_loads *loads);
+
+/* An impulse at the hip, N s. */
+void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns);
+
+/* Whether the hip is below 0.6 legs, or something is not finite. */
+int reflex_person_fell(const struct reflex_person *person);
+
+#endif
