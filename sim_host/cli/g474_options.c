@@ -9,6 +9,7 @@ enum {
     KEY_FAULT_STEP,
     KEY_CUT,
     KEY_EVERY,
+    KEY_ALIKE,
     KEY_LOSE,
     KEY_LOG,
     KEY_COSTS,
@@ -30,6 +31,8 @@ static const struct argp_option option_list[] = {
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
     {"cut", KEY_CUT, "N", 0, "save-cut, load-cut: power fails in flash operation N, from 0 (0)", 0},
     {"every", KEY_EVERY, "N", 0, "likewise: in each N-th operation, one after the other", 0},
+    {"alike", KEY_ALIKE, 0, 0,
+     "with --every: each start that reads the same flash as one before is not run again", 0},
     {"lose", KEY_LOSE, "ADDRESS", 0, "lost-write: of this register, decimal (TIM2's prescaler)", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 4},
     {"trace", KEY_TRACE, "FILE", 0, "what a debugger records of an image built with TRACE=swo", 4},
@@ -66,6 +69,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_EVERY:
         options->every = (uint32_t)option_whole(state, "--every", text, 1, 100000);
+        return 0;
+    case KEY_ALIKE:
+        options->alike = true;
         return 0;
     case KEY_LOSE:
         options->lose = (uint32_t)option_whole(state, "--lose", text, 0, UINT32_MAX);

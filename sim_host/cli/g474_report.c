@@ -32,7 +32,7 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         "\"told_cycles\": %u, \"worst_tick\": %u, \"sync_late_ns\": %llu, \"sync_late_tick\": %u, \"instructions\": %llu, "
         "\"simulated_s\": %.6f, \"exceptions\": %llu, \"tail_chained\": %llu, \"starts\": %u, "
         "\"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, \"crash_count\": %u, "
-        "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
+        "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"cuts_run\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
         "\"led_edges\": %u, \"noticed_ms\": %.3f, \"corrected\": %u, \"serial\": \"%s\", "
         "\"wall_s\": %.2f}\n",
         chip_session_is_good(session) ? "true" : "false", session->record.count,
@@ -46,7 +46,8 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         chip->resets, bridge->state, supervisor_fault_name((enum supervisor_fault)bridge->fault),
         (unsigned)session->crash.cause, (unsigned)session->crash.count,
         chip->flash_registers.operations, session->cuts.hit ? "true" : "false", session->cuts.tried,
-        session->cuts.bad, (unsigned long long)chip->permit_edges, chip->led_edges,
+        session->cuts.ran, session->cuts.bad, (unsigned long long)chip->permit_edges,
+        chip->led_edges,
         session->noticed_ns > session->brought_ns
             ? 1e-6 * (double)(session->noticed_ns - session->brought_ns)
             : 0.0,
@@ -79,8 +80,8 @@ void g474_report_text(const struct chip_session *session, double wall_s)
                chip_session_is_safe(session) ? "unloaded" : "LOADED");
     }
     if (session->cuts.tried > 0) {
-        printf("power cut in %u of %u flash operations: %u ended badly\n", session->cuts.tried,
-               session->cuts.operations, session->cuts.bad);
+        printf("power cut in %u of %u flash operations, %u run to their end: %u ended badly\n",
+               session->cuts.tried, session->cuts.operations, session->cuts.ran, session->cuts.bad);
     }
     if (session->trouble[0] != '\0') {
         printf("trouble: %s\n", session->trouble);

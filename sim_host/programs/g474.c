@@ -46,6 +46,7 @@ static int prepare(struct g474 *g474)
     session->fault_step = options->fault_step;
     session->cuts.at = options->cut;
     session->cuts.every = options->every;
+    session->cuts.alike = options->alike;
     session->lose = options->lose;
     session->on_step = tell_progress;
     session->context = &g474->progress;

@@ -196,9 +196,22 @@ def test_power_may_fail_while_a_program_is_received_ordered_and_installed():
 
 @pytest.mark.long
 def test_power_may_fail_all_over_an_update():
-    """Each word of it is cut in tests/hal/port_stm32g474/test_programs.c, on a shorter image."""
+    """Each of these starts runs to its end, whatever another has read."""
     end = g474("--fault", "update-cut", "--every", "61")
-    assert end["cuts"] > 250 and end["bad_cuts"] == 0
+    assert end["cuts"] == end["cuts_run"] > 250 and end["bad_cuts"] == 0
+
+
+@pytest.mark.long
+def test_power_may_fail_at_every_word_of_an_update():
+    """A start from flash that reads the same as one before is not run again (tests/sim_host/emulator)."""
+    end = g474("--fault", "update-cut", "--every", "1", "--alike")
+    assert end["cuts"] == end["flash_operations"] > 25000 and end["bad_cuts"] == 0
+    assert end["cuts_run"] < 100
+
+
+def test_starts_that_read_the_same_flash_are_run_once():
+    end = g474("--fault", "load-cut", "--every", "1", "--alike")
+    assert 1 <= end["cuts_run"] <= end["cuts"] == end["flash_operations"] and end["bad_cuts"] == 0
 
 
 @pytest.mark.long

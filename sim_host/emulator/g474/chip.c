@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_host/emulator/g474/chip_flash_use.h"
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 
@@ -83,6 +84,9 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
         core_stop(&chip->core);
         return;
     }
+    if (chip->flash_use != NULL) {
+        chip_flash_use_note(chip, address - FLASH_BASE, bytes);
+    }
     const uint32_t count = instructions_of_block(chip, address, bytes);
     chip->cycles += count;
     chip->instructions += count;
@@ -136,6 +140,9 @@ static uint32_t run_core(struct chip *chip, uint32_t pc)
         return pc;
     case CORE_STORED:
         return behind_store(chip, pc);
+    case CORE_LOADED:
+        chip_flash_use_load(chip, core->bad_address);
+        return pc;
     case CORE_EXCEPTION_RETURN:
         return chip_leave(chip, pc | 1u);
     case CORE_FAILED:
@@ -180,6 +187,7 @@ static void reset(struct chip *chip, bool power_on)
     core_set(core, CORE_BASEPRI, 0);
     core_set(core, CORE_FAULTMASK, 0);
     core_set(core, CORE_LR, 0xFFFFFFFFu);
+    chip_flash_use_note(chip, 0, 8);
     core_set(core, CORE_MSP, ((const uint32_t *)(const void *)chip->flash)[0]);
     chip->pc = ((const uint32_t *)(const void *)chip->flash)[1] & ~1u;
     chip_stop(chip);
@@ -201,6 +209,9 @@ static void scramble(struct chip *chip)
 
 void chip_power_cycle(struct chip *chip)
 {
+    if (chip->on_power_loss != NULL) {
+        chip->on_power_loss(chip->power_context);
+    }
     scramble(chip);
     chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
     reset(chip, true);

@@ -55,6 +55,8 @@ enum chip_reset {
     CHIP_RESET_WATCHDOG = 1 << 29
 };
 
+struct chip_flash_use;
+
 struct chip_scs {
     bool pending[CHIP_EXCEPTIONS], active[CHIP_EXCEPTIONS], enabled[CHIP_EXCEPTIONS];
     uint8_t priority[CHIP_EXCEPTIONS];
@@ -151,6 +153,9 @@ struct chip {
     /* Findings. */
     char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];
     uint64_t finding_count;
+    struct chip_flash_use *flash_use;     /* notes what is read of flash; NULL = nobody asks */
+    void (*on_power_loss)(void *context); /* before power comes back; NULL = nobody looks */
+    void *power_context;
     FILE *trace; /* what a debugger records of the trace port; NULL = none listens */
     char message[CORE_MESSAGE_MAX];
 };

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim_host/emulator/g474/chip.h"
+#include "sim_host/emulator/g474/chip_flash_use.h"
 
 enum {
     HARD_FAULT = 3,
@@ -203,6 +204,7 @@ static uint32_t begin_handler(struct chip *chip, unsigned exception, uint32_t ex
         return 0;
     }
     scs->nest[scs->depth++] = (uint8_t)exception;
+    chip_flash_use_note(chip, table + 4 * exception, 4);
     handler = *(uint32_t *)(void *)(chip->flash + table + 4 * exception);
     core_set(core, CORE_XPSR, (uint32_t)XPSR_THUMB | exception);
     core_set(core, CORE_CONTROL,

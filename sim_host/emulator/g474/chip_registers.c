@@ -1,5 +1,6 @@
 /* Loads and stores of the core on the models' registers, and how long the flash takes. */
 #include "sim_host/emulator/g474/chip.h"
+#include "sim_host/emulator/g474/chip_flash_use.h"
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 
@@ -53,6 +54,7 @@ static uint32_t read_word(struct chip *chip, uint32_t address)
 
     if (in_store(address)) {
         wait_for_flash(chip);
+        chip_flash_use_note(chip, address - 0x08000000u, 4);
     } else if (!is_reachable(chip, address)) {
         return 0;
     }

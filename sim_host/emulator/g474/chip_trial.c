@@ -166,7 +166,11 @@ static void ask_and_cut(struct chip_session *session)
         chip_session_complain(session, "the image does not tell which settings it has");
         return;
     }
-    chip_cuts_begin(&session->cuts, &session->chip);
+    const char *missing = chip_cuts_begin(&session->cuts, &session->chip);
+    if (missing != NULL) {
+        chip_session_complain(session, missing);
+        return;
+    }
     const enum sdo_upload_result result =
         save ? sdo_write(&tool, STORE_CONTROL, 1, SAVE_SIGNATURE, 4)
              : sdo_write(&tool, RESTORE_CONTROL, 1, LOAD_SIGNATURE, 4);

@@ -33,6 +33,7 @@ enum {
     /* Numbers of exceptions that the hook is told, QEMU's own. */
     EXCEPTION_RETURN = 8,
     STORE_TOLD = 1000, /* none of its */
+    LOAD_TOLD = 1001,
     REGISTER_D0 = 14,
     REGISTER_R0 = 66,
 };
@@ -47,6 +48,7 @@ struct core_functions {
                          uint64_t (*read)(void *, uint64_t, unsigned, void *), void *read_context,
                          void (*write)(void *, uint64_t, unsigned, uint64_t, void *),
                          void *write_context);
+    int (*protect_memory)(void *engine, uint64_t address, uint64_t size, uint32_t permits);
     int (*write_memory)(void *engine, uint64_t address, const void *bytes, uint64_t size);
     int (*read_register)(void *engine, int which, void *value);
     int (*write_register)(void *engine, int which, const void *value);
@@ -108,6 +110,7 @@ static int find_functions(struct core *core)
         {"uc_ctl", &functions.control},
         {"uc_mem_map_ptr", &functions.map_memory},
         {"uc_mmio_map", &functions.map_registers},
+        {"uc_mem_protect", &functions.protect_memory},
         {"uc_mem_write", &functions.write_memory},
         {"uc_reg_read", &functions.read_register},
         {"uc_reg_write", &functions.write_register},
@@ -159,8 +162,10 @@ static bool on_bad_memory(void *engine, int kind, uint64_t address, int bytes, i
         core->exception = STORE_TOLD;
         return false;
     }
+    const bool is_closed =
+        kind == MEMORY_READ_FORBIDDEN && address - core->watched_base < core->watched_bytes;
     core->bad_address = (uint32_t)address;
-    core->exception = (uint32_t)kind;
+    core->exception = is_closed ? (uint32_t)LOAD_TOLD : (uint32_t)kind;
     return false;
 }
 
@@ -253,6 +258,19 @@ int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *mem
     core->watched_base = base;
     core->watched_bytes = bytes;
     return core_map_memory(core, base, bytes, memory, false);
+}
+
+void core_close_pages(struct core *core)
+{
+    (void)check(core, functions.protect_memory(core->engine, core->watched_base,
+                                               core->watched_bytes, PERMIT_EXECUTE));
+}
+
+void core_open_page(struct core *core, uint32_t address)
+{
+    (void)check(core, functions.protect_memory(
+                          core->engine, address & ~(uint32_t)(CORE_PAGE_BYTES - 1), CORE_PAGE_BYTES,
+                          (uint32_t)PERMIT_READ | (uint32_t)PERMIT_EXECUTE));
 }
 
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count)
@@ -362,6 +380,8 @@ static enum core_stop stop_of(struct core *core, int error)
         return CORE_EXCEPTION_RETURN;
     case STORE_TOLD:
         return CORE_STORED;
+    case LOAD_TOLD:
+        return CORE_LOADED;
     default:
         return error >= 6 && error <= 18 && error != ERROR_NO_INSTRUCTION ? CORE_BAD_FETCH
                                                                           : CORE_UNDEFINED;

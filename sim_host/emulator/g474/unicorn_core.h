@@ -42,7 +42,8 @@ enum core_stop {
     CORE_WAITS,            /* the processor waits for an interrupt */
     CORE_EXCEPTION_RETURN, /* a branch to an EXC_RETURN value */
     CORE_STORED,           /* a store was told; go on behind its instruction */
-    CORE_UNDEFINED,        /* an instruction that does not exist, or SVC, BKPT */
+    CORE_LOADED,    /* the first load from a page that core_close_pages closed: bad_address */
+    CORE_UNDEFINED, /* an instruction that does not exist, or SVC, BKPT */
     CORE_BAD_READ,
     CORE_BAD_WRITE,
     CORE_BAD_FETCH,
@@ -97,6 +98,11 @@ void core_close(struct core *core);
 int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable);
 /* Memory that is read and fetched; each store is told, and nothing else done. One such range. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory);
+/* Closes that range to loads, fetches left aside: the first load from each page stops the core before
+ * it. core_open_page opens the page, and the same instruction may be tried again. */
+enum { CORE_PAGE_BYTES = 4096 };
+void core_close_pages(struct core *core);
+void core_open_page(struct core *core, uint32_t address);
 /* Changes memory from outside; what was translated from it is translated anew. */
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count);
 /* Every access in the range calls read or write. */
