@@ -127,6 +127,15 @@ def test_a_corrected_flash_error_is_counted_and_the_walk_goes_on():
     assert end["corrected"] >= 1 and end["fault"] == "none" and end["starts"] == 1
 
 
+def test_a_mark_gives_a_pulse_at_once_wherever_it_comes_in_the_tick():
+    """afo g474 itself checks that each mark has one pulse, and that the frames stay the host's."""
+    end = g474("--fault", "mark", "--speed", "0.45", "--fault-step", "2")
+    assert end["marks"] == 40 and end["differences"] == 0 and end["fault"] == "none"
+    assert 0 < end["mark_delay_us"][0] <= end["mark_delay_us"][1] < 100
+    assert end["mark_delay_us"][1] - end["mark_delay_us"][0] < 50
+    assert all(abs(length - 10000) <= 1 for length in end["pulse_us"])
+
+
 @pytest.mark.parametrize("fault, options", [("first-start", "FEEFFBAA"), ("options-cut", "FFFFF8FF")])
 def test_the_option_bytes_are_set_once_and_never_when_torn(fault, options):
     end = g474("--fault", fault)

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/emulator/g474/chip_flash_use.h"
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 

@@ -82,6 +82,11 @@ struct chip_timer {
     uint32_t count_base;
     uint64_t base_ns; /* when count_base was right */
     uint64_t match_ns, overflow_ns;
+    /* The second channel's output. */
+    uint32_t ccmr1, ccer, ccr2;
+    bool high;
+    uint64_t low_ns;                   /* when it goes low; never while it is */
+    uint64_t pulses, rose_ns, fell_ns; /* at PA1, with the last edges */
 };
 
 struct chip_watchdog {
@@ -237,6 +242,14 @@ uint64_t chip_next_due_cycle(const struct chip *chip);
 /* Core cycle at which `time_ns` is reached. */
 uint64_t chip_cycle_of(const struct chip *chip, uint64_t time_ns);
 
+/* The core takes `bytes` bytes at `offset` into flash. Noted where chip_flash_use_begin asked
+ * for it. */
+void chip_flash_use_note(struct chip *chip, uint32_t offset, uint32_t bytes);
+/* The core is about to load from a page of 4 KiB for the first time. */
+void chip_flash_use_load(struct chip *chip, uint32_t address);
+/* Flash was erased, or one word of it (8 bytes) programmed. */
+void chip_flash_use_change(struct chip *chip, uint32_t offset, uint32_t bytes);
+
 void chip_scs_reset(struct chip *chip);
 void chip_scs_map(struct chip *chip);
 uint64_t chip_systick_due(const struct chip *chip);
@@ -276,7 +289,11 @@ void chip_supply_follow(struct chip *chip, bool was_low);
 
 void chip_io_reset(struct chip *chip);
 void chip_io_map(struct chip *chip);
+void chip_timer_reset(struct chip *chip);
+void chip_timer_map(struct chip *chip);
 void chip_timer_rebase(struct chip *chip);
+uint64_t chip_timer_due(const struct chip *chip);
+void chip_timer_fire(struct chip *chip);
 uint64_t chip_io_due(const struct chip *chip);
 void chip_io_fire(struct chip *chip);
 

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "sim_host/emulator/g474/chip.h"
-#include "sim_host/emulator/g474/chip_flash_use.h"
 
 enum {
     HARD_FAULT = 3,

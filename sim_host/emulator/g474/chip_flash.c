@@ -2,7 +2,6 @@
 #include <string.h>
 
 #include "sim_host/emulator/g474/chip.h"
-#include "sim_host/emulator/g474/chip_flash_use.h"
 
 /* The core reads the new bytes at once. What it has translated of the old ones is forgotten later:
  * nobody runs what is being written. */

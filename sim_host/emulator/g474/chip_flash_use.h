@@ -42,15 +42,9 @@ struct chip_starts {
     } start[CHIP_STARTS_MAX];
 };
 
-/* From now on `chip` notes in `use`, which it keeps, what it reads. Not from a callback of the core. */
+/* From now on `chip` notes in `use`, which it keeps, what it reads (chip_flash_use_note and what follows
+ * in chip.h). Not from a callback of the core. */
 void chip_flash_use_begin(struct chip_flash_use *use, struct chip *chip);
-
-/* The core takes `bytes` bytes at `offset` into flash. Nothing without chip_flash_use_begin. */
-void chip_flash_use_note(struct chip *chip, uint32_t offset, uint32_t bytes);
-/* The core is about to load from a page of 4 KiB for the first time. */
-void chip_flash_use_load(struct chip *chip, uint32_t address);
-/* Flash was erased, or one word of it (8 bytes) programmed. */
-void chip_flash_use_change(struct chip *chip, uint32_t offset, uint32_t bytes);
 
 /* True when the flash, as it is now, agrees with what one of the starts read. */
 bool chip_starts_know(const struct chip_starts *starts, const struct flash_model *flash);

@@ -1,6 +1,5 @@
 /* Loads and stores of the core on the models' registers, and how long the flash takes. */
 #include "sim_host/emulator/g474/chip.h"
-#include "sim_host/emulator/g474/chip_flash_use.h"
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/emulator/g474/model_check.h"
 

@@ -75,6 +75,7 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_FLASH_CORRECTED] = {.name = "flash-corrected"},
     [CHIP_FAULT_EARLY_FEED] = {"early-feed", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_WATCHDOG, NULL,
                                0},
+    [CHIP_FAULT_MARK] = {.name = "mark"},
     [CHIP_FAULT_UPDATE] = {.name = "update"},
     [CHIP_FAULT_UPDATE_OLDER] = {.name = "update-older"},
     [CHIP_FAULT_UPDATE_OTHER_BOARD] = {.name = "update-other-board"},

@@ -4,6 +4,7 @@
 
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
+#include "sim_host/emulator/g474/chip_mark.h"
 #include "sim_host/emulator/g474/chip_update.h"
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/log/black_box_log.h"
@@ -194,6 +195,15 @@ static void update(struct chip_session *session)
     session->bridge.state = UINT8_MAX;
 }
 
+/* The host's task hears the marks, too: the comparison goes on. */
+static void set_marks(struct chip_session *session)
+{
+    struct sdo_upload tool = tool_of(session);
+
+    session->crash_known = true;
+    chip_mark_run(session, &tool);
+}
+
 /* The fault has come; until the image starts again because of it, or notices nothing. What is wrong
  * is right again afterwards, so that the record can be fetched. */
 static void wait_until_noticed(struct chip_session *session)
@@ -344,6 +354,9 @@ static void bring_fault(struct chip_session *session)
     case CHIP_FAULT_FLASH_CORRECTED:
         weaken_flash(session);
         break;
+    case CHIP_FAULT_MARK:
+        set_marks(session);
+        break;
     case CHIP_FAULT_UPDATE:
     case CHIP_FAULT_UPDATE_OLDER:
     case CHIP_FAULT_UPDATE_OTHER_BOARD:
@@ -368,8 +381,8 @@ static void bring_fault(struct chip_session *session)
 /* Faults that do not hinder a walk. */
 static bool goes_on(enum chip_fault fault)
 {
-    return fault == CHIP_FAULT_FLASH_CORRECTED || fault == CHIP_FAULT_FIRST_START ||
-           fault == CHIP_FAULT_OPTIONS_CUT;
+    return fault == CHIP_FAULT_FLASH_CORRECTED || fault == CHIP_FAULT_MARK ||
+           fault == CHIP_FAULT_FIRST_START || fault == CHIP_FAULT_OPTIONS_CUT;
 }
 
 static void judge(struct chip_session *session)
