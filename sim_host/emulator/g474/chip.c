@@ -31,15 +31,23 @@ static void on_nmi(void *context)
 
 /* ---- Instructions ------------------------------------------------------------------------------------ */
 
-static uint32_t count_instructions(const struct chip *chip, uint32_t offset, uint32_t bytes)
+/* Armv7-M, A5.3.18: coprocessor instructions, of coprocessors 10 and 11. */
+static bool is_float(const uint16_t *code)
 {
-    uint32_t count = 0;
+    return (code[0] & 0xEC00) == 0xEC00 && (code[1] & 0x0E00) == 0x0A00;
+}
 
-    for (uint32_t at = offset; at < offset + bytes; count++) {
-        const uint16_t half = *(const uint16_t *)(const void *)(chip->flash + at);
-        at += (half >> 11) >= 0x1D ? 4 : 2;
+static struct chip_block read_block(const struct chip *chip, uint32_t offset, uint32_t bytes)
+{
+    struct chip_block block = {.bytes = (uint16_t)bytes};
+
+    for (uint32_t at = offset; at < offset + bytes; block.instructions++) {
+        const uint16_t *code = (const uint16_t *)(const void *)(chip->flash + at);
+        const bool is_long = (code[0] >> 11) >= 0x1D;
+        block.has_float = block.has_float || (is_long && is_float(code));
+        at += is_long ? 4 : 2;
     }
-    return count;
+    return block;
 }
 
 static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint32_t bytes)
@@ -51,8 +59,10 @@ static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint3
     }
     struct chip_block *block = &chip->block[offset / 2];
     if (block->bytes != bytes) {
-        *block =
-            (struct chip_block){(uint16_t)bytes, (uint16_t)count_instructions(chip, offset, bytes)};
+        *block = read_block(chip, offset, bytes);
+    }
+    if (block->has_float && chip_float_is_owed(chip)) {
+        chip_store_float(chip);
     }
     return block->instructions;
 }

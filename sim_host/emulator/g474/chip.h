@@ -11,9 +11,9 @@
  *
  * Simplified: a write into a part of RAM that the MPU closes faults when the next exception
  * comes or the core sleeps, not at the instruction (the engine protects pages, and the
- * regions are smaller); reads there are not noticed. An exception's floating-point state is stored at entry where the core would
- * store it at the handler's first use. The content is the same. No cycle is added for wait
- * states and caches.
+ * regions are smaller); reads there are not noticed. An exception's floating-point state is stored
+ * before the block with the handler's first floating-point instruction, not at that instruction.
+ * No cycle is added for wait states and caches.
  */
 #ifndef SIM_HOST_EMULATOR_G474_CHIP_H
 #define SIM_HOST_EMULATOR_G474_CHIP_H
@@ -62,7 +62,7 @@ struct chip_scs {
     uint8_t priority[CHIP_EXCEPTIONS];
     uint8_t nest[CHIP_NEST_MAX]; /* exceptions being handled, the innermost last */
     unsigned depth;
-    uint32_t vtor, aircr, scr, ccr, shcsr, cfsr, hfsr, mmfar, bfar, cpacr, fpccr, demcr;
+    uint32_t vtor, aircr, scr, ccr, shcsr, cfsr, hfsr, mmfar, bfar, cpacr, fpccr, fpcar, demcr;
     uint32_t mpu_ctrl, mpu_rnr, mpu_rbar[CHIP_MPU_REGIONS], mpu_rasr[CHIP_MPU_REGIONS];
     uint8_t guarded[CHIP_MPU_REGIONS][CHIP_GUARD_MAX]; /* what a closed region in RAM holds */
     uint32_t systick_ctrl, systick_load;
@@ -112,6 +112,7 @@ struct chip_port {
 /* Instructions up to a branch. */
 struct chip_block {
     uint16_t bytes, instructions;
+    bool has_float; /* an instruction of the floating-point unit is among them */
 };
 
 struct chip {
@@ -264,6 +265,10 @@ unsigned chip_next_exception(struct chip *chip);
 uint32_t chip_enter(struct chip *chip, unsigned exception, uint32_t pc);
 /* After a branch to EXC_RETURN. Returns where to go on. */
 uint32_t chip_leave(struct chip *chip, uint32_t exc_return);
+/* The floating-point state of what was interrupted has a place on the stack and is not stored there. */
+bool chip_float_is_owed(const struct chip *chip);
+/* Stores it: the first floating-point instruction since is about to run. */
+void chip_store_float(struct chip *chip);
 /* Remembers what the closed regions in RAM hold, and pends the fault when one was written. */
 void chip_guard(struct chip *chip);
 void chip_check_guards(struct chip *chip);

@@ -208,6 +208,7 @@ static uint32_t scs_read(void *context, uint32_t offset)
     case FPCCR:
         return scs->fpccr;
     case FPCAR:
+        return scs->fpcar;
     case FPDSCR:
         return 0;
     default:
