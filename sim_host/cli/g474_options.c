@@ -14,7 +14,8 @@ enum {
     KEY_LOG,
     KEY_COSTS,
     KEY_BOARD,
-    KEY_TRACE
+    KEY_TRACE,
+    KEY_GDB
 };
 
 static const struct argp_option option_list[] = {
@@ -26,7 +27,7 @@ static const struct argp_option option_list[] = {
      "torn-settings, ecc-error, save-cut, load-cut, lost-write, half-written, "
      "damaged-program, stuck-ram, first-start, options-cut, supply-low, brown-out, ram-slice, "
      "ram-parity, core-register, float-register, slow-oscillator, fast-oscillator, deep-stack, "
-     "flash-corrected, early-feed, mark, update, update-older, update-other-board, update-walking or update-cut",
+     "flash-corrected, early-feed, dirty-ram, mark, update, update-older, update-other-board, update-walking or update-cut",
      0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
     {"cut", KEY_CUT, "N", 0, "save-cut, load-cut: power fails in flash operation N, from 0 (0)", 0},
@@ -36,6 +37,8 @@ static const struct argp_option option_list[] = {
     {"lose", KEY_LOSE, "ADDRESS", 0, "lost-write: of this register, decimal (TIM2's prescaler)", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 4},
     {"trace", KEY_TRACE, "FILE", 0, "what a debugger records of an image built with TRACE=swo", 4},
+    {"gdb", KEY_GDB, "PORT", 0,
+     "wait at 127.0.0.1:PORT until gdb attaches (target remote); 0: a free port", 4},
     {"board", KEY_BOARD, 0, 0, "then ask the image what `afo ctl board' asks a board", 4},
     {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 4},
     {0}};
@@ -82,11 +85,21 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_TRACE:
         options->trace_path = text;
         return 0;
+    case KEY_GDB:
+        options->gdb = true;
+        options->gdb_port = (unsigned)option_whole(state, "--gdb", text, 0, 65535);
+        return 0;
     case KEY_BOARD:
         options->board = true;
         return 0;
     case KEY_COSTS:
         options->costs_path = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (options->gdb && options->every > 0) {
+            argp_error(state,
+                       "--gdb and --every: copies of the run cannot share a debugger; use --cut");
+        }
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;

@@ -127,6 +127,12 @@ def test_a_corrected_flash_error_is_counted_and_the_walk_goes_on():
     assert end["corrected"] >= 1 and end["fault"] == "none" and end["starts"] == 1
 
 
+def test_the_program_needs_nothing_of_what_the_starter_leaves_in_ram():
+    """The starter's test of the RAM leaves it empty; a debugger's start does not."""
+    end = g474("--fault", "dirty-ram", "--speed", "0.45", "--fault-step", "2")
+    assert end["fault"] == "none" and end["differences"] == 0 and end["starts"] == 1
+
+
 def test_a_mark_gives_a_pulse_at_once_wherever_it_comes_in_the_tick():
     """afo g474 itself checks that each mark has one pulse, and that the frames stay the host's."""
     end = g474("--fault", "mark", "--speed", "0.45", "--fault-step", "2")

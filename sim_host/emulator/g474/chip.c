@@ -138,11 +138,15 @@ static uint32_t behind_store(struct chip *chip, uint32_t pc)
 static uint32_t run_core(struct chip *chip, uint32_t pc)
 {
     struct core *core = &chip->core;
-    const enum core_stop stop = core_run(core, pc);
+    const enum core_stop stop = chip->debug_step ? core_step(core, pc) : core_run(core, pc);
 
     pc = core_get(core, CORE_PC);
     switch (stop) {
     case CORE_ASKED:
+        return pc;
+    case CORE_BROKE:
+    case CORE_STEPPED:
+        chip->debug_halted = true;
         return pc;
     case CORE_WAITS:
         chip->sleeping = true;
@@ -205,14 +209,7 @@ static void reset(struct chip *chip, bool power_on)
 /* What RAM holds when power comes on: anything. */
 static void scramble(struct chip *chip)
 {
-    uint32_t state = 0x2545F491u + chip->resets;
-
-    for (uint32_t i = 0; i < CHIP_RAM_BYTES / 4; i++) {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        ((uint32_t *)(void *)chip->ram)[i] = state;
-    }
+    chip_fill_ram(chip, CHIP_RAM_BYTES);
     memset(chip->can.ram, 0xA7, sizeof chip->can.ram);
 }
 
@@ -251,6 +248,9 @@ void chip_run(struct chip *chip, uint64_t until_ns)
         if (chip->reset_asked) {
             reset(chip, false);
             return;
+        }
+        if (chip->debug != NULL) {
+            chip->debug(chip->debug_context);
         }
         chip_check_guards(chip);
         chip_refresh(chip);

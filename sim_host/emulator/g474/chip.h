@@ -162,6 +162,10 @@ struct chip {
     struct chip_flash_use *flash_use;     /* notes what is read of flash; NULL = nobody asks */
     void (*on_power_loss)(void *context); /* before power comes back; NULL = nobody looks */
     void *power_context;
+    void (*debug)(void *context); /* between two runs of the core; NULL = no debugger */
+    void *debug_context;
+    bool debug_halted, debug_step; /* it stops before the next instruction, or after it */
+    bool dirty_ram;                /* a program that begins finds anything in RAM */
     FILE *trace; /* what a debugger records of the trace port; NULL = none listens */
     char message[CORE_MESSAGE_MAX];
 };
@@ -231,6 +235,10 @@ uint32_t chip_read(void *context, uint32_t address, uint32_t bytes);
 void chip_flash_changed(void *context, uint32_t offset, uint32_t bytes);
 /* Another program begins: what was translated of changed flash is forgotten. */
 void chip_flash_forget(struct chip *chip);
+/* The beginning of RAM gets anything, the same after as many resets. */
+void chip_fill_ram(struct chip *chip, uint32_t bytes);
+/* The starter hands over to the program. */
+void chip_begin_program(struct chip *chip);
 /* A store into the first bank of flash. */
 void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value);

@@ -333,6 +333,7 @@ static void bring_fault(struct chip_session *session)
         break;
     case CHIP_FAULT_FIRST_START:
     case CHIP_FAULT_OPTIONS_CUT:
+    case CHIP_FAULT_DIRTY_RAM:
         break;
     case CHIP_FAULT_SUPPLY_LOW:
         chip_bridge_stop_comparing(bridge);
@@ -382,7 +383,8 @@ static void bring_fault(struct chip_session *session)
 static bool goes_on(enum chip_fault fault)
 {
     return fault == CHIP_FAULT_FLASH_CORRECTED || fault == CHIP_FAULT_MARK ||
-           fault == CHIP_FAULT_FIRST_START || fault == CHIP_FAULT_OPTIONS_CUT;
+           fault == CHIP_FAULT_DIRTY_RAM || fault == CHIP_FAULT_FIRST_START ||
+           fault == CHIP_FAULT_OPTIONS_CUT;
 }
 
 static void judge(struct chip_session *session)
