@@ -35,7 +35,7 @@ static void default_objects(struct controller_objects *objects, const struct con
 {
     /* Field by field: a whole struct on the stack is more than the device has to spare. */
     memset(objects, 0, sizeof *objects);
-    objects->command_count = 6;
+    objects->command_count = 7;
     objects->state_count = 10;
     objects->step_count = 5;
     objects->record_count = 4;

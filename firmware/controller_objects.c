@@ -45,6 +45,7 @@ const struct co_entry controller_object_table[] = {
     CO_OBJECT(OWNER, zero_requested, 0x2000, 4, CO_UNSIGNED8, RW, 0, 1, "Zero the leg sensors"),
     CO_ANY(OWNER, unlock, 0x2000, 5, CO_UNSIGNED32, RW, "Unlock the parameters"),
     CO_OBJECT(OWNER, wearer_button, 0x2000, 6, CO_UNSIGNED8, RW, 0, 1, "Wearer button pressed"),
+    CO_ANY(OWNER, mark, 0x2000, 7, CO_UNSIGNED32, RW, "Mark"),
     CO_ANY(OWNER, state_count, 0x2001, 0, CO_UNSIGNED8, FIXED, "State"),
     CO_ANY(OWNER, state, 0x2001, 1, CO_UNSIGNED8, RO | TX, "Supervisor state and emergency stop"),
     CO_ANY(OWNER, fault, 0x2001, 2, CO_UNSIGNED8, RO | TX, "Latched fault"),

@@ -66,6 +66,7 @@ struct controller_objects {
     uint8_t reset_requested;
     uint8_t zero_requested;
     uint32_t unlock;       /* settings_lock.h; reads 0 */
+    uint32_t mark;         /* the last one written, by number; each gives a sync pulse */
     uint8_t wearer_button; /* 1: pressed, beside the button at a pin, */
     uint8_t wearer_pin;    /* which is not in the dictionary but in the state's bit 6 */
     /* 0x2001: state, TPDO2: of the first, bit 7 is the emergency stop and bit 6 the wearer's pin */

@@ -183,6 +183,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     orthosis->store.between_context = orthosis;
     orthosis->drive_power = config->drive_power;
     orthosis->wearer = config->wearer;
+    orthosis->task.node.rules.sync_pulse = config->sync_pulse;
     orthosis->streak = config->streak;
     if (config->streak != NULL) {
         telemetry_report_crashes(&orthosis->task.node.objects, &orthosis->task.node.device,

@@ -21,6 +21,7 @@
 #include "hal/drive_power_enable.h"
 #include "hal/storage/param_store.h"
 #include "hal/storage/program_slots.h"
+#include "hal/sync_pulse.h"
 #include "hal/watchdog.h"
 #include "hal/wearer_panel.h"
 
@@ -38,6 +39,7 @@ struct orthosis_config {
     const struct clock *clock;
     const struct drive_power_enable *drive_power; /* NULL: the board has none */
     const struct wearer_panel *wearer;            /* NULL: the board has none */
+    const struct sync_pulse *sync_pulse;          /* given at each mark (0x2000:7); NULL: none */
     const struct nv_store *nv;
     const struct program_slots *program; /* where the program lies; NULL: nobody looks after it */
     void (*in_quiet_ticks)(void);        /* called at the end of ticks with little to do; or NULL */

@@ -26,7 +26,8 @@ enum {
     BOTH_LEGS = 255,
     INDEX_COMMISSIONING = 0x2060,
     INDEX_FORCE_SAMPLES = 0x2062,
-    SUB_UNLOCK = 5
+    SUB_UNLOCK = 5,
+    SUB_MARK = 7
 };
 
 /* What has to be written to 0x1010 and 0x1011 (CiA 301, clauses 7.5.2.13 and 7.5.2.14), and
@@ -268,6 +269,10 @@ void write_rules_written(void *context, const struct co_entry *entry)
         settings_lock_move(&rules->lock, objects, !rules->powered);
     } else if (entry->index == INDEX_COMMANDS && entry->sub == SUB_UNLOCK) {
         objects->unlock = 0;
+    } else if (entry->index == INDEX_COMMANDS && entry->sub == SUB_MARK) {
+        if (rules->sync_pulse != NULL) {
+            sync_pulse_give(rules->sync_pulse);
+        }
     } else if (entry->index == INDEX_PROGRAM_CONTROL) {
         show_program(rules);
     } else if (entry->index == INDEX_STORE || entry->index == INDEX_RESTORE) {

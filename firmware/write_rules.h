@@ -18,6 +18,7 @@
 #include "hal/devices/device_verdict.h"
 #include "hal/storage/black_box.h"
 #include "hal/storage/crash_record.h"
+#include "hal/sync_pulse.h"
 
 /* Who keeps the settings. Both are asked at standstill without torque only, may take 100 ms,
  * and return CO_ABORT_NONE or an abort code. */
@@ -37,6 +38,7 @@ struct write_rules {
     void *settings_store_context;
     struct black_box *black_box;          /* NULL: there is none */
     struct crash_record *crash;           /* NULL: nobody leaves one */
+    const struct sync_pulse *sync_pulse;  /* NULL: marks give none */
     struct program_update *update;        /* NULL: no program is taken */
     void (*show_counters)(void *context); /* NULL: they are as they are */
     void *show_context;

@@ -27,6 +27,8 @@ uint32_t tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
     mmio_write(TIM2_ARR, 0xFFFFFFFFU);
     mmio_write(TIM2_EGR, TIM_EGR_UG); /* loads the prescaler, sets UIF */
     mmio_write(TIM2_CCR1, (uint32_t)TICK_PERIOD_US);
+    mmio_write(TIM2_CCMR1, TIM_CCMR1_OC2_LOW_ON_MATCH);
+    mmio_write(TIM2_CCER, TIM_CCER_CC2E);
     mmio_write(TIM2_SR, 0);
     mmio_write(TIM2_DIER, TIM_DIER_UIE | TIM_DIER_CC1IE);
     mmio_write(TIM2_CR1, TIM_CR1_CEN);
@@ -34,6 +36,8 @@ uint32_t tim2_clock_init(struct tim2_clock *clock, uint32_t timer_clock_hz)
         {TIM2_PSC, UINT32_MAX, timer_clock_hz / 1000000U - 1U},
         {TIM2_ARR, UINT32_MAX, UINT32_MAX},
         {TIM2_CCR1, UINT32_MAX, (uint32_t)TICK_PERIOD_US},
+        {TIM2_CCMR1, UINT32_MAX, TIM_CCMR1_OC2_LOW_ON_MATCH},
+        {TIM2_CCER, UINT32_MAX, TIM_CCER_CC2E},
         {TIM2_DIER, UINT32_MAX, TIM_DIER_UIE | TIM_DIER_CC1IE},
         {TIM2_CR1, UINT32_MAX, TIM_CR1_CEN},
     };
@@ -149,6 +153,18 @@ struct clock tim2_clock_interface(struct tim2_clock *clock)
     return interface;
 }
 
+/* RM0440, "TIMx_CCMR1", OC2M: the output goes high at once, and low when the counter gets to CCR2. */
+static void give_pulse(void *context)
+{
+    (void)context;
+    mmio_write(TIM2_CCR2, mmio_read(TIM2_CNT) + (uint32_t)SYNC_PULSE_US);
+    mmio_write(TIM2_CCMR1, TIM_CCMR1_OC2_HIGH);
+    mmio_write(TIM2_CCMR1, TIM_CCMR1_OC2_LOW_ON_MATCH);
+}
+
+static const struct sync_pulse_ops pa1_ops = {give_pulse};
+const struct sync_pulse pa1_sync_pulse = {&pa1_ops, 0};
+
 /* ---- Watchdog --------------------------------------------------------------- */
 
 static void wait_for_watchdog(void)
@@ -227,10 +243,12 @@ static void pin_alternate(uint32_t port, uint32_t pin, uint32_t function)
 static const struct mmio_expected pins_expected[] = {
     {RCC_APB1RSTR1, RCC_APB1_FDCAN, 0},
     {GPIOA_BASE + GPIO_PUPDR, FIELD_2(11U, 3U), FIELD_2(11U, GPIO_PULL_UP)},
+    {GPIOA_BASE + GPIO_AFRL, FIELD_4(1U, 0xFU), FIELD_4(1U, GPIO_AF_TIM2)},
     {GPIOA_BASE + GPIO_AFRH, FIELD_4(11U, 0xFU) | FIELD_4(12U, 0xFU),
      FIELD_4(11U, GPIO_AF_FDCAN1) | FIELD_4(12U, GPIO_AF_FDCAN1)},
-    {GPIOA_BASE + GPIO_MODER, FIELD_2(11U, 3U) | FIELD_2(12U, 3U),
-     FIELD_2(11U, GPIO_MODE_ALTERNATE) | FIELD_2(12U, GPIO_MODE_ALTERNATE)},
+    {GPIOA_BASE + GPIO_MODER, FIELD_2(1U, 3U) | FIELD_2(11U, 3U) | FIELD_2(12U, 3U),
+     FIELD_2(1U, GPIO_MODE_ALTERNATE) | FIELD_2(11U, GPIO_MODE_ALTERNATE) |
+         FIELD_2(12U, GPIO_MODE_ALTERNATE)},
     {GPIOC_BASE + GPIO_PUPDR, FIELD_2(0U, 3U) | FIELD_2(2U, 3U),
      FIELD_2(0U, GPIO_PULL_DOWN) | FIELD_2(2U, GPIO_PULL_UP)},
     {GPIOC_BASE + GPIO_MODER, FIELD_2(0U, 3U) | FIELD_2(1U, 3U) | FIELD_2(2U, 3U) | FIELD_2(3U, 3U),
@@ -245,6 +263,7 @@ uint32_t board_io_init(void)
     mmio_set(RCC_APB1RSTR1, RCC_APB1_FDCAN); /* whatever a crash left behind */
     mmio_clear(RCC_APB1RSTR1, RCC_APB1_FDCAN);
     mmio_change(GPIOA_BASE + GPIO_PUPDR, 3U << 22U, GPIO_PULL_UP << 22U); /* PA11 idles recessive */
+    pin_alternate(GPIOA_BASE, 1U, GPIO_AF_TIM2);
     pin_alternate(GPIOA_BASE, 11U, GPIO_AF_FDCAN1);
     pin_alternate(GPIOA_BASE, 12U, GPIO_AF_FDCAN1);
     mmio_change(GPIOC_BASE + GPIO_PUPDR, FIELD_2(0U, 3U) | FIELD_2(2U, 3U),

@@ -1,6 +1,6 @@
 /* Timer, watchdog, pins of the STM32G474 behind the HAL's interfaces.
  *
- * Pins: PA11 and PA12 FDCAN1 receive and transmit, PC0 emergency stop, PC1 drive power enable, PC2
+ * Pins: PA1 sync pulse, PA11 and PA12 FDCAN1 receive and transmit, PC0 emergency stop, PC1 drive power enable, PC2
  * the wearer's button, PC3 the cue. PB8 is left alone: it is BOOT0 while the option bits are as
  * delivered.
  */
@@ -13,6 +13,7 @@
 #include "hal/clock.h"
 #include "hal/drive_power_enable.h"
 #include "hal/emergency_stop.h"
+#include "hal/sync_pulse.h"
 #include "hal/watchdog.h"
 #include "hal/wearer_panel.h"
 
@@ -84,6 +85,9 @@ bool board_io_stop_is_pressed(void);
 
 /* PC0, pulled down: high only while the closed contact feeds it. */
 extern const struct emergency_stop pc0_emergency_stop;
+
+/* PA1: TIM2's second channel, which ends the pulse by itself. Only once TIM2 counts. */
+extern const struct sync_pulse pa1_sync_pulse;
 
 /* PC2, pulled up: low while the button is pressed. PC3, push-pull: high while light or buzzer is on. */
 extern const struct wearer_panel pc2_pc3_wearer_panel;

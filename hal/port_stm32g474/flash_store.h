@@ -26,9 +26,10 @@
 enum {
     FLASH_STORE_FIRST_PAGE = 124, /* of bank 2: 0x0807E000 and 0x0807F000 */
     FLASH_STORE_PAGES = 2,        /* of one bank of the store */
-    /* A page takes 24.5 ms to erase, a word 84 us to write, at most (data sheet DS12288,
-     * flash characteristics); 2 million polls of at least 4 cycles at 170 MHz are
-     * 47 ms. */
+    /* A page takes 24.47 ms to erase at most: Zephyr, drivers/flash/flash_stm32.c (its releases of 2020,
+     * for the STM32G4), and dts/arm/st/g4/stm32g4.dtsi, max-erase-time 25; both wait twice as long.
+     * For a word's 84 us no public source was at hand, and no bound rests on it. 2 million polls of
+     * at least 4 cycles at 170 MHz are 47 ms: nearly twice a page's time. */
     FLASH_STORE_POLLS = 2000000
 };
 

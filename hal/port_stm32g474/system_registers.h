@@ -108,6 +108,7 @@
 #define GPIO_SPEED_HIGH 2u
 #define GPIO_PULL_UP 1u
 #define GPIO_PULL_DOWN 2u
+#define GPIO_AF_TIM2 1u
 #define GPIO_AF_FDCAN1 9u
 #define GPIO_AF_LPUART1 12u
 
@@ -125,16 +126,22 @@
 #define TIM2_DIER 0x4000000Cu
 #define TIM2_SR 0x40000010u
 #define TIM2_EGR 0x40000014u
+#define TIM2_CCMR1 0x40000018u
+#define TIM2_CCER 0x40000020u
 #define TIM2_CNT 0x40000024u
 #define TIM2_PSC 0x40000028u
 #define TIM2_ARR 0x4000002Cu
 #define TIM2_CCR1 0x40000034u
+#define TIM2_CCR2 0x40000038u
 #define TIM_CR1_CEN (1u << 0)
 #define TIM_DIER_UIE (1u << 0)
 #define TIM_DIER_CC1IE (1u << 1)
 #define TIM_SR_UIF (1u << 0)
 #define TIM_SR_CC1IF (1u << 1)
 #define TIM_EGR_UG (1u << 0)
+#define TIM_CCMR1_OC2_LOW_ON_MATCH (2u << 12)
+#define TIM_CCMR1_OC2_HIGH (5u << 12)
+#define TIM_CCER_CC2E (1u << 4)
 
 /* ---- LPTIM1, 16 bits ---- */
 #define LPTIM1_ISR 0x40007C00u

@@ -9,11 +9,13 @@ enum {
     KEY_FAULT_STEP,
     KEY_CUT,
     KEY_EVERY,
+    KEY_ALIKE,
     KEY_LOSE,
     KEY_LOG,
     KEY_COSTS,
     KEY_BOARD,
-    KEY_TRACE
+    KEY_TRACE,
+    KEY_GDB
 };
 
 static const struct argp_option option_list[] = {
@@ -25,14 +27,18 @@ static const struct argp_option option_list[] = {
      "torn-settings, ecc-error, save-cut, load-cut, lost-write, half-written, "
      "damaged-program, stuck-ram, first-start, options-cut, supply-low, brown-out, ram-slice, "
      "ram-parity, core-register, float-register, slow-oscillator, fast-oscillator, deep-stack, "
-     "flash-corrected, early-feed, update, update-older, update-other-board, update-walking or update-cut",
+     "flash-corrected, early-feed, dirty-ram, mark, update, update-older, update-other-board, update-walking or update-cut",
      0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
     {"cut", KEY_CUT, "N", 0, "save-cut, load-cut: power fails in flash operation N, from 0 (0)", 0},
     {"every", KEY_EVERY, "N", 0, "likewise: in each N-th operation, one after the other", 0},
+    {"alike", KEY_ALIKE, 0, 0,
+     "with --every: each start that reads the same flash as one before is not run again", 0},
     {"lose", KEY_LOSE, "ADDRESS", 0, "lost-write: of this register, decimal (TIM2's prescaler)", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 4},
     {"trace", KEY_TRACE, "FILE", 0, "what a debugger records of an image built with TRACE=swo", 4},
+    {"gdb", KEY_GDB, "PORT", 0,
+     "wait at 127.0.0.1:PORT until gdb attaches (target remote); 0: a free port", 4},
     {"board", KEY_BOARD, 0, 0, "then ask the image what `afo ctl board' asks a board", 4},
     {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 4},
     {0}};
@@ -67,6 +73,9 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_EVERY:
         options->every = (uint32_t)option_whole(state, "--every", text, 1, 100000);
         return 0;
+    case KEY_ALIKE:
+        options->alike = true;
+        return 0;
     case KEY_LOSE:
         options->lose = (uint32_t)option_whole(state, "--lose", text, 0, UINT32_MAX);
         return 0;
@@ -76,11 +85,21 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_TRACE:
         options->trace_path = text;
         return 0;
+    case KEY_GDB:
+        options->gdb = true;
+        options->gdb_port = (unsigned)option_whole(state, "--gdb", text, 0, 65535);
+        return 0;
     case KEY_BOARD:
         options->board = true;
         return 0;
     case KEY_COSTS:
         options->costs_path = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (options->gdb && options->every > 0) {
+            argp_error(state,
+                       "--gdb and --every: copies of the run cannot share a debugger; use --cut");
+        }
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;

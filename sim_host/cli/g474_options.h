@@ -21,7 +21,8 @@ struct g474_options {
     enum chip_fault fault;
     uint32_t fault_step, cut, every, lose;
     const char *log_path, *costs_path, *trace_path;
-    bool board;
+    bool board, alike, gdb;
+    unsigned gdb_port;
 };
 
 /* Sets the defaults and takes the arguments; ends the program where they are wrong (status 2)

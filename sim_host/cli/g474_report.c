@@ -32,8 +32,9 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         "\"told_cycles\": %u, \"worst_tick\": %u, \"sync_late_ns\": %llu, \"sync_late_tick\": %u, \"instructions\": %llu, "
         "\"simulated_s\": %.6f, \"exceptions\": %llu, \"tail_chained\": %llu, \"starts\": %u, "
         "\"state\": %u, \"fault\": \"%s\", \"crash_cause\": %u, \"crash_count\": %u, "
-        "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
-        "\"led_edges\": %u, \"noticed_ms\": %.3f, \"corrected\": %u, \"serial\": \"%s\", "
+        "\"flash_operations\": %u, \"cut_hit\": %s, \"cuts\": %u, \"cuts_run\": %u, \"bad_cuts\": %u, \"permit_edges\": %llu, "
+        "\"led_edges\": %u, \"noticed_ms\": %.3f, \"corrected\": %u, \"marks\": %u, "
+        "\"mark_delay_us\": [%u, %u], \"pulse_us\": [%u, %u], \"serial\": \"%s\", "
         "\"wall_s\": %.2f}\n",
         chip_session_is_good(session) ? "true" : "false", session->record.count,
         session->fell ? "true" : "false", session->trouble, bridge->ticks,
@@ -46,11 +47,14 @@ void g474_report_json(const struct chip_session *session, double wall_s)
         chip->resets, bridge->state, supervisor_fault_name((enum supervisor_fault)bridge->fault),
         (unsigned)session->crash.cause, (unsigned)session->crash.count,
         chip->flash_registers.operations, session->cuts.hit ? "true" : "false", session->cuts.tried,
-        session->cuts.bad, (unsigned long long)chip->permit_edges, chip->led_edges,
+        session->cuts.ran, session->cuts.bad, (unsigned long long)chip->permit_edges,
+        chip->led_edges,
         session->noticed_ns > session->brought_ns
             ? 1e-6 * (double)(session->noticed_ns - session->brought_ns)
             : 0.0,
-        session->told_corrected, serial, wall_s);
+        session->told_corrected, session->marks.count, session->marks.delay_us[0],
+        session->marks.delay_us[1], session->marks.pulse_us[0], session->marks.pulse_us[1], serial,
+        wall_s);
 }
 
 void g474_report_text(const struct chip_session *session, double wall_s)
@@ -79,8 +83,13 @@ void g474_report_text(const struct chip_session *session, double wall_s)
                chip_session_is_safe(session) ? "unloaded" : "LOADED");
     }
     if (session->cuts.tried > 0) {
-        printf("power cut in %u of %u flash operations: %u ended badly\n", session->cuts.tried,
-               session->cuts.operations, session->cuts.bad);
+        printf("power cut in %u of %u flash operations, %u run to their end: %u ended badly\n",
+               session->cuts.tried, session->cuts.operations, session->cuts.ran, session->cuts.bad);
+    }
+    if (session->marks.count > 0) {
+        printf("%u marks: PA1 rises %u to %u us behind the mark's frame, for %u to %u us\n",
+               session->marks.count, session->marks.delay_us[0], session->marks.delay_us[1],
+               session->marks.pulse_us[0], session->marks.pulse_us[1]);
     }
     if (session->trouble[0] != '\0') {
         printf("trouble: %s\n", session->trouble);

@@ -9,6 +9,7 @@
 #include "sim_host/cli/program_output.h"
 #include "sim_host/cli/progress.h"
 #include "sim_host/ctl/ctl.h"
+#include "sim_host/emulator/g474/chip_gdb.h"
 #include "sim_host/emulator/g474/chip_trial.h"
 #include "sim_host/programs/commands.h"
 
@@ -17,6 +18,7 @@ struct g474 {
     struct chip_session session;
     struct output_file log, costs, trace;
     struct progress progress;
+    struct chip_gdb gdb;
 };
 
 static void tell_progress(void *context, uint32_t steps)
@@ -46,6 +48,7 @@ static int prepare(struct g474 *g474)
     session->fault_step = options->fault_step;
     session->cuts.at = options->cut;
     session->cuts.every = options->every;
+    session->cuts.alike = options->alike;
     session->lose = options->lose;
     session->on_step = tell_progress;
     session->context = &g474->progress;
@@ -56,6 +59,9 @@ static int prepare(struct g474 *g474)
     session->bridge.corrupt_frame = options->emulator.corrupt_frame;
     session->bridge.costs = g474->costs.stream;
     session->chip.trace = g474->trace.stream;
+    if (options->gdb && chip_gdb_open(&g474->gdb, &session->chip, options->gdb_port) != 0) {
+        return program_complain("%s", g474->gdb.link.message);
+    }
     return 0;
 }
 
@@ -112,6 +118,7 @@ static int run(struct g474 *g474)
         chip_trial_run(session);
     }
     const double wall_s = now_s() - start_s;
+    chip_gdb_close(&g474->gdb);
     if (program_commit_output(&g474->log) != 0 || program_commit_output(&g474->costs) != 0 ||
         program_commit_output(&g474->trace) != 0) {
         return EXIT_BAD;

@@ -2,6 +2,7 @@
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 
 import pytest
@@ -124,6 +125,21 @@ def test_the_stack_check_notices(tmp_path, change, says):
     result = subprocess.run(["scripts/stack-depth", str(tmp_path)], cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 1
     assert says in result.stderr
+
+
+def test_the_object_of_a_file_that_has_moved_does_not_count(tmp_path):
+    """An incremental build leaves it; its functions would be there twice."""
+    shutil.copytree(OBJECTS, tmp_path / "obj")
+    report = json.loads(run("scripts/stack-depth", str(OBJECTS), "--json"))
+    old = tmp_path / "obj" / "firmware" / "zz_old_place"
+    for suffix in (".ci", ".d"):
+        text = (OBJECTS / f"firmware/orthosis{suffix}").read_text().replace("firmware/orthosis.c", "firmware/zz_old_place.c")
+        old.with_suffix(suffix).write_text(re.sub(r'(label: "orthosis_poll[^"]*?)\d+ bytes', r"\g<1>9000 bytes", text))
+    assert "9000 bytes" in old.with_suffix(".ci").read_text()
+    assert json.loads(run("scripts/stack-depth", str(tmp_path / "obj"), "--json")) == report
+    old.with_suffix(".d").unlink()
+    result = subprocess.run(["scripts/stack-depth", str(tmp_path / "obj"), "--json"], cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode != 0 or json.loads(result.stdout) != report, "without its source's name it counts"
 
 
 def test_the_budgets_command_and_the_page_have_these_limits():

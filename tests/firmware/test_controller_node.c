@@ -106,6 +106,38 @@ static void unlock(void)
     ck_assert_uint_eq(write_key(settings_lock_key_of(CLIENT)), 0);
 }
 
+static unsigned pulses;
+
+static uint32_t write_mark(uint32_t number)
+{
+    const uint8_t *answer = ask(0x23, COMMANDS, 7, number);
+    return answer[0] == 0x60 ? 0 : bytes_get_u32(answer + 4);
+}
+
+static void give(void *context)
+{
+    pulses += *(unsigned *)context;
+}
+
+START_TEST(a_mark_gives_a_pulse_and_is_read_back)
+{
+    static const struct sync_pulse_ops ops = {give};
+    static unsigned one = 1;
+    static const struct sync_pulse pulse = {&ops, &one};
+
+    pulses = 0;
+    ck_assert_uint_eq(write_mark(41), 0); /* a board without such a line */
+    node.rules.sync_pulse = &pulse;
+    output.state = SUPERVISOR_WALKING;
+    run(3);
+    ck_assert_uint_eq(pulses, 0);
+    ck_assert_uint_eq(write_mark(42), 0);
+    ck_assert_uint_eq(write_mark(42), 0);
+    ck_assert_uint_eq(pulses, 2);
+    ck_assert_uint_eq(read_u32(COMMANDS, 7), 42);
+}
+END_TEST
+
 static void unlocked_setup(void)
 {
     setup();
@@ -697,6 +729,7 @@ int main(void)
     tcase_add_test(tests, a_black_box_is_started_and_frozen);
     tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
     tcase_add_test(tests, the_device_is_described_over_sdo);
+    tcase_add_test(tests, a_mark_gives_a_pulse_and_is_read_back);
     suite_add_tcase(suite, tests);
     suite_add_tcase(suite, lock);
     return run_suite(suite);

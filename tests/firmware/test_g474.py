@@ -127,6 +127,21 @@ def test_a_corrected_flash_error_is_counted_and_the_walk_goes_on():
     assert end["corrected"] >= 1 and end["fault"] == "none" and end["starts"] == 1
 
 
+def test_the_program_needs_nothing_of_what_the_starter_leaves_in_ram():
+    """The starter's test of the RAM leaves it empty; a debugger's start does not."""
+    end = g474("--fault", "dirty-ram", "--speed", "0.45", "--fault-step", "2")
+    assert end["fault"] == "none" and end["differences"] == 0 and end["starts"] == 1
+
+
+def test_a_mark_gives_a_pulse_at_once_wherever_it_comes_in_the_tick():
+    """afo g474 itself checks that each mark has one pulse, and that the frames stay the host's."""
+    end = g474("--fault", "mark", "--speed", "0.45", "--fault-step", "2")
+    assert end["marks"] == 40 and end["differences"] == 0 and end["fault"] == "none"
+    assert 0 < end["mark_delay_us"][0] <= end["mark_delay_us"][1] < 100
+    assert end["mark_delay_us"][1] - end["mark_delay_us"][0] < 50
+    assert all(abs(length - 10000) <= 1 for length in end["pulse_us"])
+
+
 @pytest.mark.parametrize("fault, options", [("first-start", "FEEFFBAA"), ("options-cut", "FFFFF8FF")])
 def test_the_option_bytes_are_set_once_and_never_when_torn(fault, options):
     end = g474("--fault", fault)
@@ -196,9 +211,22 @@ def test_power_may_fail_while_a_program_is_received_ordered_and_installed():
 
 @pytest.mark.long
 def test_power_may_fail_all_over_an_update():
-    """Each word of it is cut in tests/hal/port_stm32g474/test_programs.c, on a shorter image."""
+    """Each of these starts runs to its end, whatever another has read."""
     end = g474("--fault", "update-cut", "--every", "61")
-    assert end["cuts"] > 250 and end["bad_cuts"] == 0
+    assert end["cuts"] == end["cuts_run"] > 250 and end["bad_cuts"] == 0
+
+
+@pytest.mark.long
+def test_power_may_fail_at_every_word_of_an_update():
+    """A start from flash that reads the same as one before is not run again (tests/sim_host/emulator)."""
+    end = g474("--fault", "update-cut", "--every", "1", "--alike")
+    assert end["cuts"] == end["flash_operations"] > 25000 and end["bad_cuts"] == 0
+    assert end["cuts_run"] < 100
+
+
+def test_starts_that_read_the_same_flash_are_run_once():
+    end = g474("--fault", "load-cut", "--every", "1", "--alike")
+    assert 1 <= end["cuts_run"] <= end["cuts"] == end["flash_operations"] and end["bad_cuts"] == 0
 
 
 @pytest.mark.long

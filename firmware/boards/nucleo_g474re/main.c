@@ -316,6 +316,7 @@ int main(void)
         .watchdog = &watchdog,
         .drive_power = &pc1_drive_power_enable,
         .wearer = &pc2_pc3_wearer_panel,
+        .sync_pulse = &pa1_sync_pulse,
         .nv = &nv,
         .program = &program,
         .in_quiet_ticks = test_board,

@@ -31,15 +31,23 @@ static void on_nmi(void *context)
 
 /* ---- Instructions ------------------------------------------------------------------------------------ */
 
-static uint32_t count_instructions(const struct chip *chip, uint32_t offset, uint32_t bytes)
+/* Armv7-M, A5.3.18: coprocessor instructions, of coprocessors 10 and 11. */
+static bool is_float(const uint16_t *code)
 {
-    uint32_t count = 0;
+    return (code[0] & 0xEC00) == 0xEC00 && (code[1] & 0x0E00) == 0x0A00;
+}
 
-    for (uint32_t at = offset; at < offset + bytes; count++) {
-        const uint16_t half = *(const uint16_t *)(const void *)(chip->flash + at);
-        at += (half >> 11) >= 0x1D ? 4 : 2;
+static struct chip_block read_block(const struct chip *chip, uint32_t offset, uint32_t bytes)
+{
+    struct chip_block block = {.bytes = (uint16_t)bytes};
+
+    for (uint32_t at = offset; at < offset + bytes; block.instructions++) {
+        const uint16_t *code = (const uint16_t *)(const void *)(chip->flash + at);
+        const bool is_long = (code[0] >> 11) >= 0x1D;
+        block.has_float = block.has_float || (is_long && is_float(code));
+        at += is_long ? 4 : 2;
     }
-    return count;
+    return block;
 }
 
 static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint32_t bytes)
@@ -51,8 +59,10 @@ static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint3
     }
     struct chip_block *block = &chip->block[offset / 2];
     if (block->bytes != bytes) {
-        *block =
-            (struct chip_block){(uint16_t)bytes, (uint16_t)count_instructions(chip, offset, bytes)};
+        *block = read_block(chip, offset, bytes);
+    }
+    if (block->has_float && chip_float_is_owed(chip)) {
+        chip_store_float(chip);
     }
     return block->instructions;
 }
@@ -82,6 +92,9 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
     if (chip->cycles >= chip->due && look_around(chip)) {
         core_stop(&chip->core);
         return;
+    }
+    if (chip->flash_use != NULL) {
+        chip_flash_use_note(chip, address - FLASH_BASE, bytes);
     }
     const uint32_t count = instructions_of_block(chip, address, bytes);
     chip->cycles += count;
@@ -125,17 +138,24 @@ static uint32_t behind_store(struct chip *chip, uint32_t pc)
 static uint32_t run_core(struct chip *chip, uint32_t pc)
 {
     struct core *core = &chip->core;
-    const enum core_stop stop = core_run(core, pc);
+    const enum core_stop stop = chip->debug_step ? core_step(core, pc) : core_run(core, pc);
 
     pc = core_get(core, CORE_PC);
     switch (stop) {
     case CORE_ASKED:
+        return pc;
+    case CORE_BROKE:
+    case CORE_STEPPED:
+        chip->debug_halted = true;
         return pc;
     case CORE_WAITS:
         chip->sleeping = true;
         return pc;
     case CORE_STORED:
         return behind_store(chip, pc);
+    case CORE_LOADED:
+        chip_flash_use_load(chip, core->bad_address);
+        return pc;
     case CORE_EXCEPTION_RETURN:
         return chip_leave(chip, pc | 1u);
     case CORE_FAILED:
@@ -180,6 +200,7 @@ static void reset(struct chip *chip, bool power_on)
     core_set(core, CORE_BASEPRI, 0);
     core_set(core, CORE_FAULTMASK, 0);
     core_set(core, CORE_LR, 0xFFFFFFFFu);
+    chip_flash_use_note(chip, 0, 8);
     core_set(core, CORE_MSP, ((const uint32_t *)(const void *)chip->flash)[0]);
     chip->pc = ((const uint32_t *)(const void *)chip->flash)[1] & ~1u;
     chip_stop(chip);
@@ -188,19 +209,15 @@ static void reset(struct chip *chip, bool power_on)
 /* What RAM holds when power comes on: anything. */
 static void scramble(struct chip *chip)
 {
-    uint32_t state = 0x2545F491u + chip->resets;
-
-    for (uint32_t i = 0; i < CHIP_RAM_BYTES / 4; i++) {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        ((uint32_t *)(void *)chip->ram)[i] = state;
-    }
+    chip_fill_ram(chip, CHIP_RAM_BYTES);
     memset(chip->can.ram, 0xA7, sizeof chip->can.ram);
 }
 
 void chip_power_cycle(struct chip *chip)
 {
+    if (chip->on_power_loss != NULL) {
+        chip->on_power_loss(chip->power_context);
+    }
     scramble(chip);
     chip->reset_cause = (uint32_t)CHIP_RESET_POWER | (uint32_t)CHIP_RESET_PIN;
     reset(chip, true);
@@ -231,6 +248,9 @@ void chip_run(struct chip *chip, uint64_t until_ns)
         if (chip->reset_asked) {
             reset(chip, false);
             return;
+        }
+        if (chip->debug != NULL) {
+            chip->debug(chip->debug_context);
         }
         chip_check_guards(chip);
         chip_refresh(chip);

@@ -11,9 +11,9 @@
  *
  * Simplified: a write into a part of RAM that the MPU closes faults when the next exception
  * comes or the core sleeps, not at the instruction (the engine protects pages, and the
- * regions are smaller); reads there are not noticed. An exception's floating-point state is stored at entry where the core would
- * store it at the handler's first use. The content is the same. No cycle is added for wait
- * states and caches.
+ * regions are smaller); reads there are not noticed. An exception's floating-point state is stored
+ * before the block with the handler's first floating-point instruction, not at that instruction.
+ * No cycle is added for wait states and caches.
  */
 #ifndef SIM_HOST_EMULATOR_G474_CHIP_H
 #define SIM_HOST_EMULATOR_G474_CHIP_H
@@ -55,12 +55,14 @@ enum chip_reset {
     CHIP_RESET_WATCHDOG = 1 << 29
 };
 
+struct chip_flash_use;
+
 struct chip_scs {
     bool pending[CHIP_EXCEPTIONS], active[CHIP_EXCEPTIONS], enabled[CHIP_EXCEPTIONS];
     uint8_t priority[CHIP_EXCEPTIONS];
     uint8_t nest[CHIP_NEST_MAX]; /* exceptions being handled, the innermost last */
     unsigned depth;
-    uint32_t vtor, aircr, scr, ccr, shcsr, cfsr, hfsr, mmfar, bfar, cpacr, fpccr, demcr;
+    uint32_t vtor, aircr, scr, ccr, shcsr, cfsr, hfsr, mmfar, bfar, cpacr, fpccr, fpcar, demcr;
     uint32_t mpu_ctrl, mpu_rnr, mpu_rbar[CHIP_MPU_REGIONS], mpu_rasr[CHIP_MPU_REGIONS];
     uint8_t guarded[CHIP_MPU_REGIONS][CHIP_GUARD_MAX]; /* what a closed region in RAM holds */
     uint32_t systick_ctrl, systick_load;
@@ -80,6 +82,11 @@ struct chip_timer {
     uint32_t count_base;
     uint64_t base_ns; /* when count_base was right */
     uint64_t match_ns, overflow_ns;
+    /* The second channel's output. */
+    uint32_t ccmr1, ccer, ccr2;
+    bool high;
+    uint64_t low_ns;                   /* when it goes low; never while it is */
+    uint64_t pulses, rose_ns, fell_ns; /* at PA1, with the last edges */
 };
 
 struct chip_watchdog {
@@ -105,6 +112,7 @@ struct chip_port {
 /* Instructions up to a branch. */
 struct chip_block {
     uint16_t bytes, instructions;
+    bool has_float; /* an instruction of the floating-point unit is among them */
 };
 
 struct chip {
@@ -151,6 +159,13 @@ struct chip {
     /* Findings. */
     char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];
     uint64_t finding_count;
+    struct chip_flash_use *flash_use;     /* notes what is read of flash; NULL = nobody asks */
+    void (*on_power_loss)(void *context); /* before power comes back; NULL = nobody looks */
+    void *power_context;
+    void (*debug)(void *context); /* between two runs of the core; NULL = no debugger */
+    void *debug_context;
+    bool debug_halted, debug_step; /* it stops before the next instruction, or after it */
+    bool dirty_ram;                /* a program that begins finds anything in RAM */
     FILE *trace; /* what a debugger records of the trace port; NULL = none listens */
     char message[CORE_MESSAGE_MAX];
 };
@@ -220,6 +235,10 @@ uint32_t chip_read(void *context, uint32_t address, uint32_t bytes);
 void chip_flash_changed(void *context, uint32_t offset, uint32_t bytes);
 /* Another program begins: what was translated of changed flash is forgotten. */
 void chip_flash_forget(struct chip *chip);
+/* The beginning of RAM gets anything, the same after as many resets. */
+void chip_fill_ram(struct chip *chip, uint32_t bytes);
+/* The starter hands over to the program. */
+void chip_begin_program(struct chip *chip);
 /* A store into the first bank of flash. */
 void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 void chip_write(void *context, uint32_t address, uint32_t bytes, uint32_t value);
@@ -231,6 +250,14 @@ void chip_refresh(struct chip *chip);
 uint64_t chip_next_due_cycle(const struct chip *chip);
 /* Core cycle at which `time_ns` is reached. */
 uint64_t chip_cycle_of(const struct chip *chip, uint64_t time_ns);
+
+/* The core takes `bytes` bytes at `offset` into flash. Noted where chip_flash_use_begin asked
+ * for it. */
+void chip_flash_use_note(struct chip *chip, uint32_t offset, uint32_t bytes);
+/* The core is about to load from a page of 4 KiB for the first time. */
+void chip_flash_use_load(struct chip *chip, uint32_t address);
+/* Flash was erased, or one word of it (8 bytes) programmed. */
+void chip_flash_use_change(struct chip *chip, uint32_t offset, uint32_t bytes);
 
 void chip_scs_reset(struct chip *chip);
 void chip_scs_map(struct chip *chip);
@@ -246,6 +273,10 @@ unsigned chip_next_exception(struct chip *chip);
 uint32_t chip_enter(struct chip *chip, unsigned exception, uint32_t pc);
 /* After a branch to EXC_RETURN. Returns where to go on. */
 uint32_t chip_leave(struct chip *chip, uint32_t exc_return);
+/* The floating-point state of what was interrupted has a place on the stack and is not stored there. */
+bool chip_float_is_owed(const struct chip *chip);
+/* Stores it: the first floating-point instruction since is about to run. */
+void chip_store_float(struct chip *chip);
 /* Remembers what the closed regions in RAM hold, and pends the fault when one was written. */
 void chip_guard(struct chip *chip);
 void chip_check_guards(struct chip *chip);
@@ -271,7 +302,11 @@ void chip_supply_follow(struct chip *chip, bool was_low);
 
 void chip_io_reset(struct chip *chip);
 void chip_io_map(struct chip *chip);
+void chip_timer_reset(struct chip *chip);
+void chip_timer_map(struct chip *chip);
 void chip_timer_rebase(struct chip *chip);
+uint64_t chip_timer_due(const struct chip *chip);
+void chip_timer_fire(struct chip *chip);
 uint64_t chip_io_due(const struct chip *chip);
 void chip_io_fire(struct chip *chip);
 

@@ -85,6 +85,8 @@ static void on_event(void *context, const struct sim_bus_event *event)
     case SIM_BUS_FRAME:
         if (event->port == PORT) {
             end_own(bridge, event);
+        } else if (event->message.id == (uint32_t)FRAME_SDO_REQUEST_CONTROLLER) {
+            bridge->asked_ns = event->time_ns;
         }
         break;
     case SIM_BUS_ERROR_FRAME:
@@ -352,15 +354,18 @@ static void begin_tick(struct chip_bridge *bridge)
     bridge->sync_held = false;
 }
 
-void chip_bridge_tick(struct chip_bridge *bridge)
+void chip_bridge_pass(struct chip_bridge *bridge, uint64_t time_ns)
 {
-    struct chip *chip = bridge->chip;
-    const uint64_t patience_ns = bridge->silent_periods == 0 ? SYNC_PATIENCE_NS : PERIOD_NS;
-    const uint64_t until_ns = chip_now_ns(chip) + patience_ns;
+    const uint64_t until_ns = chip_now_ns(bridge->chip) + time_ns;
 
-    while (!bridge->sync_held && chip_now_ns(chip) < until_ns) {
+    while (!bridge->sync_held && chip_now_ns(bridge->chip) < until_ns) {
         step(bridge, until_ns);
     }
+}
+
+void chip_bridge_tick(struct chip_bridge *bridge)
+{
+    chip_bridge_pass(bridge, bridge->silent_periods == 0 ? SYNC_PATIENCE_NS : PERIOD_NS);
     if (bridge->sync_held) {
         begin_tick(bridge);
         return;

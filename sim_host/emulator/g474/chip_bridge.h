@@ -54,6 +54,7 @@ struct chip_bridge {
     uint32_t resets_seen;
     uint32_t idle_permit_ticks;
     uint8_t state, fault; /* as the image's state frames say */
+    uint64_t asked_ns;    /* end of the last SDO request to the image */
     bool heard;           /* the image has sent a frame since its last start */
     FILE *costs;          /* one line a tick: number, instructions; NULL = none; the caller's */
 };
@@ -65,6 +66,9 @@ void chip_bridge_connect(struct chip_bridge *bridge, struct loop *loop);
 
 /* One period: up to the image's next SYNC, or a period's time when none comes. */
 void chip_bridge_tick(struct chip_bridge *bridge);
+
+/* A part of a period: `time_ns` of it, or up to the image's next SYNC. */
+void chip_bridge_pass(struct chip_bridge *bridge, uint64_t time_ns);
 
 /* After a fault that the host's task cannot share. */
 void chip_bridge_stop_comparing(struct chip_bridge *bridge);

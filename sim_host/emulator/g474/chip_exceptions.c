@@ -1,6 +1,6 @@
 /* Exceptions as Armv7-M has them: who comes first, what is stacked, how it returns.
- * DDI 0403, B1.5.2 (numbers), B1.5.4 (priorities), B1.5.6 to B1.5.8 (entry and return),
- * B1.5.12 (tail-chaining). */
+ * DDI 0403, B1.5.2 (numbers), B1.5.4 (priorities), B1.5.6 to B1.5.8 (entry and return, also of the
+ * floating-point state, which is stored at once or lazily), B1.5.12 (tail-chaining). */
 #include <string.h>
 
 #include "sim_host/emulator/g474/chip.h"
@@ -26,6 +26,9 @@ enum {
     RETURN_TO_THREAD = 1 << 3,
     RETURN_ON_PSP = 1 << 2,
     RETURN_BASIC = 1 << 4,
+    FPCCR_LSPACT = 1 << 0,
+    FPCCR_THREAD = 1 << 3,
+    FPCCR_LSPEN = 1 << 30,
     CFSR_MEMORY_FETCH = 1 << 0,
     CFSR_MEMORY_DATA = 1 << 1,
     CFSR_MEMORY_ADDRESS = 1 << 7,
@@ -158,6 +161,26 @@ static void pop_float(struct chip *chip, uint32_t frame)
     core_set(&chip->core, CORE_FPSCR, *stack_word(chip, frame + 4 * (BASIC_WORDS + 16)));
 }
 
+/* The place is reserved; what goes there is stored when the first floating-point instruction
+ * comes, if one does (FPCCR.LSPEN). */
+static void reserve_float(struct chip *chip, uint32_t frame, bool thread)
+{
+    chip->scs.fpcar = frame + 4 * BASIC_WORDS;
+    chip->scs.fpccr = (chip->scs.fpccr & ~(uint32_t)FPCCR_THREAD) | (uint32_t)FPCCR_LSPACT |
+                      (thread ? (uint32_t)FPCCR_THREAD : 0u);
+}
+
+bool chip_float_is_owed(const struct chip *chip)
+{
+    return (chip->scs.fpccr & (uint32_t)FPCCR_LSPACT) != 0;
+}
+
+void chip_store_float(struct chip *chip)
+{
+    push_float(chip, chip->scs.fpcar - 4 * BASIC_WORDS);
+    chip->scs.fpccr &= ~(uint32_t)FPCCR_LSPACT;
+}
+
 /* Stacks what runs now; returns the EXC_RETURN value. */
 static uint32_t push_frame(struct chip *chip, uint32_t pc)
 {
@@ -179,7 +202,9 @@ static uint32_t push_frame(struct chip *chip, uint32_t pc)
     *stack_word(chip, frame + 24) = pc & ~1u;
     xpsr |= (uint32_t)XPSR_THUMB | (padded ? (uint32_t)XPSR_PADDED : 0u);
     *stack_word(chip, frame + 28) = xpsr;
-    if (floats) {
+    if (floats && (chip->scs.fpccr & (uint32_t)FPCCR_LSPEN) != 0) {
+        reserve_float(chip, frame, thread);
+    } else if (floats) {
         push_float(chip, frame);
     }
     core_set(core, psp ? CORE_PSP : CORE_MSP, frame);
@@ -203,6 +228,7 @@ static uint32_t begin_handler(struct chip *chip, unsigned exception, uint32_t ex
         return 0;
     }
     scs->nest[scs->depth++] = (uint8_t)exception;
+    chip_flash_use_note(chip, table + 4 * exception, 4);
     handler = *(uint32_t *)(void *)(chip->flash + table + 4 * exception);
     core_set(core, CORE_XPSR, (uint32_t)XPSR_THUMB | exception);
     core_set(core, CORE_CONTROL,
@@ -234,7 +260,9 @@ static uint32_t pop_frame(struct chip *chip, uint32_t exc_return)
     const uint32_t control =
         core_get(core, CORE_CONTROL) & ~(uint32_t)(CONTROL_PSP | CONTROL_FLOAT);
 
-    if (floats) {
+    if (floats && chip_float_is_owed(chip)) { /* the registers still hold it */
+        chip->scs.fpccr &= ~(uint32_t)FPCCR_LSPACT;
+    } else if (floats) {
         pop_float(chip, frame);
     }
     core_set(core, psp ? CORE_PSP : CORE_MSP, after);

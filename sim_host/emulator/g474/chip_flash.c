@@ -10,6 +10,7 @@ void chip_flash_changed(void *context, uint32_t offset, uint32_t bytes)
     struct chip *chip = context;
     const bool none = chip->changed_from == chip->changed_to;
 
+    chip_flash_use_change(chip, offset, bytes);
     if (offset < (uint32_t)CHIP_BANK_BYTES) {
         memcpy(chip->flash + offset, (const uint8_t *)chip->flash_registers.word + offset, bytes);
         chip->changed_from = none || offset < chip->changed_from ? offset : chip->changed_from;

@@ -53,6 +53,7 @@ static uint32_t read_word(struct chip *chip, uint32_t address)
 
     if (in_store(address)) {
         wait_for_flash(chip);
+        chip_flash_use_note(chip, address - 0x08000000u, 4);
     } else if (!is_reachable(chip, address)) {
         return 0;
     }

@@ -208,6 +208,7 @@ static uint32_t scs_read(void *context, uint32_t offset)
     case FPCCR:
         return scs->fpccr;
     case FPCAR:
+        return scs->fpcar;
     case FPDSCR:
         return 0;
     default:
@@ -282,7 +283,7 @@ static void write_system(struct chip *chip, uint32_t offset, uint32_t value)
         scs->pending[EXCEPTION_SYSTICK] |= (value & 1u << 26) != 0;
         break;
     case VTOR: /* the starter is about to begin the program that it may have written */
-        chip_flash_forget(chip);
+        chip_begin_program(chip);
         scs->vtor = value & ~0x7Fu;
         break;
     case AIRCR:

@@ -75,6 +75,8 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_FLASH_CORRECTED] = {.name = "flash-corrected"},
     [CHIP_FAULT_EARLY_FEED] = {"early-feed", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_WATCHDOG, NULL,
                                0},
+    [CHIP_FAULT_DIRTY_RAM] = {.name = "dirty-ram"},
+    [CHIP_FAULT_MARK] = {.name = "mark"},
     [CHIP_FAULT_UPDATE] = {.name = "update"},
     [CHIP_FAULT_UPDATE_OLDER] = {.name = "update-older"},
     [CHIP_FAULT_UPDATE_OTHER_BOARD] = {.name = "update-other-board"},
@@ -146,6 +148,7 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
         snprintf(message, LOOP_MESSAGE_MAX, "%s", session->chip.message);
         return -1;
     }
+    session->chip.dirty_ram = session->fault == CHIP_FAULT_DIRTY_RAM;
     chip_drive_pin(&session->chip, PORT_C, 0, true); /* the emergency stop's contact is closed */
     chip_set_crystal(&session->chip, session->fault != CHIP_FAULT_NO_CRYSTAL);
     if (session->fault == CHIP_FAULT_HALF_WRITTEN) {

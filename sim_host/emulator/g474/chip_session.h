@@ -42,6 +42,8 @@ enum chip_fault {
     CHIP_FAULT_DEEP_STACK,
     CHIP_FAULT_FLASH_CORRECTED,
     CHIP_FAULT_EARLY_FEED,
+    CHIP_FAULT_DIRTY_RAM,
+    CHIP_FAULT_MARK,
     CHIP_FAULT_UPDATE,
     CHIP_FAULT_UPDATE_OLDER,
     CHIP_FAULT_UPDATE_OTHER_BOARD,
@@ -64,6 +66,13 @@ struct chip_fault_kind {
 /* By enum chip_fault. */
 extern const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT];
 
+/* The pulses given for marks: their number, and the least and the most of each time. */
+struct chip_marks {
+    uint32_t count;
+    uint32_t delay_us[2]; /* from the end of the mark's frame to the rising edge */
+    uint32_t pulse_us[2]; /* to the falling one */
+};
+
 struct chip_session {
     /* Before chip_session_start: what to do. */
     uint32_t steps, fault_step;
@@ -82,7 +91,8 @@ struct chip_session {
     struct walk_record record;
     struct can_bus tool; /* a port of its own, to ask the image over SDO */
     /* Results. */
-    struct crash_record crash;       /* as fetched over SDO at the end of a fault */
+    struct crash_record crash; /* as fetched over SDO at the end of a fault */
+    struct chip_marks marks;
     uint64_t brought_ns, noticed_ns; /* the fault, and the reset that it led to; 0 = none */
     uint32_t told_corrected;         /* flash errors, as the image says at 0x2020:29 */
     uint32_t told_cycles;            /* of the worst tick, as the image says at 0x2020:28 */

@@ -4,6 +4,7 @@
 
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
+#include "sim_host/emulator/g474/chip_mark.h"
 #include "sim_host/emulator/g474/chip_update.h"
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/log/black_box_log.h"
@@ -166,7 +167,11 @@ static void ask_and_cut(struct chip_session *session)
         chip_session_complain(session, "the image does not tell which settings it has");
         return;
     }
-    chip_cuts_begin(&session->cuts, &session->chip);
+    const char *missing = chip_cuts_begin(&session->cuts, &session->chip);
+    if (missing != NULL) {
+        chip_session_complain(session, missing);
+        return;
+    }
     const enum sdo_upload_result result =
         save ? sdo_write(&tool, STORE_CONTROL, 1, SAVE_SIGNATURE, 4)
              : sdo_write(&tool, RESTORE_CONTROL, 1, LOAD_SIGNATURE, 4);
@@ -188,6 +193,15 @@ static void update(struct chip_session *session)
     session->crash_known = true;
     chip_update_run(session, &tool);
     session->bridge.state = UINT8_MAX;
+}
+
+/* The host's task hears the marks, too: the comparison goes on. */
+static void set_marks(struct chip_session *session)
+{
+    struct sdo_upload tool = tool_of(session);
+
+    session->crash_known = true;
+    chip_mark_run(session, &tool);
 }
 
 /* The fault has come; until the image starts again because of it, or notices nothing. What is wrong
@@ -319,6 +333,7 @@ static void bring_fault(struct chip_session *session)
         break;
     case CHIP_FAULT_FIRST_START:
     case CHIP_FAULT_OPTIONS_CUT:
+    case CHIP_FAULT_DIRTY_RAM:
         break;
     case CHIP_FAULT_SUPPLY_LOW:
         chip_bridge_stop_comparing(bridge);
@@ -339,6 +354,9 @@ static void bring_fault(struct chip_session *session)
         break;
     case CHIP_FAULT_FLASH_CORRECTED:
         weaken_flash(session);
+        break;
+    case CHIP_FAULT_MARK:
+        set_marks(session);
         break;
     case CHIP_FAULT_UPDATE:
     case CHIP_FAULT_UPDATE_OLDER:
@@ -364,7 +382,8 @@ static void bring_fault(struct chip_session *session)
 /* Faults that do not hinder a walk. */
 static bool goes_on(enum chip_fault fault)
 {
-    return fault == CHIP_FAULT_FLASH_CORRECTED || fault == CHIP_FAULT_FIRST_START ||
+    return fault == CHIP_FAULT_FLASH_CORRECTED || fault == CHIP_FAULT_MARK ||
+           fault == CHIP_FAULT_DIRTY_RAM || fault == CHIP_FAULT_FIRST_START ||
            fault == CHIP_FAULT_OPTIONS_CUT;
 }
 

@@ -88,7 +88,12 @@ void chip_update_run(struct chip_session *session, struct sdo_upload *tool)
     const uint32_t crc = make_program(program, length, session->fault);
     session->cut_crc = crc;
     if (session->fault == CHIP_FAULT_UPDATE_CUT) {
-        chip_cuts_begin(&session->cuts, &session->chip);
+        const char *missing = chip_cuts_begin(&session->cuts, &session->chip);
+        if (missing != NULL) {
+            chip_session_complain(session, missing);
+            free(program);
+            return;
+        }
     }
     send_program(session, &send, program, length, crc);
     if (session->fault == CHIP_FAULT_UPDATE_CUT) {

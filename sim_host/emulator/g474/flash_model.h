@@ -24,8 +24,8 @@ enum {
 /* Brown-out level 3 and parity. */
 #define MODEL_OPTIONS_SET 0xFEEFFBAAu
 
-/* DS12288, "Flash memory characteristics": a page's erase takes 22.02 ms typically and 24.47 ms
- * at most, a word's programming 81.7 us and 83.35 us. The models take the longest. */
+/* A page's erase at its longest: as in Zephyr, drivers/flash/flash_stm32.c (releases of 2020), for the
+ * STM32G4. A word's programming: no public source was at hand, and nothing is judged by it. */
 enum { MODEL_ERASE_NS = 24470000, MODEL_PROGRAM_NS = 83350 };
 
 enum model_word_state {
@@ -63,7 +63,7 @@ struct flash_model {
     uint32_t first_page;     /* that may be erased */
     uint32_t foreign_erases; /* of pages before it */
     uint32_t worked_on;      /* the bank of the last operation */
-    double elapsed_ms;       /* in erases and programming, at their longest (DS12288) */
+    double elapsed_ms;       /* in erases and programming, at their longest */
 };
 
 /* Erased pages, two banks, power on; mapped at its addresses. Only the store may be erased. */

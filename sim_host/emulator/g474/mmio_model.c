@@ -33,6 +33,11 @@ void mmio_model_lose(uint32_t address)
     lost_address = address;
 }
 
+bool mmio_model_loses(uint32_t address)
+{
+    return address == lost_address;
+}
+
 void mmio_model_map(uint32_t base, uint32_t bytes, mmio_model_read read, mmio_model_write write,
                     void *context)
 {

@@ -4,6 +4,7 @@
 #ifndef SIM_HOST_EMULATOR_G474_MMIO_MODEL_H
 #define SIM_HOST_EMULATOR_G474_MMIO_MODEL_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef uint32_t (*mmio_model_read)(void *context, uint32_t offset);
@@ -28,6 +29,8 @@ int mmio_model_locked(void);
 /* Writes to this register are lost from now on, as one into a block whose clock has not come
  * yet is; 0, as after a reset: none is. */
 void mmio_model_lose(uint32_t address);
+/* Whether they are. */
+bool mmio_model_loses(uint32_t address);
 
 /* One access of a word. */
 uint32_t mmio_model_load(uint32_t address);

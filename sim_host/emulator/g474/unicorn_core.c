@@ -18,6 +18,7 @@ enum {
     PERMIT_WRITE = 2,
     PERMIT_EXECUTE = 4,
     HOOK_INTERRUPT = 1 << 0,
+    HOOK_CODE = 1 << 2,
     HOOK_BLOCK = 1 << 3,
     HOOK_BAD_MEMORY = 0x3F << 4, /* read, write, fetch: unmapped and forbidden */
     HOOK_BAD_INSTRUCTION = 1 << 14,
@@ -33,6 +34,7 @@ enum {
     /* Numbers of exceptions that the hook is told, QEMU's own. */
     EXCEPTION_RETURN = 8,
     STORE_TOLD = 1000, /* none of its */
+    LOAD_TOLD = 1001,
     REGISTER_D0 = 14,
     REGISTER_R0 = 66,
 };
@@ -47,6 +49,7 @@ struct core_functions {
                          uint64_t (*read)(void *, uint64_t, unsigned, void *), void *read_context,
                          void (*write)(void *, uint64_t, unsigned, uint64_t, void *),
                          void *write_context);
+    int (*protect_memory)(void *engine, uint64_t address, uint64_t size, uint32_t permits);
     int (*write_memory)(void *engine, uint64_t address, const void *bytes, uint64_t size);
     int (*read_register)(void *engine, int which, void *value);
     int (*write_register)(void *engine, int which, const void *value);
@@ -108,6 +111,7 @@ static int find_functions(struct core *core)
         {"uc_ctl", &functions.control},
         {"uc_mem_map_ptr", &functions.map_memory},
         {"uc_mmio_map", &functions.map_registers},
+        {"uc_mem_protect", &functions.protect_memory},
         {"uc_mem_write", &functions.write_memory},
         {"uc_reg_read", &functions.read_register},
         {"uc_reg_write", &functions.write_register},
@@ -159,8 +163,10 @@ static bool on_bad_memory(void *engine, int kind, uint64_t address, int bytes, i
         core->exception = STORE_TOLD;
         return false;
     }
+    const bool is_closed =
+        kind == MEMORY_READ_FORBIDDEN && address - core->watched_base < core->watched_bytes;
     core->bad_address = (uint32_t)address;
-    core->exception = (uint32_t)kind;
+    core->exception = is_closed ? (uint32_t)LOAD_TOLD : (uint32_t)kind;
     return false;
 }
 
@@ -215,6 +221,7 @@ int core_open(struct core *core, const char *path, const struct core_callbacks *
 
     memset(core, 0, sizeof *core);
     core->callbacks = *callbacks;
+    core->passed = 1;
     core->library = open_library(core, path);
     if (core->library == NULL || find_functions(core) != 0 ||
         check(core, functions.open(ARCH_ARM, MODE_THUMB | MODE_M_CLASS, &core->engine)) != 0 ||
@@ -253,6 +260,19 @@ int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *mem
     core->watched_base = base;
     core->watched_bytes = bytes;
     return core_map_memory(core, base, bytes, memory, false);
+}
+
+void core_close_pages(struct core *core)
+{
+    (void)check(core, functions.protect_memory(core->engine, core->watched_base,
+                                               core->watched_bytes, PERMIT_EXECUTE));
+}
+
+void core_open_page(struct core *core, uint32_t address)
+{
+    (void)check(core, functions.protect_memory(
+                          core->engine, address & ~(uint32_t)(CORE_PAGE_BYTES - 1), CORE_PAGE_BYTES,
+                          (uint32_t)PERMIT_READ | (uint32_t)PERMIT_EXECUTE));
 }
 
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count)
@@ -347,6 +367,95 @@ void core_watch_reads(struct core *core, uint32_t address, void (*function)(void
     (void)functions.control(core->engine, CONTROL_FORGET);
 }
 
+/* ---- For a debugger ---------------------------------------------------------------------- */
+
+uint32_t core_get_general(struct core *core, unsigned number)
+{
+    uint32_t value = 0;
+    (void)functions.read_register(core->engine, REGISTER_R0 + (int)number, &value);
+    return value;
+}
+
+void core_set_general(struct core *core, unsigned number, uint32_t value)
+{
+    (void)functions.write_register(core->engine, REGISTER_R0 + (int)number, &value);
+}
+
+uint64_t core_get_double(struct core *core, unsigned number)
+{
+    uint64_t value = 0;
+    (void)functions.read_register(core->engine, REGISTER_D0 + (int)number, &value);
+    return value;
+}
+
+void core_set_double(struct core *core, unsigned number, uint64_t value)
+{
+    (void)functions.write_register(core->engine, REGISTER_D0 + (int)number, &value);
+}
+
+static void on_breakpoint(void *engine, uint64_t address, uint32_t bytes, void *context)
+{
+    struct core *core = context;
+    (void)bytes;
+    if (core->passed == (uint32_t)address) {
+        core->passed = 1;
+        return;
+    }
+    core->broke = true;
+    (void)functions.stop(engine);
+}
+
+static void forget_break(struct core *core, unsigned place)
+{
+    (void)functions.remove_hook(core->engine, core->breaks[place].hook);
+    core->breaks[place] = core->breaks[--core->break_count];
+    (void)functions.control(core->engine, CONTROL_FORGET);
+}
+
+int core_break(struct core *core, uint32_t address, bool on)
+{
+    void (*const code)(void *, uint64_t, uint32_t, void *) = on_breakpoint;
+    void *hooked;
+
+    address &= ~1u;
+    for (unsigned i = 0; i < core->break_count; i++) {
+        if (core->breaks[i].address == address) {
+            if (!on) {
+                forget_break(core, i);
+            }
+            return 0;
+        }
+    }
+    if (!on) {
+        return 0;
+    }
+    if (core->break_count == CORE_BREAKS_MAX) {
+        return -1;
+    }
+    memcpy(&hooked, &code, sizeof hooked);
+    core->breaks[core->break_count].address = address;
+    if (functions.add_hook(core->engine, &core->breaks[core->break_count].hook, HOOK_CODE, hooked,
+                           core, address, address) != ERROR_NONE) {
+        return -1;
+    }
+    core->break_count++;
+    (void)functions.control(core->engine, CONTROL_FORGET);
+    return 0;
+}
+
+void core_break_none(struct core *core)
+{
+    while (core->break_count > 0) {
+        forget_break(core, core->break_count - 1);
+    }
+    core->passed = 1;
+}
+
+void core_pass_break(struct core *core, uint32_t address)
+{
+    core->passed = address & ~1u;
+}
+
 static enum core_stop stop_of(struct core *core, int error)
 {
     switch (core->exception) {
@@ -362,6 +471,8 @@ static enum core_stop stop_of(struct core *core, int error)
         return CORE_EXCEPTION_RETURN;
     case STORE_TOLD:
         return CORE_STORED;
+    case LOAD_TOLD:
+        return CORE_LOADED;
     default:
         return error >= 6 && error <= 18 && error != ERROR_NO_INSTRUCTION ? CORE_BAD_FETCH
                                                                           : CORE_UNDEFINED;
@@ -372,14 +483,37 @@ static enum core_stop stop_of(struct core *core, int error)
     if (check(core, error) != 0) {
         return CORE_FAILED;
     }
+    if (core->broke) {
+        return CORE_BROKE;
+    }
     return core->asked ? CORE_ASKED : CORE_WAITS;
+}
+
+/* The engine counts instructions by a hook, which is in what it translates from then on. */
+static void change_pace(struct core *core, bool stepping)
+{
+    if (core->stepping != stepping) {
+        core->stepping = stepping;
+        (void)functions.control(core->engine, CONTROL_FORGET);
+    }
 }
 
 enum core_stop core_run(struct core *core, uint32_t pc)
 {
+    change_pace(core, false);
     core->exception = 0;
-    core->asked = false;
+    core->asked = core->broke = false;
     return stop_of(core, functions.start(core->engine, pc | 1u, UINT32_MAX - 1u, 0, 0));
+}
+
+enum core_stop core_step(struct core *core, uint32_t pc)
+{
+    change_pace(core, true);
+    core->exception = 0;
+    core->asked = core->broke = false;
+    const enum core_stop stop =
+        stop_of(core, functions.start(core->engine, pc | 1u, UINT32_MAX - 1u, 0, 1));
+    return stop == CORE_WAITS ? CORE_STEPPED : stop;
 }
 
 void core_stop(struct core *core)

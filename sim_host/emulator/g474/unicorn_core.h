@@ -42,7 +42,10 @@ enum core_stop {
     CORE_WAITS,            /* the processor waits for an interrupt */
     CORE_EXCEPTION_RETURN, /* a branch to an EXC_RETURN value */
     CORE_STORED,           /* a store was told; go on behind its instruction */
-    CORE_UNDEFINED,        /* an instruction that does not exist, or SVC, BKPT */
+    CORE_LOADED,    /* the first load from a page that core_close_pages closed: bad_address */
+    CORE_BROKE,     /* before the instruction at a breakpoint */
+    CORE_STEPPED,   /* core_step has run its instruction */
+    CORE_UNDEFINED, /* an instruction that does not exist, or SVC, BKPT */
     CORE_BAD_READ,
     CORE_BAD_WRITE,
     CORE_BAD_FETCH,
@@ -61,7 +64,7 @@ struct core_callbacks {
     void (*store)(void *context, uint32_t address, uint32_t bytes, uint32_t value);
 };
 
-enum { CORE_MAP_MAX = 16, CORE_MESSAGE_MAX = 256 };
+enum { CORE_MAP_MAX = 16, CORE_MESSAGE_MAX = 256, CORE_BREAKS_MAX = 32 };
 
 struct core;
 
@@ -80,6 +83,13 @@ struct core {
     uint32_t watched_base, watched_bytes;
     size_t read_hook;
     void (*watched_read)(void *context); /* gets callbacks.context */
+    struct {
+        uint32_t address;
+        size_t hook;
+    } breaks[CORE_BREAKS_MAX];
+    unsigned break_count;
+    uint32_t passed; /* a breakpoint that is not heeded once; 1: none */
+    bool broke, stepping;
     /* Of the last stop by a bad access. */
     uint32_t bad_address;
     uint32_t exception; /* the engine's number of what it did not execute */
@@ -97,6 +107,11 @@ void core_close(struct core *core);
 int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable);
 /* Memory that is read and fetched; each store is told, and nothing else done. One such range. */
 int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *memory);
+/* Closes that range to loads, fetches left aside: the first load from each page stops the core before
+ * it. core_open_page opens the page, and the same instruction may be tried again. */
+enum { CORE_PAGE_BYTES = 4096 };
+void core_close_pages(struct core *core);
+void core_open_page(struct core *core, uint32_t address);
 /* Changes memory from outside; what was translated from it is translated anew. */
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count);
 /* Every access in the range calls read or write. */
@@ -109,6 +124,12 @@ void core_set(struct core *core, enum core_register which, uint32_t value);
 void core_get_float(struct core *core, uint32_t s[16]);
 void core_set_float(struct core *core, const uint32_t s[16]);
 
+/* R0 to R12 by their number; D0 to D15. */
+uint32_t core_get_general(struct core *core, unsigned number);
+void core_set_general(struct core *core, unsigned number, uint32_t value);
+uint64_t core_get_double(struct core *core, unsigned number);
+void core_set_double(struct core *core, unsigned number, uint64_t value);
+
 /* Sets bits of a register: R0 to R12 by their number, S0 to S31 by CORE_STICK_S0 and theirs. */
 enum { CORE_STICK_S0 = 32 };
 void core_stick(struct core *core, uint32_t number, uint32_t bits);
@@ -119,6 +140,16 @@ void core_watch_reads(struct core *core, uint32_t address, void (*function)(void
 
 /* Executes from `pc` (bit 0 is ignored) on. */
 enum core_stop core_run(struct core *core, uint32_t pc);
+
+/* Executes one instruction. */
+enum core_stop core_step(struct core *core, uint32_t pc);
+
+/* From now on core_run stops before the instruction at `address`, or no more. Returns 0, or -1 when
+ * there are too many. Not from a callback. */
+int core_break(struct core *core, uint32_t address, bool on);
+void core_break_none(struct core *core);
+/* The breakpoint at `address`, if there is one, is passed once. */
+void core_pass_break(struct core *core, uint32_t address);
 
 /* From a callback: no further block. */
 void core_stop(struct core *core);

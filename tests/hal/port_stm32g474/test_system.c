@@ -242,11 +242,16 @@ static uint32_t tim_read(void *context, uint32_t offset)
     return value;
 }
 
+static uint32_t modes[4], mode_count; /* written to CCMR1 */
+
 static void tim_write(void *context, uint32_t offset, uint32_t value)
 {
     (void)context;
     if (!has_clock(0x58, 0)) {
         return;
+    }
+    if (offset == 0x18) {
+        modes[mode_count++ % 4] = value;
     }
     tim[offset / 4] = offset == 0x10 ? tim[offset / 4] & value : value;
     if (listening && mmio_model_locked() == 0) {
@@ -280,7 +285,8 @@ END_TEST
 
 START_TEST(a_lost_write_to_the_timer_is_told)
 {
-    static const uint32_t address[] = {0x40000000, 0x4000000C, 0x40000028, 0x40000034};
+    static const uint32_t address[] = {0x40000000, 0x4000000C, 0x40000028,
+                                       0x40000034, 0x40000018, 0x40000020};
 
     memset(tim, 0, sizeof tim);
     mmio_model_lose(address[_i]);
@@ -288,6 +294,21 @@ START_TEST(a_lost_write_to_the_timer_is_told)
     mmio_model_lose(0);
     memset(tim, 0, sizeof tim);
     ck_assert_uint_eq(tim2_clock_init(&timer, 170000000), 0);
+}
+END_TEST
+
+/* RM0440, TIMx_CCMR1, OC2M in bits 14 to 12: 101 forces the output high, 010 lets the match end it. */
+START_TEST(a_pulse_begins_at_once_and_ends_by_the_match)
+{
+    ck_assert_uint_eq(tim[0x20 / 4] & 0x10, 0x10);
+    tim[TIM_CNT] = UINT32_MAX - 5;
+    mode_count = 0;
+    sync_pulse_give(&pa1_sync_pulse);
+    ck_assert_uint_eq(tim[0x38 / 4], 10000 - 6);
+    ck_assert_uint_eq(mode_count, 2);
+    ck_assert_uint_eq(modes[0] >> 12 & 7, 5);
+    ck_assert_uint_eq(modes[1] >> 12 & 7, 2);
+    ck_assert_uint_eq(tim[0x34 / 4], 1000); /* the tick goes on */
 }
 END_TEST
 
@@ -563,7 +584,9 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
     mmio_model_map(0x48000800, sizeof port_c, gpio_read, gpio_write, port_c);
     pins_at_reset();
     ck_assert_uint_eq(board_io_init(), 0);
-    ck_assert_uint_eq(port_a[0], 0xABFFFFFF - (1u << 22) - (1u << 24)); /* 11 -> 10, twice */
+    /* 11 -> 10, three times: the pulse on PA1, and the bus */
+    ck_assert_uint_eq(port_a[0], 0xABFFFFFF - (1u << 2) - (1u << 22) - (1u << 24));
+    ck_assert_uint_eq(port_a[0x20 / 4], 0x00000010); /* TIM2 */
     ck_assert_uint_eq(port_a[0x24 / 4], 0x00099000);
     ck_assert_uint_eq(port_c[0], 0xFFFFFF44);        /* 0, 2: input, 1, 3: output */
     ck_assert_uint_eq(port_c[0x0C / 4] & 3, 2);      /* pulled down */
@@ -622,7 +645,8 @@ int main(void)
     tcase_add_test(clocks, the_reset_cause_is_taken_once);
     tcase_add_checked_fixture(timers, timer_setup, NULL);
     tcase_add_test(timers, the_timer_counts_microseconds_and_starts_clean);
-    tcase_add_loop_test(timers, a_lost_write_to_the_timer_is_told, 0, 4);
+    tcase_add_loop_test(timers, a_lost_write_to_the_timer_is_told, 0, 6);
+    tcase_add_test(timers, a_pulse_begins_at_once_and_ends_by_the_match);
     tcase_add_test(timers, each_period_is_taken_once_and_none_is_forgotten);
     tcase_add_test(timers, time_never_runs_back_at_the_overflow);
     tcase_add_loop_test(timers, an_interrupt_that_comes_late_does_not_stop_the_clock, 0, 2);
