@@ -1,8 +1,7 @@
 /* A drive's setting changes by itself while it walks (no frame tells of it): the controller reads it back,
  * unloads, and names the object. */
 #include "hal/canopen/co_od.h"
-#include "sim_host/faults/injector.h"
-#include "tests/support/assert_close.h"
+#include "tests/support/injected_walk.h"
 
 #include <string.h>
 
@@ -11,22 +10,8 @@ static struct injector injector;
 
 static void walk_a_while(void)
 {
-    struct subject subject;
-    struct control_params params;
-    struct loop_config config;
-    char message[LOOP_MESSAGE_MAX] = "";
-    subject_default(&subject);
-    ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
-    params.start_r0_m = speed_table_inverse(&params.table, (real)0.6);
-    ck_assert_msg(loop_configure(&config, &subject, &params, 0.6, SENSORS_17BIT, 1, message) == 0,
-                  "%s", message);
-    ck_assert_msg(loop_init(&loop, &config, NULL, message) == 0, "%s", message);
-    ck_assert(injector_prepare(&loop));
-    injector_begin(&injector, &loop, NULL, 0);
-    while (loop.tick < 20000 && loop.rig.task.controller.plan.law.steps < 5) {
-        injector_tick(&injector);
-    }
-    ck_assert_int_eq(loop.rig.task.output.state, SUPERVISOR_WALKING);
+    injected_walk_prepare(&loop, NULL, 0);
+    injected_walk_begin(&injector, &loop, 5);
     memcpy(&saved, &loop, sizeof loop);
 }
 
