@@ -173,6 +173,35 @@ START_TEST(no_two_units_share_an_identifier)
 }
 END_TEST
 
+/* Left leg first: its drive, its board, its sensors. Only a motor in MIT mode has an identifier for its answers. */
+START_TEST(each_unit_has_its_own_numbers)
+{
+    struct device_unit units[DEVICE_UNITS_MAX];
+    make_mit(left(), 9, 17);
+    make_cansimple(right(), 5);
+    right()->answer_id = 18; /* means nothing there */
+    left()->leg_sensor_node = 3;
+    right()->leg_sensor_node = 4;
+    const struct device_unit expected[] = {
+        {SIDE_LEFT, DEVICE_LEG_drive_node, DEVICE_MIT, 9, 17},
+        {SIDE_LEFT, DEVICE_LEG_latch_node, DEVICE_CIA402, 29, 0},
+        {SIDE_LEFT, DEVICE_LEG_leg_sensor_node, DEVICE_CIA402, 3, 0},
+        {SIDE_RIGHT, DEVICE_LEG_drive_node, DEVICE_CANSIMPLE, 5, 0},
+        {SIDE_RIGHT, DEVICE_LEG_latch_node, DEVICE_CIA402, 25, 0},
+        {SIDE_RIGHT, DEVICE_LEG_leg_sensor_node, DEVICE_CIA402, 4, 0},
+    };
+    const unsigned count = device_units(&device, units);
+    ck_assert_uint_eq(count, sizeof expected / sizeof expected[0]);
+    for (unsigned i = 0; i < count; i++) {
+        ck_assert_int_eq(units[i].leg, expected[i].leg);
+        ck_assert_uint_eq(units[i].key, expected[i].key);
+        ck_assert_uint_eq(units[i].protocol, expected[i].protocol);
+        ck_assert_uint_eq(units[i].number, expected[i].number);
+        ck_assert_uint_eq(units[i].answer_id, expected[i].answer_id);
+    }
+}
+END_TEST
+
 START_TEST(a_number_has_as_many_bits_as_its_protocol)
 {
     make_cansimple(left(), 64);
@@ -394,6 +423,7 @@ int main(void)
     tcase_add_test(tcase, directions_are_one_way_or_the_other);
     tcase_add_test(tcase, no_two_units_share_a_number);
     tcase_add_test(tcase, no_two_units_share_an_identifier);
+    tcase_add_test(tcase, each_unit_has_its_own_numbers);
     tcase_add_test(tcase, a_number_has_as_many_bits_as_its_protocol);
     tcase_add_test(tcase, the_stroke_stays_where_positions_can_be_said);
     tcase_add_test(tcase, what_is_told_twice_is_told_alike);
