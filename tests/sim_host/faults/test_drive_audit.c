@@ -105,6 +105,26 @@ START_TEST(a_round_takes_its_time_and_disturbs_nobody)
 }
 END_TEST
 
+/* Its answers have an identifier that nobody hears: that is counted, up to the counter's end, and no fault. */
+START_TEST(a_drive_that_answers_no_request_is_counted)
+{
+    walk_a_while();
+    uint32_t *unanswered = &loop.rig.task.node.objects.counters.audits_unanswered;
+    loop.nodes.drive[SIDE_LEFT].device.comm.sdo_answer_id = 0x7E0;
+    for (int tick = 0; tick < TICKS_OF_MS(4000); tick++) {
+        injector_tick(&injector);
+    }
+    ck_assert_uint_ge(*unanswered, 2);
+    ck_assert_uint_le(*unanswered, TICKS_OF_MS(4000) / DRIVE_AUDIT_TICKS + 1);
+    *unanswered = UINT32_MAX;
+    for (int tick = 0; tick < TICKS_OF_MS(4000); tick++) {
+        injector_tick(&injector);
+    }
+    ck_assert_uint_eq(*unanswered, UINT32_MAX);
+    ck_assert_int_eq(loop.rig.task.output.state, SUPERVISOR_WALKING);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("drive_audit");
@@ -113,6 +133,7 @@ int main(void)
     tcase_add_test(tests, a_setting_that_changes_by_itself_is_found_within_a_round);
     tcase_add_test(tests, the_drive_is_set_up_anew_afterwards);
     tcase_add_test(tests, a_round_takes_its_time_and_disturbs_nobody);
+    tcase_add_test(tests, a_drive_that_answers_no_request_is_counted);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }
