@@ -155,6 +155,34 @@ static uint8_t place_of(const char *name)
     return (uint8_t)(i + 1);
 }
 
+/* CiA 301, 7.4.3.1: sub-index 0 of a record or an array tells the highest sub-index that there is. */
+START_TEST(each_record_tells_its_highest_sub_index)
+{
+    unsigned records = 0;
+    for (unsigned i = 0; i < CO_DICTIONARIES; i++) {
+        const struct co_dictionary *dictionary = &node.device.dictionaries[i];
+        for (unsigned at = 0; at + 1 < dictionary->count; at++) {
+            const struct co_entry *entry = &dictionary->entries[at];
+            unsigned last = at;
+            while (last + 1 < dictionary->count && entry[last + 1 - at].index == entry->index) {
+                last++;
+            }
+            /* 0x1003 counts its errors, 0x1600 to 0x1A03 what is mapped. */
+            const bool varies = entry->index == 0x1003 ||
+                                (entry->index >= 0x1600 && entry->index <= 0x17FF) ||
+                                (entry->index >= 0x1A00 && entry->index <= 0x1BFF);
+            if (entry->sub == 0 && last > at && !varies) {
+                ck_assert_msg(ask(0x40, entry->index, 0, 0)[4] == entry[last - at].sub,
+                              "%04X: %u, not %u", entry->index, ask(0x40, entry->index, 0, 0)[4],
+                              entry[last - at].sub);
+                records++;
+            }
+        }
+    }
+    ck_assert_uint_gt(records, 15);
+}
+END_TEST
+
 START_TEST(each_parameter_is_held_to_its_range)
 {
     const struct control_param_descriptor *d = &control_param_descriptors[_i];
@@ -670,6 +698,7 @@ int main(void)
     TCase *lock = tcase_create("lock");
     tcase_add_checked_fixture(lock, setup, NULL);
     tcase_set_timeout(lock, 20);
+    tcase_add_test(lock, each_record_tells_its_highest_sub_index);
     tcase_add_test(lock, parameters_are_locked_until_a_client_says_who_it_is);
     tcase_add_test(lock, the_lock_closes_by_itself_and_when_it_is_told_to);
     tcase_add_test(lock, a_change_is_told_with_who_made_it);

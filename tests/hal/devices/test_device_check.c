@@ -160,6 +160,8 @@ START_TEST(no_two_units_share_an_identifier)
         make_cansimple(right(), clash[i]);
         right()->latch_node = 30;
         REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
+        ck_assert_uint_eq((unsigned)refusal.allowed / 32,
+                          (unsigned)clash[i]); /* the identifier, one of its own */
     }
     for (unsigned i = 0; i < sizeof free_axis / sizeof free_axis[0]; i++) {
         make_cansimple(right(), free_axis[i]);
@@ -168,6 +170,7 @@ START_TEST(no_two_units_share_an_identifier)
     }
     make_mit(right(), 10, 9); /* answers with the other motor's identifier */
     REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
+    ck_assert_uint_eq((unsigned)refusal.allowed, 9);
     make_mit(right(), 10, 17);
     REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
 }
@@ -298,6 +301,7 @@ START_TEST(without_a_latch_that_reports_a_person_is_refused)
     right()->latch = DEVICE_LATCH_NONE;
     ck_assert_int_eq(device_check(&device, &refusal), DEVICE_OK);
     ck_assert_int_eq(device_check_person(&device, &refusal), DEVICE_BAD_BENCH_ONLY);
+    ck_assert(refusal.allowed == 0.0f); /* not one number */
     ck_assert_int_eq(refusal.leg, SIDE_RIGHT);
     right()->latch = DEVICE_LATCH_BOARD;
     right()->latch_node = 9;
