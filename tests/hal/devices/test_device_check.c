@@ -168,6 +168,10 @@ START_TEST(no_two_units_share_an_identifier)
         right()->latch_node = 30;
         FITS();
     }
+    make_cansimple(right(), 4);
+    right()->latch_node = 30;
+    REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
+    ck_assert_uint_eq((unsigned)refusal.allowed, 0x080); /* SYNC, the first of them */
     make_mit(right(), 10, 9); /* answers with the other motor's identifier */
     REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
     ck_assert_uint_eq((unsigned)refusal.allowed, 9);
