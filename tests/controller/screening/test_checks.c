@@ -1,5 +1,6 @@
 /* Each check of the sensors and drives: what trips it, after how long, and what does not. */
 #include "controller/screening/checks.h"
+#include "controller/screening/tick_count.h"
 #include "tests/support/assert_close.h"
 
 #include <string.h>
@@ -334,6 +335,18 @@ START_TEST(an_ankle_may_come_back_behind_a_latch_that_closes)
 }
 END_TEST
 
+/* The largest number of 16 bits means "never heard": no count comes to it, and none begins again. */
+START_TEST(a_count_of_ticks_stops_below_never)
+{
+    ck_assert_uint_eq(count_up(0), 1);
+    ck_assert_uint_eq(count_up(65533), 65534);
+    ck_assert_uint_eq(count_up(65534), 65534);
+    ck_assert_uint_eq(count_up(AGE_NEVER), AGE_NEVER);
+    ck_assert_uint_eq(count_while(7, true), 8);
+    ck_assert_uint_eq(count_while(7, false), 0);
+}
+END_TEST
+
 START_TEST(a_released_spring_must_move_the_ankle)
 {
     struct rig rig;
@@ -523,6 +536,7 @@ int main(void)
     tcase_add_test(tests, a_wrong_force_is_never_forgotten);
     tcase_add_test(tests, ankle_against_latch);
     tcase_add_test(tests, an_ankle_may_come_back_behind_a_latch_that_closes);
+    tcase_add_test(tests, a_count_of_ticks_stops_below_never);
     tcase_add_test(tests, a_released_spring_must_move_the_ankle);
     tcase_add_test(tests, a_latch_opens_only_when_armed);
     tcase_add_test(tests, a_person_s_latch_closes_behind_an_empty_spring);

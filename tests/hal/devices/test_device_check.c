@@ -209,6 +209,25 @@ START_TEST(each_unit_has_its_own_numbers)
 }
 END_TEST
 
+/* device_keys.h: bits in the drive's words are for a latch at the drive, a board has a node. */
+START_TEST(a_latch_has_the_keys_of_its_place)
+{
+    static const struct {
+        enum device_latch latch;
+        bool at_drive, on_board;
+    } places[] = {{DEVICE_LATCH_NONE, false, false},
+                  {DEVICE_LATCH_DRIVE, true, false},
+                  {DEVICE_LATCH_BOARD, false, true}};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        left()->latch = places[i].latch;
+        ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_latch_bit), places[i].at_drive);
+        ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_latch_node), places[i].on_board);
+    }
+    left()->protocol = DEVICE_NO_DRIVE_PROTOCOL;
+    ck_assert(!device_key_applies(left(), DEVICE_LEG_latch_node));
+}
+END_TEST
+
 START_TEST(a_number_has_as_many_bits_as_its_protocol)
 {
     make_cansimple(left(), 64);
@@ -432,6 +451,7 @@ int main(void)
     tcase_add_test(tcase, no_two_units_share_a_number);
     tcase_add_test(tcase, no_two_units_share_an_identifier);
     tcase_add_test(tcase, each_unit_has_its_own_numbers);
+    tcase_add_test(tcase, a_latch_has_the_keys_of_its_place);
     tcase_add_test(tcase, a_number_has_as_many_bits_as_its_protocol);
     tcase_add_test(tcase, the_stroke_stays_where_positions_can_be_said);
     tcase_add_test(tcase, what_is_told_twice_is_told_alike);
