@@ -636,6 +636,33 @@ START_TEST(counters_are_fetched_when_asked_for)
 }
 END_TEST
 
+static void count_shown(void *context)
+{
+    (*(unsigned *)context)++;
+}
+
+/* What changes in every tick is brought up to now in the reading: counters, drives, the cue, commissioning. */
+START_TEST(what_is_shown_is_of_now)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t sub;
+        bool shown;
+    } objects[] = {{0x2020, 1, true},  {0x2021, 1, true},   {0x2001, 10, true}, {0x2060, 1, true},
+                   {0x2062, 1, true},  {0x2001, 1, false},  {0x2001, 9, false}, {0x2022, 1, false},
+                   {0x1018, 1, false}, {0x2010, 10, false}, {0x2005, 1, false}};
+    unsigned shown = 0;
+    node.rules.show_counters = count_shown;
+    node.rules.show_context = &shown;
+    for (size_t i = 0; i < sizeof objects / sizeof objects[0]; i++) {
+        shown = 0;
+        (void)ask(0x40, objects[i].index, objects[i].sub, 0);
+        ck_assert_msg((shown > 0) == objects[i].shown, "%04X:%u: %u", objects[i].index,
+                      objects[i].sub, shown);
+    }
+}
+END_TEST
+
 /* 1 starts the recording, 3 freezes it; that it is closing is its own to say. */
 START_TEST(a_black_box_is_started_and_frozen)
 {
@@ -723,6 +750,7 @@ int main(void)
     tcase_add_test(tests, found_offsets_become_parameters);
     tcase_add_test(tests, without_a_memory_nothing_is_kept);
     tcase_add_test(tests, counters_are_fetched_when_asked_for);
+    tcase_add_test(tests, what_is_shown_is_of_now);
     tcase_add_test(tests, a_black_box_is_started_and_frozen);
     tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
     tcase_add_test(tests, the_device_is_described_over_sdo);
