@@ -31,7 +31,7 @@ void settings_default(struct settings *settings)
     control->r0_min_m = 0.005f;
     control->r0_max_m = 0.3f;
     control->open_loop_r0_m = 0.05f;
-    /* Four points of the paper's gait curve: enough for the check, not for a walk. */
+    /* Four rising speeds over all push-offs: enough for the check, not for a walk. */
     control->table.count = 4;
     control->table.r0_min_m = 0.005f;
     control->table.r0_step_m = 0.1f;

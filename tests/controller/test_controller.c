@@ -225,6 +225,28 @@ START_TEST(what_is_misplaced_is_a_fault_before_the_first_push)
 }
 END_TEST
 
+/* A fault ends commissioning's motion, and it begins with small loads again. One while walking is none of
+ * commissioning's. */
+START_TEST(a_fault_ends_a_motion_only_of_commissioning)
+{
+    struct rig *rig = start(0.6, 0);
+    walk(rig, 6);
+    struct motion *motion = &controller_of(rig)->motion;
+    controller_of(rig)->supervisor.state = _i == 0 ? SUPERVISOR_COMMISSIONING : SUPERVISOR_WALKING;
+    motion->phase = MOTION_LOADS;
+    motion->outcome = MOTION_NONE_YET;
+    motion->proven[SIDE_LEFT] = motion->proven[SIDE_RIGHT] = 1;
+    rig->loop.rig.stop_pressed = true;
+    run(rig, 3);
+    ck_assert_int_eq(state_of(rig), SUPERVISOR_UNLOADING);
+    ck_assert_int_eq(rig->loop.rig.task.output.fault, SUPERVISOR_FAULT_EMERGENCY_STOP);
+    ck_assert_int_eq(motion->phase, _i == 0 ? MOTION_IDLE : MOTION_LOADS);
+    ck_assert_int_eq(motion->outcome, _i == 0 ? MOTION_INTERRUPTED : MOTION_NONE_YET);
+    ck_assert_uint_eq(motion->proven[SIDE_RIGHT], _i == 0 ? 0 : 1);
+    free(rig);
+}
+END_TEST
+
 /* A person whose steps turn irregular: two unsteady ones in a row. */
 START_TEST(irregular_steps_withdraw_the_assistance)
 {
@@ -407,6 +429,7 @@ int main(void)
     tcase_add_test(tests, pushes_that_never_come_end_the_assistance);
     tcase_add_test(tests, what_was_not_given_is_prescribed_smaller);
     tcase_add_test(tests, an_unsteady_step_does_not_raise_the_share);
+    tcase_add_loop_test(tests, a_fault_ends_a_motion_only_of_commissioning, 0, 2);
     tcase_add_test(tests, what_is_misplaced_is_a_fault_before_the_first_push);
     tcase_add_test(tests, the_wearer_pauses_and_goes_on);
     tcase_add_test(tests, irregular_steps_withdraw_the_assistance);

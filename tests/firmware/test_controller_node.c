@@ -187,6 +187,34 @@ static uint8_t place_of(const char *name)
     return (uint8_t)(i + 1);
 }
 
+/* CiA 301, 7.4.3.1: sub-index 0 of a record or an array tells the highest sub-index that there is. */
+START_TEST(each_record_tells_its_highest_sub_index)
+{
+    unsigned records = 0;
+    for (unsigned i = 0; i < CO_DICTIONARIES; i++) {
+        const struct co_dictionary *dictionary = &node.device.dictionaries[i];
+        for (unsigned at = 0; at + 1 < dictionary->count; at++) {
+            const struct co_entry *entry = &dictionary->entries[at];
+            unsigned last = at;
+            while (last + 1 < dictionary->count && entry[last + 1 - at].index == entry->index) {
+                last++;
+            }
+            /* 0x1003 counts its errors, 0x1600 to 0x1A03 what is mapped. */
+            const bool varies = entry->index == 0x1003 ||
+                                (entry->index >= 0x1600 && entry->index <= 0x17FF) ||
+                                (entry->index >= 0x1A00 && entry->index <= 0x1BFF);
+            if (entry->sub == 0 && last > at && !varies) {
+                ck_assert_msg(ask(0x40, entry->index, 0, 0)[4] == entry[last - at].sub,
+                              "%04X: %u, not %u", entry->index, ask(0x40, entry->index, 0, 0)[4],
+                              entry[last - at].sub);
+                records++;
+            }
+        }
+    }
+    ck_assert_uint_gt(records, 15);
+}
+END_TEST
+
 START_TEST(each_parameter_is_held_to_its_range)
 {
     const struct control_param_descriptor *d = &control_param_descriptors[_i];
@@ -640,6 +668,33 @@ START_TEST(counters_are_fetched_when_asked_for)
 }
 END_TEST
 
+static void count_shown(void *context)
+{
+    (*(unsigned *)context)++;
+}
+
+/* What changes in every tick is brought up to now in the reading: counters, drives, the cue, commissioning. */
+START_TEST(what_is_shown_is_of_now)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t sub;
+        bool shown;
+    } objects[] = {{0x2020, 1, true},  {0x2021, 1, true},   {0x2001, 10, true}, {0x2060, 1, true},
+                   {0x2062, 1, true},  {0x2001, 1, false},  {0x2001, 9, false}, {0x2022, 1, false},
+                   {0x1018, 1, false}, {0x2010, 10, false}, {0x2005, 1, false}};
+    unsigned shown = 0;
+    node.rules.show_counters = count_shown;
+    node.rules.show_context = &shown;
+    for (size_t i = 0; i < sizeof objects / sizeof objects[0]; i++) {
+        shown = 0;
+        (void)ask(0x40, objects[i].index, objects[i].sub, 0);
+        ck_assert_msg((shown > 0) == objects[i].shown, "%04X:%u: %u", objects[i].index,
+                      objects[i].sub, shown);
+    }
+}
+END_TEST
+
 /* 1 starts the recording, 3 freezes it; that it is closing is its own to say. */
 START_TEST(a_black_box_is_started_and_frozen)
 {
@@ -702,6 +757,7 @@ int main(void)
     TCase *lock = tcase_create("lock");
     tcase_add_checked_fixture(lock, setup, NULL);
     tcase_set_timeout(lock, 20);
+    tcase_add_test(lock, each_record_tells_its_highest_sub_index);
     tcase_add_test(lock, parameters_are_locked_until_a_client_says_who_it_is);
     tcase_add_test(lock, the_lock_closes_by_itself_and_when_it_is_told_to);
     tcase_add_test(lock, a_change_is_told_with_who_made_it);
@@ -726,6 +782,7 @@ int main(void)
     tcase_add_test(tests, found_offsets_become_parameters);
     tcase_add_test(tests, without_a_memory_nothing_is_kept);
     tcase_add_test(tests, counters_are_fetched_when_asked_for);
+    tcase_add_test(tests, what_is_shown_is_of_now);
     tcase_add_test(tests, a_black_box_is_started_and_frozen);
     tcase_add_test(tests, it_obeys_no_nmt_and_no_sync);
     tcase_add_test(tests, the_device_is_described_over_sdo);

@@ -25,6 +25,19 @@ START_TEST(the_default_ones_pass_the_check)
 }
 END_TEST
 
+/* A device without settings has a table from its smallest push-off to beyond its largest. */
+START_TEST(the_default_table_holds_every_push_off)
+{
+    const struct control_params *control = &settings.control;
+    const struct speed_table *table = &control->table;
+    ck_assert_int_eq(speed_table_check(table), SPEED_TABLE_OK);
+    assert_close((double)table->r0_min_m, (double)control->r0_min_m, 0.0, 0.0);
+    ck_assert(table->r0_min_m + table->r0_step_m * (float)(table->count - 1) >= control->r0_max_m);
+    ck_assert(table->speed_rad_s[0] < settings.desired_speed_rad_s &&
+              table->speed_rad_s[table->count - 1] > settings.desired_speed_rad_s);
+}
+END_TEST
+
 START_TEST(each_field_is_checked)
 {
     const struct settings good = settings;
@@ -168,6 +181,7 @@ int main(void)
 
     tcase_add_checked_fixture(tcase, setup, NULL);
     tcase_add_test(tcase, the_default_ones_pass_the_check);
+    tcase_add_test(tcase, the_default_table_holds_every_push_off);
     tcase_add_test(tcase, each_field_is_checked);
     tcase_add_test(tcase, every_stroke_holds_what_the_law_may_ask);
     tcase_add_test(tcase, the_device_comes_back_as_it_was);

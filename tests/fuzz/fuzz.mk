@@ -1,4 +1,5 @@
-# Fuzzers (clang's libFuzzer): log parsing, SDO, frame dispatch, slcan, a stranger on a walk's bus.
+# Fuzzers (clang's libFuzzer): log parsing and replay, files of a user, the black box, SDO, frame dispatch, slcan, a
+# stranger on a walk's bus.
 FUZZ_SECONDS ?= 300
 FUZZ_FLAGS := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 FUZZERS := $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
@@ -12,7 +13,7 @@ fuzzers: $(FUZZERS)
 fuzz-programs:
 	$(Q)$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang OPT=-O1 SANITIZE="$(FUZZ_FLAGS)" fuzzers
 
-fuzz: ## fuzz frame dispatch, SDO, slcan, log parsing and a walk, FUZZ_SECONDS (300) each, two at a time (15 min)
+fuzz: ## fuzz frames, SDO, slcan, logs, files, the black box and a walk, FUZZ_SECONDS (300) each, two at a time (20 min)
 	$(Q)scripts/setup fuzz
 	$(Q)$(MAKE) --no-print-directory fuzz-programs
 	$(Q)scripts/fuzz $(FUZZ_SECONDS)

@@ -186,6 +186,24 @@ START_TEST(a_placed_motor_is_taken_back_from_where_it_is)
 }
 END_TEST
 
+/* A drive that is not heard while it is to unload does so by itself: it is told nothing then. */
+START_TEST(a_drive_that_is_not_heard_is_not_enabled_while_it_unloads)
+{
+    static const struct {
+        uint16_t age_ticks;
+        bool enabled;
+    } ages[] = {{0, true}, {10, true}, {11, false}, {12, false}, {UINT16_MAX, false}};
+    for (size_t i = 0; i < sizeof ages / sizeof ages[0]; i++) {
+        input.sea[SIDE_LEFT].age_ticks = ages[i].age_ticks;
+        springs_command(&springs, &params, &input, SUPERVISOR_UNLOADING, &gait, request);
+        ck_assert_int_eq(request[SIDE_LEFT].enable, ages[i].enabled);
+        ck_assert(request[SIDE_RIGHT].enable);
+        springs_command(&springs, &params, &input, SUPERVISOR_WALKING, &gait, request);
+        ck_assert(request[SIDE_LEFT].enable);
+    }
+}
+END_TEST
+
 START_TEST(a_compass_loads_whatever_its_latch_says)
 {
     params.body = (float)BODY_COMPASS;
@@ -377,6 +395,7 @@ int main(void)
     tcase_add_checked_fixture(tests, setup, NULL);
     tcase_add_test(tests, a_stance_is_loaded_armed_and_given);
     tcase_add_test(tests, behind_an_open_latch_nothing_is_loaded);
+    tcase_add_test(tests, a_drive_that_is_not_heard_is_not_enabled_while_it_unloads);
     tcase_add_test(tests, a_compass_loads_whatever_its_latch_says);
     tcase_add_test(tests, a_latch_that_closes_in_swing_loads_nothing);
     tcase_add_test(tests, a_new_walk_begins_afresh);

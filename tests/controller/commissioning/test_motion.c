@@ -120,6 +120,39 @@ START_TEST(a_move_goes_there_and_back_without_a_step)
 }
 END_TEST
 
+/* Ticks that the way back took, of a motion that is ordered here. */
+static unsigned return_ticks(enum motion_kind kind, float share, float seconds,
+                             enum motion_outcome outcome)
+{
+    unsigned ticks = 0;
+    order(kind, SIDE_LEFT, share, seconds);
+    do {
+        (void)run_tick();
+        ticks += motion.phase == MOTION_RETURNS;
+        ck_assert_uint_lt(tick, LIMIT_TICKS);
+    } while (motion.phase != MOTION_IDLE || motion.order != input.motion.order);
+    ck_assert_int_eq(motion.outcome, outcome);
+    return ticks;
+}
+
+#define ASSERT_TAKES(ticks, milliseconds)                                \
+    do {                                                                 \
+        const unsigned taken = (ticks);                                  \
+        ck_assert_uint_ge(taken + 1u, TICKS_OF_MS(milliseconds));        \
+        ck_assert_uint_le(taken, TICKS_OF_MS(milliseconds) + DELAY + 1); \
+    } while (0)
+
+/* commissioning/motion.h: a move takes its seconds there and back; whatever else, and what was turned back, is
+ * at zero after half a second. */
+START_TEST(a_move_comes_back_as_slowly_as_it_went_and_all_else_in_half_a_second)
+{
+    ASSERT_TAKES(return_ticks(MOTION_KIND_MOVE, 0.04f, 2.0f, MOTION_DONE), 2000);
+    ASSERT_TAKES(return_ticks(MOTION_KIND_RELEASE, 0.05f, 2.0f, MOTION_DONE), 500);
+    force_gain = 4.0f;
+    ASSERT_TAKES(return_ticks(MOTION_KIND_MOVE, 0.05f, 2.0f, MOTION_BEYOND), 500);
+}
+END_TEST
+
 START_TEST(loads_grow_in_stages_that_both_legs_have_to_pass)
 {
     ck_assert(motion_share_allowed(&motion) == 0.05f);
@@ -411,6 +444,7 @@ int main(void)
     TCase *tcase = tcase_create("all");
     tcase_add_checked_fixture(tcase, setup, NULL);
     tcase_add_test(tcase, a_move_goes_there_and_back_without_a_step);
+    tcase_add_test(tcase, a_move_comes_back_as_slowly_as_it_went_and_all_else_in_half_a_second);
     tcase_add_test(tcase, loads_grow_in_stages_that_both_legs_have_to_pass);
     tcase_add_test(tcase, a_leg_without_a_drive_is_not_waited_for);
     tcase_add_test(tcase, a_fault_begins_with_small_loads_again_but_not_that_of_a_cut);

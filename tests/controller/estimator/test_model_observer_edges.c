@@ -3,6 +3,7 @@
 #include "controller/estimator/model_observer.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "sim_host/subjects/subject.h"
 #include "tests/support/assert_close.h"
@@ -121,6 +122,28 @@ START_TEST(a_lift_off_that_the_motion_does_not_explain_loses_it)
 }
 END_TEST
 
+/* A strike is looked up in what was kept of each tick: angles and rates, all as they were then. */
+START_TEST(each_tick_s_state_is_kept_whole)
+{
+    struct controller_input input = {0};
+    real seen[MODEL_HISTORY][SINGLE_SUPPORT_STATES];
+    reset();
+    begin();
+    for (uint32_t i = 1; i < MODEL_HISTORY; i++) {
+        input.tick = TICK + i;
+        input.leg[SIDE_LEFT].leg_angle_rad = observer.state[STANCE_ANGLE];
+        input.leg[SIDE_RIGHT].leg_angle_rad = observer.state[SWING_ANGLE];
+        model_observer_advance(&observer, &input);
+        ck_assert_int_eq(observer.phase, MODEL_SINGLE);
+        memcpy(seen[i], observer.state, sizeof seen[i]);
+    }
+    for (uint32_t i = 1; i < MODEL_HISTORY; i++) {
+        ck_assert_mem_eq(observer.history[(TICK + i) % MODEL_HISTORY], seen[i], sizeof seen[i]);
+    }
+    ck_assert(seen[20][STANCE_ANGLE] != seen[21][STANCE_ANGLE]);
+}
+END_TEST
+
 /* A sample that is no number, in single and in double support: what it has spoiled is not kept. */
 START_TEST(a_sample_that_is_no_number_loses_it)
 {
@@ -222,6 +245,7 @@ int main(void)
     tcase_add_test(tests, no_number_begins_nothing);
     tcase_add_test(tests, a_strike_that_cannot_be_recalled_loses_it);
     tcase_add_test(tests, a_lift_off_that_the_motion_does_not_explain_loses_it);
+    tcase_add_test(tests, each_tick_s_state_is_kept_whole);
     tcase_add_test(tests, a_sample_that_is_no_number_loses_it);
     tcase_add_test(tests, an_ankle_that_no_triangle_explains_loses_it);
     tcase_add_test(tests, a_strike_beside_the_other_foot_loses_it);

@@ -214,6 +214,39 @@ static int all_events(const struct heard *heard)
 
 /* Both legs move alike (a sway, a bow) or a little against each other (shuffling on
  * the spot, weight shifted from leg to leg): nothing of it is a step. */
+/* What the observer finds misplaced in 12 s of walking, where the ankles of these legs push off: from the last
+ * third of stance on they extend by 3 cm, and come back in swing. */
+static unsigned misplaced(bool left_moves, bool right_moves)
+{
+    static struct gait_observer observer;
+    const struct person person = {.stride_s = 1.1, .speed_rad_s = 0.9};
+    const struct control_params params = person_params();
+    const bool moves[SIDE_COUNT] = {left_moves, right_moves};
+    struct heard heard = {0};
+    gait_observer_init(&observer, &params);
+    for (uint32_t tick = 0; tick < 12000; tick++) {
+        double angle[SIDE_COUNT];
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            const double at = 1e-3 * tick / person.stride_s + 0.3 + 0.5 * side;
+            const double u = at - floor(at);
+            angle[side] = leg_angle(&person, u);
+            ankle_m[side] =
+                moves[side] && u > 0.4 && u < 0.8 ? 0.03 * sin((u - 0.4) / 0.4 * M_PI) : 0.0;
+        }
+        feed(&observer, &params, tick, angle[SIDE_LEFT], angle[SIDE_RIGHT], &heard);
+    }
+    ankle_m[SIDE_LEFT] = ankle_m[SIDE_RIGHT] = 0.0;
+    return observer.state.misplaced;
+}
+
+START_TEST(an_ankle_that_never_moves_is_found_while_walking)
+{
+    ck_assert_uint_eq(misplaced(true, true), 0);
+    ck_assert_uint_eq(misplaced(false, true), PLACEMENT_STUCK);
+    ck_assert_uint_eq(misplaced(true, false), PLACEMENT_STUCK << 1);
+}
+END_TEST
+
 START_TEST(standing_makes_no_events)
 {
     const struct {
@@ -311,6 +344,7 @@ int main(void)
     tcase_add_loop_test(tcase, every_event_once_a_stride, 0,
                         (int)(sizeof people / sizeof people[0]));
     tcase_add_test(tcase, a_common_offset_moves_no_heel_strike);
+    tcase_add_test(tcase, an_ankle_that_never_moves_is_found_while_walking);
     tcase_add_loop_test(tcase, standing_makes_no_events, 0, 5);
     tcase_add_test(tcase, starting_and_stopping);
     tcase_add_test(tcase, a_step_given_up);

@@ -147,6 +147,22 @@ START_TEST(a_switch_that_falls_silent_ends_what_was_shown)
 }
 END_TEST
 
+/* It is heard last in the air: where the foot came down nobody saw. */
+START_TEST(a_switch_that_falls_silent_in_swing_shows_no_step)
+{
+    struct feet feet;
+    start(&feet);
+    walk(&feet, 4, 120, 430, 0.5);
+    const int shown = feet.shown, denied = feet.denied;
+    swing(&feet, SIDE_LEFT, 120, 430, 0.5);
+    feet.foot[SIDE_LEFT] = FOOT_UNKNOWN;
+    pass(&feet, 30, 0.0, 0.0);
+    ck_assert_int_eq(feet.shown, shown);
+    ck_assert_int_eq(feet.denied, denied);
+    ck_assert_uint_eq(feet.proof.steps, 0);
+}
+END_TEST
+
 /* The device does not know the switches' biases: up to 40 ms each way. */
 START_TEST(biased_switches_show_walking_too)
 {
@@ -169,6 +185,7 @@ int main(void)
     tcase_add_test(all, both_feet_down_or_none_show_nothing);
     tcase_add_test(all, bounce_and_chatter_are_no_steps);
     tcase_add_test(all, a_switch_that_falls_silent_ends_what_was_shown);
+    tcase_add_test(all, a_switch_that_falls_silent_in_swing_shows_no_step);
     tcase_add_test(all, biased_switches_show_walking_too);
     suite_add_tcase(suite, all);
     return run_suite(suite);

@@ -160,6 +160,24 @@ START_TEST(a_number_that_changes_in_mid_search_ends_well)
 }
 END_TEST
 
+/* A branch with one number of one point that is none is no branch. */
+START_TEST(each_number_of_a_branch_is_checked)
+{
+    static struct gait_branch branch;
+    branch = *params.branch;
+    ck_assert(gait_branch_check(&branch) != 0);
+    real *const first = (real *)&branch.point[3];
+    const size_t numbers = sizeof branch.point[3] / sizeof(real);
+    for (size_t i = 0; i < numbers; i++) {
+        const real before = first[i];
+        first[i] = NAN;
+        ck_assert_msg(gait_branch_check(&branch) == 0, "number %zu", i);
+        first[i] = before;
+    }
+    ck_assert(gait_branch_check(&branch) != 0);
+}
+END_TEST
+
 /* ---- the predictive law alone ------------------------------------------------------------- */
 
 static struct predictive_search search;
@@ -256,6 +274,7 @@ int main(void)
     tcase_add_loop_test(tests, what_is_no_number_leaves_the_last_answer, 0, 6);
     tcase_add_test(tests, without_a_model_the_predictive_law_is_eq_16);
     tcase_add_loop_test(tests, a_number_that_changes_in_mid_search_ends_well, 0, 2);
+    tcase_add_test(tests, each_number_of_a_branch_is_checked);
     tcase_add_test(tests, without_time_to_move_the_motor_stays);
     tcase_add_test(tests, a_final_answer_stays);
     tcase_add_test(tests, distrust_wears_off_where_nothing_was_foretold);

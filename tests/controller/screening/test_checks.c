@@ -1,5 +1,6 @@
 /* Each check of the sensors and drives: what trips it, after how long, and what does not. */
 #include "controller/screening/checks.h"
+#include "controller/screening/tick_count.h"
 #include "tests/support/assert_close.h"
 
 #include <string.h>
@@ -319,6 +320,33 @@ START_TEST(ankle_against_latch)
 }
 END_TEST
 
+/* A latch that has just closed leaves the ankle 20 ms to come back before it counts, and then 21 ticks as always. */
+START_TEST(an_ankle_may_come_back_behind_a_latch_that_closes)
+{
+    struct rig rig;
+    start(&rig, SUPERVISOR_WALKING);
+    rig.command[SIDE_LEFT].latch_armed = true;
+    rig.input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    enum supervisor_fault fault;
+    ck_assert_int_eq(ticks_until(&rig, 50, true, &fault), 50);
+    rig.input.sea[SIDE_LEFT].latch = LATCH_CLOSED;
+    rig.input.leg[SIDE_LEFT].ankle_extension_m = REAL(0.021);
+    expect(&rig, SUPERVISOR_FAULT_SPRING, 42, 42, true);
+}
+END_TEST
+
+/* The largest number of 16 bits means "never heard": no count comes to it, and none begins again. */
+START_TEST(a_count_of_ticks_stops_below_never)
+{
+    ck_assert_uint_eq(count_up(0), 1);
+    ck_assert_uint_eq(count_up(65533), 65534);
+    ck_assert_uint_eq(count_up(65534), 65534);
+    ck_assert_uint_eq(count_up(AGE_NEVER), AGE_NEVER);
+    ck_assert_uint_eq(count_while(7, true), 8);
+    ck_assert_uint_eq(count_while(7, false), 0);
+}
+END_TEST
+
 START_TEST(a_released_spring_must_move_the_ankle)
 {
     struct rig rig;
@@ -481,9 +509,16 @@ START_TEST(who_sits_lies_or_hangs_is_not_upright)
         (void)tick(&rig);
     }
     ck_assert(!checks_upright(&rig.checks));
-    rig.input.leg[SIDE_LEFT].foot = FOOT_DOWN;
-    (void)tick(&rig);
-    ck_assert(checks_upright(&rig.checks));
+    for (int side = 0; side < SIDE_COUNT; side++) { /* one foot in the air is a stance */
+        rig.input.leg[side].foot = FOOT_DOWN;
+        rig.input.leg[1 - side].foot = FOOT_UP;
+        (void)tick(&rig);
+        ck_assert(checks_upright(&rig.checks));
+        for (int i = 0; i < 600; i++) {
+            (void)tick(&rig);
+        }
+        ck_assert(checks_upright(&rig.checks));
+    }
 }
 END_TEST
 
@@ -500,6 +535,8 @@ int main(void)
     tcase_add_test(tests, force_against_spring);
     tcase_add_test(tests, a_wrong_force_is_never_forgotten);
     tcase_add_test(tests, ankle_against_latch);
+    tcase_add_test(tests, an_ankle_may_come_back_behind_a_latch_that_closes);
+    tcase_add_test(tests, a_count_of_ticks_stops_below_never);
     tcase_add_test(tests, a_released_spring_must_move_the_ankle);
     tcase_add_test(tests, a_latch_opens_only_when_armed);
     tcase_add_test(tests, a_person_s_latch_closes_behind_an_empty_spring);

@@ -265,6 +265,10 @@ START_TEST(what_is_new_is_told_once)
     ck_assert(derate_update(&derate, limit, reading, ++now));
     for (int cause = 0; cause < DERATE_CAUSES; cause++) {
         ck_assert_str_ne(derate_cause_name((enum derate_cause)cause), "unknown");
+        for (int other = 0; other <= cause; other++) { /* each its own, and none empty */
+            ck_assert_str_ne(derate_cause_name((enum derate_cause)cause),
+                             other < cause ? derate_cause_name((enum derate_cause)other) : "");
+        }
     }
     ck_assert_str_eq(derate_cause_name((enum derate_cause)99), "unknown");
 }

@@ -198,6 +198,10 @@ START_TEST(the_command_for_time_stamps_is_one)
     slcan_decoder_init(&decoder);
     ck_assert_int_eq(feed(&decoder, "Z0\r"), SLCAN_OTHER);
     ck_assert_str_eq(decoder.line, "Z0");
+    ck_assert_int_eq(feed(&decoder, "Z9\r"), SLCAN_OTHER);
+    ck_assert_int_eq(feed(&decoder, "Z/\r"), SLCAN_MALFORMED); /* the signs before 0 and behind 9 */
+    ck_assert_int_eq(feed(&decoder, "Z:\r"), SLCAN_MALFORMED);
+    ck_assert_int_eq(feed(&decoder, "ZA\r"), SLCAN_MALFORMED);
     ck_assert_int_eq(feed(&decoder, "z0\r"), SLCAN_MALFORMED);
     ck_assert_int_eq(feed(&decoder, "Z00\r"), SLCAN_MALFORMED);
 }

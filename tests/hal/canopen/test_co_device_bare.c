@@ -383,6 +383,20 @@ START_TEST(a_time_out_is_over_when_its_timer_is_written)
 }
 END_TEST
 
+/* The first RPDO has never come, and the second, which did, is late: that is told. */
+START_TEST(a_pdo_that_never_came_hides_no_late_one)
+{
+    ck_assert_uint_eq(sdo(0x23, 0x1601, 1, 0x20010010), 0);
+    ck_assert_uint_eq(sdo(0x2F, 0x1601, 0, 1), 0);
+    ck_assert_uint_eq(sdo(0x2B, 0x1401, 5, 20), 0);
+    ck_assert_uint_eq(sdo(0x23, 0x1401, 1, 0x305), 0);
+    nmt(1);
+    ck_assert(give(0x305, 2, 1));
+    run(25);
+    ck_assert_uint_eq(emergencies(CO_EMCY_RPDO_TIMEOUT), 1);
+}
+END_TEST
+
 /* Two RPDOs are late, one of them comes back: the other's error lasts and says so. */
 START_TEST(each_pdo_has_errors_of_its_own)
 {
@@ -695,6 +709,7 @@ int main(void)
     tcase_add_test(tcase, the_end_of_an_error_is_told_also_through_a_full_queue);
     tcase_add_loop_test(tcase, a_time_out_is_over_when_its_pdo_is_not_used_any_more, 0, 2);
     tcase_add_test(tcase, a_time_out_is_over_when_its_timer_is_written);
+    tcase_add_test(tcase, a_pdo_that_never_came_hides_no_late_one);
     tcase_add_test(tcase, each_pdo_has_errors_of_its_own);
     tcase_add_test(tcase, a_lost_heartbeat_is_over_when_its_consumer_is_written);
     tcase_add_test(tcase, the_end_of_its_bus_off_is_seen_without_an_error_frame);

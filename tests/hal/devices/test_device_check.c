@@ -160,16 +160,71 @@ START_TEST(no_two_units_share_an_identifier)
         make_cansimple(right(), clash[i]);
         right()->latch_node = 30;
         REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
+        ck_assert_uint_eq((unsigned)refusal.allowed / 32,
+                          (unsigned)clash[i]); /* the identifier, one of its own */
     }
     for (unsigned i = 0; i < sizeof free_axis / sizeof free_axis[0]; i++) {
         make_cansimple(right(), free_axis[i]);
         right()->latch_node = 30;
         FITS();
     }
+    make_cansimple(right(), 4);
+    right()->latch_node = 30;
+    REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
+    ck_assert_uint_eq((unsigned)refusal.allowed, 0x080); /* SYNC, the first of them */
     make_mit(right(), 10, 9); /* answers with the other motor's identifier */
     REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
+    ck_assert_uint_eq((unsigned)refusal.allowed, 9);
     make_mit(right(), 10, 17);
     REFUSED(DEVICE_BAD_ID_TAKEN, SIDE_RIGHT, drive_node);
+}
+END_TEST
+
+/* Left leg first: its drive, its board, its sensors. Only a motor in MIT mode has an identifier for its answers. */
+START_TEST(each_unit_has_its_own_numbers)
+{
+    struct device_unit units[DEVICE_UNITS_MAX];
+    make_mit(left(), 9, 17);
+    make_cansimple(right(), 5);
+    right()->answer_id = 18; /* means nothing there */
+    left()->leg_sensor_node = 3;
+    right()->leg_sensor_node = 4;
+    const struct device_unit expected[] = {
+        {SIDE_LEFT, DEVICE_LEG_drive_node, DEVICE_MIT, 9, 17},
+        {SIDE_LEFT, DEVICE_LEG_latch_node, DEVICE_CIA402, 29, 0},
+        {SIDE_LEFT, DEVICE_LEG_leg_sensor_node, DEVICE_CIA402, 3, 0},
+        {SIDE_RIGHT, DEVICE_LEG_drive_node, DEVICE_CANSIMPLE, 5, 0},
+        {SIDE_RIGHT, DEVICE_LEG_latch_node, DEVICE_CIA402, 25, 0},
+        {SIDE_RIGHT, DEVICE_LEG_leg_sensor_node, DEVICE_CIA402, 4, 0},
+    };
+    const unsigned count = device_units(&device, units);
+    ck_assert_uint_eq(count, sizeof expected / sizeof expected[0]);
+    for (unsigned i = 0; i < count; i++) {
+        ck_assert_int_eq(units[i].leg, expected[i].leg);
+        ck_assert_uint_eq(units[i].key, expected[i].key);
+        ck_assert_uint_eq(units[i].protocol, expected[i].protocol);
+        ck_assert_uint_eq(units[i].number, expected[i].number);
+        ck_assert_uint_eq(units[i].answer_id, expected[i].answer_id);
+    }
+}
+END_TEST
+
+/* device_keys.h: bits in the drive's words are for a latch at the drive, a board has a node. */
+START_TEST(a_latch_has_the_keys_of_its_place)
+{
+    static const struct {
+        enum device_latch latch;
+        bool at_drive, on_board;
+    } places[] = {{DEVICE_LATCH_NONE, false, false},
+                  {DEVICE_LATCH_DRIVE, true, false},
+                  {DEVICE_LATCH_BOARD, false, true}};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        left()->latch = places[i].latch;
+        ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_latch_bit), places[i].at_drive);
+        ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_latch_node), places[i].on_board);
+    }
+    left()->protocol = DEVICE_NO_DRIVE_PROTOCOL;
+    ck_assert(!device_key_applies(left(), DEVICE_LEG_latch_node));
 }
 END_TEST
 
@@ -269,6 +324,7 @@ START_TEST(without_a_latch_that_reports_a_person_is_refused)
     right()->latch = DEVICE_LATCH_NONE;
     ck_assert_int_eq(device_check(&device, &refusal), DEVICE_OK);
     ck_assert_int_eq(device_check_person(&device, &refusal), DEVICE_BAD_BENCH_ONLY);
+    ck_assert(refusal.allowed == 0.0f); /* not one number */
     ck_assert_int_eq(refusal.leg, SIDE_RIGHT);
     right()->latch = DEVICE_LATCH_BOARD;
     right()->latch_node = 9;
@@ -394,6 +450,8 @@ int main(void)
     tcase_add_test(tcase, directions_are_one_way_or_the_other);
     tcase_add_test(tcase, no_two_units_share_a_number);
     tcase_add_test(tcase, no_two_units_share_an_identifier);
+    tcase_add_test(tcase, each_unit_has_its_own_numbers);
+    tcase_add_test(tcase, a_latch_has_the_keys_of_its_place);
     tcase_add_test(tcase, a_number_has_as_many_bits_as_its_protocol);
     tcase_add_test(tcase, the_stroke_stays_where_positions_can_be_said);
     tcase_add_test(tcase, what_is_told_twice_is_told_alike);

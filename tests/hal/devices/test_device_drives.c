@@ -154,6 +154,23 @@ START_TEST(one_drive_alone)
 }
 END_TEST
 
+/* Both targets lie in one frame, 0x201, of which each drive takes its half; one that cannot pass over the other's
+ * half gets a frame of its own, and so does the other then: 0x201 and 0x202. */
+START_TEST(a_drive_without_dummy_entries_parts_the_targets)
+{
+    static const int32_t lacks[][SIDE_COUNT] = {
+        {0, 0}, {1 << DEVICE_LACKS_DUMMY, 0}, {0, 1 << DEVICE_LACKS_DUMMY}};
+    for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; i++) {
+        device.leg[SIDE_LEFT].lacks = lacks[i][SIDE_LEFT];
+        device.leg[SIDE_RIGHT].lacks = lacks[i][SIDE_RIGHT];
+        start();
+        for (int leg = 0; leg < SIDE_COUNT; leg++) {
+            ck_assert_int_eq(all.state.cia402.axis[leg].config.own_target, i > 0);
+        }
+    }
+}
+END_TEST
+
 /* EPOS4: no dummy entries, so both targets go apart; no voltage and no temperature of ours. */
 START_TEST(a_drive_that_lacks_much)
 {
@@ -247,6 +264,7 @@ int main(void)
     tcase_add_test(tcase, a_board_tells_whether_its_latch_holds);
     tcase_add_test(tcase, no_board_is_armed_beside_an_idle_drive);
     tcase_add_test(tcase, one_drive_alone);
+    tcase_add_test(tcase, a_drive_without_dummy_entries_parts_the_targets);
     tcase_add_test(tcase, a_drive_that_lacks_much);
     tcase_add_test(tcase, interpolated_position_is_run_by_a_bit);
     tcase_add_test(tcase, sensors_of_other_scale_and_mounting);

@@ -210,6 +210,22 @@ START_TEST(what_is_not_whole_is_not_installed)
 }
 END_TEST
 
+/* What runs is what was ordered already, and what lies staged is not whole: nothing was installed, so no mark says it. */
+START_TEST(a_stage_that_is_not_whole_marks_nothing_as_done)
+{
+    struct program_header header;
+    make_image(2, 2);
+    write_image(SLOT);
+    write_image(STAGE);
+    ck_assert_int_eq(program_slots_check_stage(&slots, &header), PROGRAM_GOOD);
+    ck_assert(program_slots_commit(&slots, header.crc));
+    model.word[STAGE_PAGE + 1][9] ^= 1;
+    memset(model.in_cache, 0, sizeof model.in_cache);
+    ck_assert(!program_slots_install(&slots));
+    ck_assert(program_slots_is_ordered(&slots));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("programs");
@@ -222,6 +238,7 @@ int main(void)
     tcase_add_test(tcase, a_scan_in_slices_finds_the_same);
     tcase_add_loop_test(tcase, power_may_fail_in_every_operation_of_an_update, 0, OPERATIONS);
     tcase_add_test(tcase, what_is_not_whole_is_not_installed);
+    tcase_add_test(tcase, a_stage_that_is_not_whole_marks_nothing_as_done);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }

@@ -1,8 +1,7 @@
 /* A drive's setting changes by itself while it walks (no frame tells of it): the controller reads it back,
  * unloads, and names the object. */
 #include "hal/canopen/co_od.h"
-#include "sim_host/faults/injector.h"
-#include "tests/support/assert_close.h"
+#include "tests/support/injected_walk.h"
 
 #include <string.h>
 
@@ -11,22 +10,8 @@ static struct injector injector;
 
 static void walk_a_while(void)
 {
-    struct subject subject;
-    struct control_params params;
-    struct loop_config config;
-    char message[LOOP_MESSAGE_MAX] = "";
-    subject_default(&subject);
-    ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
-    params.start_r0_m = speed_table_inverse(&params.table, (real)0.6);
-    ck_assert_msg(loop_configure(&config, &subject, &params, 0.6, SENSORS_17BIT, 1, message) == 0,
-                  "%s", message);
-    ck_assert_msg(loop_init(&loop, &config, NULL, message) == 0, "%s", message);
-    ck_assert(injector_prepare(&loop));
-    injector_begin(&injector, &loop, NULL, 0);
-    while (loop.tick < 20000 && loop.rig.task.controller.plan.law.steps < 5) {
-        injector_tick(&injector);
-    }
-    ck_assert_int_eq(loop.rig.task.output.state, SUPERVISOR_WALKING);
+    injected_walk_prepare(&loop, NULL, 0);
+    injected_walk_begin(&injector, &loop, 5);
     memcpy(&saved, &loop, sizeof loop);
 }
 
@@ -120,6 +105,26 @@ START_TEST(a_round_takes_its_time_and_disturbs_nobody)
 }
 END_TEST
 
+/* Its answers have an identifier that nobody hears: that is counted, up to the counter's end, and no fault. */
+START_TEST(a_drive_that_answers_no_request_is_counted)
+{
+    walk_a_while();
+    uint32_t *unanswered = &loop.rig.task.node.objects.counters.audits_unanswered;
+    loop.nodes.drive[SIDE_LEFT].device.comm.sdo_answer_id = 0x7E0;
+    for (int tick = 0; tick < TICKS_OF_MS(4000); tick++) {
+        injector_tick(&injector);
+    }
+    ck_assert_uint_ge(*unanswered, 2);
+    ck_assert_uint_le(*unanswered, TICKS_OF_MS(4000) / DRIVE_AUDIT_TICKS + 1);
+    *unanswered = UINT32_MAX;
+    for (int tick = 0; tick < TICKS_OF_MS(4000); tick++) {
+        injector_tick(&injector);
+    }
+    ck_assert_uint_eq(*unanswered, UINT32_MAX);
+    ck_assert_int_eq(loop.rig.task.output.state, SUPERVISOR_WALKING);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("drive_audit");
@@ -128,6 +133,7 @@ int main(void)
     tcase_add_test(tests, a_setting_that_changes_by_itself_is_found_within_a_round);
     tcase_add_test(tests, the_drive_is_set_up_anew_afterwards);
     tcase_add_test(tests, a_round_takes_its_time_and_disturbs_nobody);
+    tcase_add_test(tests, a_drive_that_answers_no_request_is_counted);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

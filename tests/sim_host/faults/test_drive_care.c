@@ -2,8 +2,7 @@
  * pushes of both legs become smaller, and in the end the springs are unloaded without a fault. */
 #include "controller/supervisor/derate.h"
 #include "firmware/telemetry.h"
-#include "sim_host/faults/injector.h"
-#include "tests/support/assert_close.h"
+#include "tests/support/injected_walk.h"
 
 #include <string.h>
 
@@ -32,29 +31,14 @@ static void limit(struct device_leg *leg)
 static void walk_with(bool person, bool tells_force, unsigned steps)
 {
     struct subject subject;
-    struct control_params params;
-    struct loop_config config;
-    char message[LOOP_MESSAGE_MAX] = "";
     subject_default(&subject);
     limit(&subject.device.description.leg[SIDE_LEFT]);
     limit(&subject.device.description.leg[SIDE_RIGHT]);
     for (int leg = 0; leg < SIDE_COUNT && !tells_force; leg++) {
         subject.device.description.leg[leg].rated_force_N = 0.0f;
     }
-    ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
-    params.start_r0_m = speed_table_inverse(&params.table, (real)0.6);
-    ck_assert_msg(loop_configure(&config, &subject, &params, 0.6, SENSORS_17BIT, 1, message) == 0,
-                  "%s", message);
-    if (person) {
-        loop_configure_person(&config, 4);
-    }
-    ck_assert_msg(loop_init(&loop, &config, NULL, message) == 0, "%s", message);
-    ck_assert(injector_prepare(&loop));
-    injector_begin(&injector, &loop, NULL, 0);
-    while (loop.tick < 60000 && task()->controller.plan.law.steps < steps) {
-        injector_tick(&injector);
-    }
-    ck_assert_int_eq(task()->output.state, SUPERVISOR_WALKING);
+    injected_walk_prepare(&loop, &subject, person ? 4 : 0);
+    injected_walk_begin(&injector, &loop, steps);
 }
 
 static void walk(bool person, unsigned steps)

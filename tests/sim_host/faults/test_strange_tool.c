@@ -2,10 +2,9 @@
  * plant says whether the person was safe. */
 #include "hal/bus/frame_table.h"
 #include "sim_host/faults/campaign.h"
-#include "sim_host/faults/injector.h"
 #include "sim_host/faults/strange_tool.h"
 #include "sim_host/nodes/walker_nodes.h"
-#include "tests/support/assert_close.h"
+#include "tests/support/injected_walk.h"
 
 #include <stdlib.h>
 
@@ -20,22 +19,9 @@ static bool is_forced_by_physics(unsigned node, uint32_t object)
 
 static struct loop some_loop;
 
-static void take_a_loop(void)
-{
-    struct subject subject;
-    struct control_params params;
-    struct loop_config config;
-    char message[LOOP_MESSAGE_MAX] = "";
-    subject_default(&subject);
-    ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
-    ck_assert_msg(loop_configure(&config, &subject, &params, 0.6, SENSORS_17BIT, 1, message) == 0,
-                  "%s", message);
-    ck_assert_msg(loop_init(&some_loop, &config, NULL, message) == 0, "%s", message);
-}
-
 START_TEST(every_object_of_every_node_can_be_written_and_nobody_is_hurt)
 {
-    take_a_loop();
+    injected_walk_prepare(&some_loop, NULL, 0);
     const struct campaign_walker paper = {NULL, NULL};
     struct campaign *campaign = campaign_create(&paper);
     ck_assert_ptr_nonnull(campaign);
@@ -97,7 +83,7 @@ START_TEST(what_a_stop_would_leave_loaded_is_unloaded)
     static const uint32_t pairs[][2] = {
         {0x600700, 0x140005}, {0x600700, 0x608000}, {0x600700, 0x140001}, {0x140005, 0x140001},
         {0x600700, 0x160000}, {0x605E00, 0x608000}, {0x600700, 0x607D01}, {0x101601, 0x600700}};
-    take_a_loop();
+    injected_walk_prepare(&some_loop, NULL, 0);
     const struct campaign_walker paper = {NULL, NULL};
     struct campaign *campaign = campaign_create(&paper);
     ck_assert_ptr_nonnull(campaign);

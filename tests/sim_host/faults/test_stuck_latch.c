@@ -1,7 +1,6 @@
 /* One latch tells the same all the time, or does not open at all, in a simulated walk: within three of its
  * releases the controller unloads both springs and names the leg. The other leg's pushes go on meanwhile. */
-#include "sim_host/faults/injector.h"
-#include "tests/support/assert_close.h"
+#include "tests/support/injected_walk.h"
 
 static struct loop loop;
 static struct injector injector;
@@ -13,25 +12,8 @@ static struct control_task *task(void)
 
 static void walk(bool person)
 {
-    struct subject subject;
-    struct control_params params;
-    struct loop_config config;
-    char message[LOOP_MESSAGE_MAX] = "";
-    subject_default(&subject);
-    ck_assert_msg(subject_control_params(&subject, &params, message) == 0, "%s", message);
-    params.start_r0_m = speed_table_inverse(&params.table, (real)0.6);
-    ck_assert_msg(loop_configure(&config, &subject, &params, 0.6, SENSORS_17BIT, 1, message) == 0,
-                  "%s", message);
-    if (person) {
-        loop_configure_person(&config, 4);
-    }
-    ck_assert_msg(loop_init(&loop, &config, NULL, message) == 0, "%s", message);
-    ck_assert(injector_prepare(&loop));
-    injector_begin(&injector, &loop, NULL, 0);
-    while (loop.tick < 60000 && task()->controller.plan.law.steps < 14) {
-        injector_tick(&injector);
-    }
-    ck_assert_int_eq(task()->output.state, SUPERVISOR_WALKING);
+    injected_walk_prepare(&loop, NULL, person ? 4 : 0);
+    injected_walk_begin(&injector, &loop, 14);
 }
 
 static uint32_t steps(void)
