@@ -79,6 +79,27 @@ void arm_window_strike(struct arm_window *window, uint32_t tick, real age_s)
     window->strike_tick = tick > age ? tick - age : 1;
 }
 
+void arm_window_toe_off(struct arm_window *window, uint32_t tick, real age_s, uint32_t up_tick)
+{
+    window->closed = true;
+    if (window->strike_tick == 0) {
+        return; /* its beginning was not found: the one before counts */
+    }
+    const real found_s = seconds_since(tick, window->strike_tick) - age_s;
+    const real told_s = window->edge_tick != 0 && up_tick > window->edge_tick
+                            ? seconds_since(up_tick, window->edge_tick)
+                            : REAL(0.0);
+    const real support_s = found_s > told_s ? found_s : told_s;
+    if (support_s < ARM_SUPPORT_MOST_S) {
+        window->support_s = support_s;
+    }
+}
+
+bool arm_window_has_time(const struct arm_window *window)
+{
+    return window->support_s >= ARM_SUPPORT_LEAST_S;
+}
+
 bool arm_window_is_open(const struct arm_window *window, const struct control_params *params,
                         uint32_t tick)
 {

@@ -41,7 +41,10 @@ static void find_events(struct body_state *body, const struct body_tick *now, in
         arm_window_strike(&body->window[side], tick, event.age_s + now->params->sensor_latency_s);
     } else if (event.kind == LEG_EVENT_TOE_OFF) {
         gait_events_lift_off(now->gait, now->params, (enum side)side, tick, event.age_s);
-        body->window[1 - side].closed = true;
+        const struct foot_history *foot = &body->proof.foot[side];
+        arm_window_toe_off(&body->window[1 - side], tick,
+                           event.age_s + now->params->sensor_latency_s,
+                           foot->raw_up ? foot->raw_up_tick : tick);
     }
 }
 
@@ -152,11 +155,12 @@ static bool is_step(const struct body_state *body, enum side stance)
     return body->leg[side_other(stance)].contact == LEG_SWING;
 }
 
-/* A latch is armed within its window only. */
+/* A latch is armed within its window only, and where the leg's last step left time for a push. */
 static bool strike_near(const struct body_state *body, const struct control_params *params,
                         const struct gait_state *gait, uint32_t tick)
 {
-    return arm_window_is_open(&body->window[side_other(gait->stance)], params, tick);
+    const struct arm_window *window = &body->window[side_other(gait->stance)];
+    return arm_window_is_open(window, params, tick) && arm_window_has_time(window);
 }
 
 const struct body BODY_ROW(person) = {

@@ -35,3 +35,19 @@ void fault_tick_tell(FILE *stream, const char *what, uint32_t tick)
         fprintf(stream, ", %s at %u", what, tick);
     }
 }
+
+void fault_shots_describe(struct json_writer *json, const struct fault_shot *shot, unsigned count)
+{
+    json_open_list(json, "faults");
+    for (unsigned i = 0; i < count; i++) {
+        json_open_object(json, NULL);
+        json_text(json, "name", fault_kinds[shot[i].kind].name);
+        json_unsigned(json, "node", shot[i].node);
+        json_unsigned(json, "start_tick", shot[i].start_tick);
+        json_unsigned(json, "duration_ticks", shot[i].duration_ticks);
+        json_number(json, "magnitude", shot[i].magnitude, 9);
+        json_text(json, "unit", fault_kinds[shot[i].kind].unit);
+        json_close_object(json);
+    }
+    json_close_list(json);
+}

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "sim_host/cli/json_writer.h"
 #include "sim_host/faults/injector_shot.h"
 
 /* Draws node, duration (short ones more often than long), magnitude and seed of a fault of this kind; its
@@ -17,5 +18,8 @@ void fault_shot_tell(FILE *stream, const struct fault_shot *shot, bool another);
 
 /* ", WHAT at TICK"; nothing for UINT32_MAX, never. */
 void fault_tick_tell(FILE *stream, const char *what, uint32_t tick);
+
+/* Puts the faults of a run into an object that is open, as the list "faults". */
+void fault_shots_describe(struct json_writer *json, const struct fault_shot *shot, unsigned count);
 
 #endif

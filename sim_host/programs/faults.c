@@ -8,6 +8,7 @@
 #include "sim_host/cli/program_output.h"
 #include "sim_host/faults/campaign.h"
 #include "sim_host/faults/fault_options.h"
+#include "sim_host/faults/fault_shot.h"
 #include "sim_host/faults/people_main.h"
 #include "sim_host/faults/summary.h"
 #include "sim_host/faults/work.h"
@@ -41,19 +42,7 @@ static int write_experiment(const struct fault_options *options, const struct ca
         json_unsigned(json, "seed", options->seed);
         json_unsigned(json, "run", plan->index);
         json_text(json, "scene", campaign_scene_name(plan->scene));
-        json_open_list(json, "faults");
-        for (unsigned i = 0; i < plan->count; i++) {
-            const struct fault_shot *shot = &plan->shot[i];
-            json_open_object(json, NULL);
-            json_text(json, "name", fault_kinds[shot->kind].name);
-            json_unsigned(json, "node", shot->node);
-            json_unsigned(json, "start_tick", shot->start_tick);
-            json_unsigned(json, "duration_ticks", shot->duration_ticks);
-            json_number(json, "magnitude", shot->magnitude, 9);
-            json_text(json, "unit", fault_kinds[shot->kind].unit);
-            json_close_object(json);
-        }
-        json_close_list(json);
+        fault_shots_describe(json, plan->shot, plan->count);
     }
     return experiment_commit(&experiment, message, sizeof message) == 0
                ? 0

@@ -166,6 +166,56 @@ START_TEST(a_strike_alone_opens_nothing)
 }
 END_TEST
 
+/* Double supports of 0.05 s and more have time for a push; the legs' angles and the switches both have to say that
+ * one is shorter. Times in ms: from the strike as found to the toe-off as found, and from the other foot's contact to
+ * the own switch's opening; told 0 = the own switch has opened before, or is not heard. */
+START_TEST(a_double_support_too_short_for_a_push_is_known)
+{
+    static const struct {
+        uint32_t found_ms, told_ms;
+        bool has_time;
+    } cases[] = {{100, 110, true}, {60, 0, true},  {20, 80, true}, {44, 47, false},
+                 {20, 20, false},  {0, 0, false},  {51, 10, true}, {10, 51, true},
+                 {49, 49, false},  {10, 0, false}, {49, 51, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct bench bench;
+        start(&bench, 1.0, 0.0);
+        ck_assert(!arm_window_has_time(&bench.window)); /* nothing is known */
+        for (int k = 0; k < 3; k++) {
+            (void)step(&bench, 60);
+        }
+        const uint32_t strike_tick = bench.tick - 200;
+        arm_window_strike(&bench.window, bench.tick, REAL(0.2));
+        bench.window.edge_tick = strike_tick;
+        arm_window_toe_off(&bench.window, bench.tick,
+                           REAL(0.2) - (real)cases[i].found_ms * REAL(0.001),
+                           strike_tick + cases[i].told_ms);
+        ck_assert_msg(arm_window_has_time(&bench.window) == cases[i].has_time, "%u and %u ms",
+                      cases[i].found_ms, cases[i].told_ms);
+        ck_assert(!arm_window_is_open(&bench.window, &bench.params, bench.tick));
+    }
+}
+END_TEST
+
+/* A toe-off without its strike, or long after it, tells of no double support: the one before counts. */
+START_TEST(what_was_not_found_tells_of_no_double_support)
+{
+    struct bench bench;
+    start(&bench, 1.0, 0.0);
+    arm_window_strike(&bench.window, bench.tick, REAL(0.1));
+    arm_window_toe_off(&bench.window, bench.tick, REAL(0.0), bench.tick);
+    ck_assert(arm_window_has_time(&bench.window));
+    bench.window.strike_tick = 0;
+    arm_window_toe_off(&bench.window, bench.tick, REAL(0.0), bench.tick);
+    ck_assert(arm_window_has_time(&bench.window));
+    arm_window_strike(&bench.window, bench.tick, REAL(0.0));
+    arm_window_toe_off(&bench.window, bench.tick + 20, REAL(0.0), bench.tick + 20);
+    ck_assert(!arm_window_has_time(&bench.window));
+    arm_window_toe_off(&bench.window, bench.tick + 900, REAL(0.0), bench.tick + 900);
+    ck_assert(!arm_window_has_time(&bench.window));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("arm_window");
@@ -175,6 +225,8 @@ int main(void)
     tcase_add_test(all, it_closes_when_no_contact_comes);
     tcase_add_loop_test(all, without_switches_it_opens_behind_the_strike_or_not_at_all, 0, 2);
     tcase_add_test(all, a_strike_alone_opens_nothing);
+    tcase_add_test(all, a_double_support_too_short_for_a_push_is_known);
+    tcase_add_test(all, what_was_not_found_tells_of_no_double_support);
     suite_add_tcase(suite, all);
     return run_suite(suite);
 }

@@ -282,6 +282,25 @@ START_TEST(force_against_spring)
 }
 END_TEST
 
+/* At a person's ankle there is less room above: 15 %, and 4 mm of spring a metre of leg. Below it is as ever. */
+START_TEST(a_person_s_spring_may_be_little_stronger_than_it_should)
+{
+    static const struct {
+        real force_N;
+        enum supervisor_fault fault;
+    } cases[] = {{REAL(10.0), SUPERVISOR_FAULT_NONE},   {REAL(11.8), SUPERVISOR_FAULT_NONE},
+                 {REAL(12.1), SUPERVISOR_FAULT_SPRING}, {REAL(13.8), SUPERVISOR_FAULT_SPRING},
+                 {REAL(7.0), SUPERVISOR_FAULT_NONE},    {REAL(5.9), SUPERVISOR_FAULT_SPRING}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct rig rig;
+        start(&rig, SUPERVISOR_WALKING);
+        rig.params.body = (real)BODY_PERSON;
+        load(&rig, REAL(0.1), cases[i].force_N);
+        ck_assert_msg(two_force_samples(&rig) == cases[i].fault, "%g N", (double)cases[i].force_N);
+    }
+}
+END_TEST
+
 /* A spring that stays unexplained stays a fault, however long that lasts: the count ends at its
  * limit. Force samples in every tick, 600 of them. */
 START_TEST(a_wrong_force_is_never_forgotten)
@@ -533,6 +552,7 @@ int main(void)
     tcase_add_test(tests, a_lasting_jump_is_a_fault_while_walking);
     tcase_add_test(tests, a_stuck_angle);
     tcase_add_test(tests, force_against_spring);
+    tcase_add_test(tests, a_person_s_spring_may_be_little_stronger_than_it_should);
     tcase_add_test(tests, a_wrong_force_is_never_forgotten);
     tcase_add_test(tests, ankle_against_latch);
     tcase_add_test(tests, an_ankle_may_come_back_behind_a_latch_that_closes);

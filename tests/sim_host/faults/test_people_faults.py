@@ -3,6 +3,7 @@
 Run i is the same run on every machine with the same recordings. The whole is `make faults-people`; which of its
 runs are unsafe, and what forces them, stands in controller/SAFETY.md.
 """
+import json
 import os
 import pathlib
 import re
@@ -85,6 +86,17 @@ def test_a_run_repeats_byte_for_byte(tmp_path):
     assert (tmp_path / "a.log").read_bytes() == (tmp_path / "b.log").read_bytes() != b""
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     assert people("--run", 7, "--seed", 2, env=MADE).stdout != one.stdout
+
+
+def test_a_table_says_what_it_is_a_table_of(tmp_path):
+    table = tmp_path / "a.csv"
+    told = people("--run", 107, "--csv", table, env=MADE).stdout
+    said = json.loads((tmp_path / "a.csv.json").read_text())
+    assert said["run"] == 107 and said["seed"] == 1 and said["recordings"] == 0
+    assert f"({said['who']}; " in told and f"switches {said['switches']})" in told
+    assert (ROOT / said["device"]).is_file()
+    assert said["from_power_on"] == ("from power-on" in told)
+    assert said["faults"] and all(fault["name"] in told for fault in said["faults"])
 
 
 def test_a_run_alone_is_the_run_of_the_campaign(tmp_path):
