@@ -199,6 +199,10 @@ static int view_walk(struct view *view)
     if (sim_session_configure(session) != 0) {
         return status;
     }
+    if (view->options.in_stand) {
+        session->config.standby = true;
+        session->config.plant.start_hold.release_tick = UINT64_MAX / 2;
+    }
     view->subject = view_subject_json(&session->config.subject, &session->config.params,
                                       session->config.desired_speed_rad_s, &view->options);
     const int fd = view->subject != NULL ? start_server(view) : program_complain("out of memory");

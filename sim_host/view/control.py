@@ -138,7 +138,14 @@ class Control:
             self.numbers[client] = FIRST_CLIENT + len(self.numbers) % CLIENTS
         return self.numbers[client]
 
+    def _idle(self):
+        """While a step of commissioning moves motors nothing else is asked of the controller."""
+        under_way = self.site.commissioning.step if self.site.commissioning else None
+        if under_way:
+            raise Refusal(f"The step {under_way} of commissioning is under way: interrupt it first.")
+
     def do_write(self, client, asked):
+        self._idle()
         name, value = str(asked["name"]), float(asked["value"])
         entry = self.objects.by_name.get(name)
         if entry is None or not name.startswith(GROUPS) or entry["access"] != "rw":
@@ -149,6 +156,7 @@ class Control:
         self.keep(self._guarded(client, "write", self._write(client, entry, value, True)))
 
     def do_undo(self, client, _):
+        self._idle()
         if not self.undo:
             raise Refusal("There is nothing to undo.")
         name, before = self.undo.pop()
@@ -158,6 +166,10 @@ class Control:
         what = asked["what"]
         deed = {"walk": self._walk, "stop": self._stop, "reset": self._reset, "zero": self._zero,
                 "restart": self._restart}[what]
+        if what == "stop" and self.site.commissioning:
+            self.site.commissioning.interrupt()
+        else:
+            self._idle()
         self.keep(self._guarded(client, "request", deed(client)))
 
     async def _guarded(self, client, do, work):

@@ -46,7 +46,8 @@ class Site:
         self.deeds = {"range": self.do_range}  # further ones: control.py, trials.py
         self.hello_parts = []
         self.routes = []
-        self.control = self.loop = None
+        self.farewells = []  # called with a browser that has gone
+        self.control = self.commissioning = self.loop = None
 
     def open_source(self):
         options = self.options
@@ -67,6 +68,8 @@ class Site:
         if self.options.control and self.source:
             from control import Control  # canopen is needed for this only
             self.control = Control(self)
+            from commissioning import Commissioning
+            self.commissioning = Commissioning(self)
 
     # ---- HTTP -------------------------------------------------------------------------
 
@@ -95,6 +98,8 @@ class Site:
             await self.listen(socket, client, writer)
         finally:
             self.hub.clients.discard(client)
+            for farewell in self.farewells:
+                farewell(client)
             writer.cancel()
             await asyncio.gather(writer, return_exceptions=True)
         return socket
@@ -205,6 +210,8 @@ class Site:
                 done.set()
             self.hub.ended = end
         await done.wait()
+        if self.commissioning:
+            self.commissioning.interrupt()
         if self.hub.recorder:
             self.hub.recorder.close()
 

@@ -1,6 +1,7 @@
 """How the tests start `afo view`, speak with it, and look at its page."""
 import contextlib
 import json
+import os
 import re
 import signal
 import subprocess
@@ -10,7 +11,7 @@ import websocket
 
 from afo import AFO, ROOT
 
-PATIENCE_S = 300
+PATIENCE_S = float(os.environ.get("AFO_PATIENCE_S", "300"))
 
 
 class View:
