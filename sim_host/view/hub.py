@@ -92,6 +92,7 @@ class Hub:
         self.events_kept = events_kept
         self.clients = set()
         self.recorder = None
+        self.before = None  # of a bus: before.py
         self.listeners = []  # called with every array of records
         self.is_over, self.trouble_text, self.lost_frames, self.walk = False, "", 0, 0
         self._fresh()
@@ -147,6 +148,8 @@ class Hub:
             listener(records)
         if self.recorder:
             self.recorder.take(records)
+        if self.before:
+            self.before.take(records)
         if self.first_us is None:
             self.first_us = int(records["time_us"][0])
         self.newest_us = int(records["time_us"][-1])

@@ -1,5 +1,6 @@
 """The page and its web socket."""
 import asyncio
+import contextlib
 import json
 import pathlib
 import signal
@@ -10,6 +11,7 @@ from aiohttp import WSMsgType, web
 import frames
 import hub as hubs
 import signals
+from before import Before
 from client import Client
 from guard import CLIENTS_MAX, HEADERS, Door, Guard
 from keeping import Keeping, Telegrams
@@ -22,6 +24,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 MESSAGE_MAX = 16384
 PIECE_TICKS, RANGE_TICKS_MAX = 1000, 60000
+END_S = 2.0  # a browser that is stopped does not hold the end
 
 
 def page_files():
@@ -56,6 +59,7 @@ class Site:
             load_log(self.hub, options.replay, self.complain)
         elif options.can:
             self.source = CanSource(options.can)
+            self.hub.before = Before()
         else:
             self.source = WalkSource(options.fd)
             if self.hub.subject["recording"]:
@@ -189,8 +193,9 @@ class Site:
         server.close()
         clients = list(self.hub.clients)
         await asyncio.gather(*(client.drained() for client in clients))
-        await asyncio.gather(*(client.socket.close(code=1001) for client in clients), return_exceptions=True)
-        await runner.cleanup()
+        await asyncio.gather(*(asyncio.wait_for(client.socket.close(code=1001), END_S) for client in clients), return_exceptions=True)
+        with contextlib.suppress(asyncio.TimeoutError):
+            await asyncio.wait_for(runner.cleanup(), 2 * END_S)
 
     async def until_over(self, loop):
         done = asyncio.Event()
@@ -213,7 +218,7 @@ class Site:
         if self.commissioning:
             self.commissioning.interrupt()
         if self.hub.recorder:
-            self.hub.recorder.close()
+            await loop.run_in_executor(None, self.hub.recorder.close)
 
 
 def load_log(hub, path, complain):

@@ -135,6 +135,35 @@ def test_marks_travel_in_the_log():
     assert found[-1] == (7, text) and not any(found[:-1])
 
 
+def test_what_was_before_a_trial_replays_with_it(walked, tmp_path):
+    """Frames since the controller's start, in pieces, behind an older run; then a trial from the middle of the walk."""
+    import before
+    import gzip
+    with open(walked[0], "rb") as stream:
+        records, _ = frames.parse_log(stream)
+    records = records[records["id"] < 0x800]
+    older, middle = records[20000:30005].copy(), len(records) // 2
+    records["time_us"] += 50000000
+    past = before.Before()
+    assert past.copy() is None
+    past.take(older)
+    assert past.copy() is None  # its controller was started before anybody watched
+    for start in range(0, middle, 777):
+        past.take(records[start:min(start + 777, middle)])
+    packed = b"".join(past.copy())
+    past.take(records[middle:])  # it goes on behind a copy
+    lines, own = gzip.decompress(packed).decode().splitlines(), frames.log_lines(records[:middle]).splitlines()
+    assert lines[-len(own):] == own and len(lines) - len(own) < 20  # before it: what nodes said behind the older run's last SYNC
+    (tmp_path / "before.log.gz").write_bytes(packed)
+    (tmp_path / "bus.log").write_text(frames.log_lines(records[middle:]), encoding="utf-8")
+    subject = {"person_file": None, "device_file": None, "desired_speed_rad_s": 0.8}
+    command, where = trial.how_to_replay({"subject": subject, "replay_from": trial.BEFORE_IT}, tmp_path)
+    done = subprocess.run(["bash", "-o", "pipefail", "-c", command.replace("afo replay", f"{AFO} replay")], capture_output=True,
+                          text=True, timeout=100, check=False)
+    assert done.returncode == 0 and "reproduced" in done.stdout and "start" in where, done.stdout + done.stderr
+    assert run("--speed", "0.8", "--foreign-nodes", tmp_path / "bus.log", command="replay").returncode != 0
+
+
 def test_a_value_holds_until_the_next():
     rows = np.array([[1.0, np.nan], [np.nan, 2.0], [np.nan, np.nan], [3.0, np.nan]])
     signals.hold(rows)

@@ -1,7 +1,8 @@
 """The campaign of hostile neighbours: the commands of a walk that is viewed are those of the walk that nobody views."""
 import pytest
 
-from view_hostility import CLASSES, campaign, commands, undisturbed
+from afo import run
+from view_hostility import CLASSES, SPEED, campaign, commands, neighbours, undisturbed
 from viewer import Talk, viewing
 
 STEPS, SECONDS, LONG_SECONDS = 60, 1.0, 20.0
@@ -23,6 +24,17 @@ def test_all_neighbours_at_once_change_no_command(tmp_path, expected, seed):
 @pytest.mark.parametrize("seed", range(3, 8))
 def test_no_neighbour_changes_a_command(tmp_path, expected, kind, seed):
     assert campaign([kind], seed, tmp_path, LONG_SECONDS, expected) is None
+
+
+def test_those_who_only_read_send_nothing(tmp_path):
+    """Without --control every frame of the walk, byte for byte and by its time, is that of afo sim."""
+    log = tmp_path / "v.log"
+    assert neighbours(["twenty", "flooded"], 1, tmp_path, SECONDS) is None
+    assert run("--speed", SPEED, "--steps", STEPS, "--log", tmp_path / "sim.log", "--quiet").returncode == 0
+    mine, other = log.read_bytes(), (tmp_path / "sim.log").read_bytes()
+    mine = mine[:min(len(mine), len(other)) - 1000]  # at its end the controller stops
+    assert len(mine) > 1000000 and other.startswith(mine)
+    assert "LineTooLong" in (tmp_path / "errors.txt").read_text(encoding="utf-8")
 
 
 def test_a_command_that_was_changed_is_found(tmp_path, expected):

@@ -120,7 +120,7 @@ class Flooded(Hostile):
         except GONE:
             pass
         while len(self.open) > 100:
-            self.open.pop(1).close()
+            self.open.pop(2).close()  # behind the browser that looked on, and the packets' socket
 
 
 class Twenty(Hostile):
@@ -195,25 +195,30 @@ CLASSES = {one.__name__.lower(): one for one in (Flooded, Twenty, Stalled, Rubbi
 
 def campaign(kinds, seed, folder, seconds, expected):
     """A walk with control, and these neighbours. None, or why the walk was not the undisturbed one."""
-    log, errors = folder / "v.log", folder / "errors.txt"
+    return neighbours(kinds, seed, folder, seconds, "--control") or difference(commands(folder / "v.log"), expected)
+
+
+def neighbours(kinds, seed, folder, seconds, *options):
+    """A walk whose log is v.log, and these neighbours. None, or which of them did too little, or what the server said."""
+    errors = folder / "errors.txt"
     with open(errors, "w", encoding="utf-8") as stream:
-        view = View("--speed", SPEED, "--control", "--trials", folder / "trials", "--log", log, errors=stream)
-    neighbours = [CLASSES[kind](view, f"{kind} {seed}", seconds) for kind in kinds]
-    together = [one for one in neighbours if not one.ALONE]
+        view = View("--speed", SPEED, *options, "--trials", folder / "trials", "--log", folder / "v.log", errors=stream)
+    chosen = [CLASSES[kind](view, f"{kind} {seed}", seconds) for kind in kinds]
+    together = [one for one in chosen if not one.ALONE]
     for one in together:
         one.start()
     for one in together:
         one.join(PATIENCE_S)
-    for one in neighbours:
+    for one in chosen:
         if one.ALONE:
             one.start()
             one.join(PATIENCE_S)
     status = view.end()
-    lazy = [(type(one).__name__, one.deeds, one.failed) for one in neighbours if one.failed or one.deeds < one.LEAST]
+    lazy = [(type(one).__name__, one.deeds, one.failed) for one in chosen if one.failed or one.deeds < one.LEAST]
     said = errors.read_text(encoding="utf-8")
     if status != 0 or lazy or "Traceback" in said or len(said.splitlines()) > 60:
         return f"status {status}, {lazy}, {said[-2000:]}"
-    return difference(commands(log), expected)
+    return None
 
 
 def difference(found, expected):
