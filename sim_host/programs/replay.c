@@ -143,7 +143,7 @@ int afo_replay(int argc, char **argv)
         option_list,
         take,
         "LOG",
-        "Feeds a candump log to the control task and compares every frame that the controller "
+        "Feeds a candump log (-: standard input) to the control task and compares every frame that the controller "
         "sent, bit by bit. Subject, speed and law must be those of the recorded run.\v"
         "Exit status: 0 all frames reproduced, 1 a frame differs, 2 wrong usage or log.",
         children,
@@ -162,7 +162,8 @@ int afo_replay(int argc, char **argv)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
-    FILE *log = fopen(options.log_path, "r");
+    const bool is_input = strcmp(options.log_path, "-") == 0;
+    FILE *log = is_input ? stdin : fopen(options.log_path, "r");
     if (log == NULL) {
         program_complain("%s: %s", options.log_path, strerror(errno));
         return EXIT_USAGE;

@@ -47,7 +47,8 @@ class Past:
 
     def __init__(self, hub):
         self.hub, self.tick_s = hub, hub.subject["tick_s"]
-        self.events = list(hub.events)[-200:]
+        events = list(hub.events)
+        self.events = [one for one in events[:-200] if one["kind"] == "write"] + events[-200:]
 
     def rows_of(self, name, first, last):
         """(first tick that is there, values)."""

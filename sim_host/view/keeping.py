@@ -37,15 +37,18 @@ class Keeping:
 
     def do_mark(self, client, asked):
         text = str(asked.get("text", ""))[:trial.MARK_TEXT_MAX]
-        self.mark(text)
+        self.mark(text, client)
 
-    def mark(self, text):
+    def mark(self, text, client=None):
+        """With --control the controller is told of it, too, and gives a pulse at its pin (firmware/README.md)."""
         if self.site.is_replay:
             raise Refusal("A log takes no marks.")
         self.marks += 1
         if self.hub.recorder:
             self.hub.recorder.mark(self.marks, text, self.hub.newest_us or 0)
         self.hub.event({"kind": "mark", "tick": self.hub.decoder.tick, "number": self.marks, "text": text})
+        if self.site.control:
+            self.site.control.mark(client, self.marks)
 
     # ---- trials -------------------------------------------------------------------------
 

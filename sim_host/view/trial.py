@@ -242,7 +242,7 @@ def how_to_replay(told, folder):
     command = " ".join(["afo replay", *given])
     begins = told.get("replay_from")
     if (pathlib.Path(folder) / BEFORE).exists():
-        return f"zcat {folder}/{BEFORE} | cat - {folder}/bus.log | {command} --foreign-nodes /dev/stdin", "from the controller's start on"
+        return f"zcat {folder}/{BEFORE} | cat - {folder}/bus.log | {command} --foreign-nodes -", "from the controller's start on"
     if begins == NEXT_BOOT:
         return f"{command} --foreign-nodes --from-boot {folder}/bus.log", (
             "from the controller's next start in this trial only: it was walking already when afo view began to watch")

@@ -51,7 +51,7 @@ def replays(folder):
 
 
 def main():
-    view = View("--can", "vcan0", "--control", "--trials", FOLDER)
+    view = View("--can", "vcan0", "--speed", "0.41", "--control", "--trials", FOLDER)
     talk = Talk(view)
     talk.ask(do="record", on=True, subject="BUS")
     talk.until(lambda m: m.get("type") == "recorder" and m["recorder"], "recording")
@@ -74,7 +74,7 @@ def main():
         assert "standby" in talk.until(lambda m: m.get("type") == "request", "stopped")["text"]
         say("stop is obeyed")
         keep(talk, "MID")
-        late = View("--can", "vcan0", "--trials", FOLDER)
+        late = View("--can", "vcan0", "--speed", "0.41", "--trials", FOLDER)
         late_talk = Talk(late)
         late_talk.ask(do="record", on=True, subject="LATE")
         assert "next start" in late_talk.until(lambda m: m.get("type") == "recorder" and m["recorder"], "recording")["recorder"]["note"]

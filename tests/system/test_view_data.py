@@ -217,6 +217,54 @@ def test_a_push_by_somebody_is_found_before_the_fault():
     assert any("last push" in note for note in notes)
 
 
+def state(tick, name, fault=0):
+    return {"kind": "state", "tick": tick, "state": name, "fault_number": fault}
+
+
+def step(tick, speed, command):
+    return {"kind": "step", "tick": tick, "speed_rad_s": speed, "command_rad_s": command}
+
+
+def asked_for(speed):
+    return {"kind": "write", "tick": 100, "done": True, "name": "commands.desired_apex_speed", "value": speed}
+
+
+def test_a_speed_settles_at_the_first_of_three_steps_within_two_percent():
+    from settling import Settling
+    watch = Settling({"tick_s": 0.001})
+    made = [asked_for(0.45), step(1000, 0.55, 0.53), step(2000, 0.50, 0.45), step(3000, 0.458, 0.45), step(4000, 0.47, 0.45),
+            step(5000, 0.442, 0.45), step(6000, 0.451, 0.45)]
+    assert [found for one in made for found in watch.take(one)] == []
+    found = watch.take(step(7000, 0.45, 0.45))
+    assert [(one["kind"], one["steps"], one["seconds"], one["from"]) for one in found] == [("settled", 5, 4.9, 0.55)]
+    assert watch.take(step(8000, 0.45, 0.45)) == []
+
+
+def test_a_walk_that_falls_before_its_speed_has_settled_is_told_why():
+    from settling import Settling
+    watch = Settling({"tick_s": 0.001})
+    for one in (asked_for(0.45), step(1000, 0.55, 0.50), step(2000, 0.32, 0.45), step(3000, 0.57, 0.45)):
+        assert watch.take(one) == []
+    found = watch.take(state(4000, "unloading", 7))
+    assert found[0]["kind"] == "unsettled" and "3 steps after 0.450 rad/s" in found[0]["text"] and "speed_ramp_rad_s" in found[0]["text"]
+    assert watch.take(state(5000, "FAULT", 7)) == []
+    watch.take(asked_for(0.4))
+    assert watch.take(state(6000, "unloading")) == []  # somebody stopped it: no fault
+
+
+def test_a_setting_of_long_ago_is_among_what_was_seen_before_a_fault():
+    class Past:
+        tick_s = 0.001
+        events = [{"kind": "write", "tick": 5000 + i, "done": True, "client": 101, "name": "parameters.speed_ramp_rad_s", "value": value}
+                  for i, value in enumerate((0.01, 0.02))]
+
+        def rows_of(self, name, first, last):
+            return first, np.zeros(last - first)
+    from findings import before_fault
+    notes = [note for note in before_fault(Past(), 60000) if "speed_ramp_rad_s" in note]
+    assert len(notes) == 1 and "set to 0.02" in notes[0] and notes[0].startswith("5.00 s")
+
+
 def test_a_recorded_persons_events_are_the_feet_of_the_recording(tmp_path):
     """A made walk of a person: strikes by the foot switches, in their number and cadence; pushes of both legs."""
     path = write(tmp_path / "made.csv", made_gait())
