@@ -13,7 +13,8 @@ enum {
     KEY_LOG,
     KEY_FAULT,
     KEY_FAULT_STEP,
-    KEY_ENGAGE
+    KEY_ENGAGE,
+    KEY_STAND
 };
 
 static const struct argp_option option_list[] = {
@@ -31,6 +32,8 @@ static const struct argp_option option_list[] = {
      "further host names or addresses by which browsers may call the page", 0},
     {"trials", KEY_TRIALS, "FOLDER", 0, "where trials are kept (default trials)", 0},
     {0, 0, 0, 0, "The walk in this process:", 4},
+    {"stand", KEY_STAND, 0, 0,
+     "keep it in a stand, for the steps of commissioning: it does not walk", 0},
     {"steps", KEY_STEPS, "N", 0, "end after N steps (default: at Ctrl-C)", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed or swapped", 0},
@@ -56,6 +59,10 @@ static void check_together(struct argp_state *state, const struct view_options *
         argp_error(
             state,
             "--slope-deg, --terrain-mm and --push act on the simulated walker, not on the recorded one");
+    }
+    if (options->in_stand &&
+        (options->interface != NULL || options->replay_path != NULL || recorded)) {
+        argp_error(state, "--stand is for the walker in this process");
     }
     if ((options->interface != NULL || options->replay_path != NULL) &&
         options->sim.log_path != NULL) {
@@ -91,6 +98,9 @@ static bool take_page(int key, char *text, struct argp_state *state)
         return true;
     case KEY_TRIALS:
         options->trials_path = text;
+        return true;
+    case KEY_STAND:
+        options->in_stand = true;
         return true;
     default:
         return false;

@@ -16,6 +16,7 @@ struct view_options {
     const char *host_names;  /* further names by which browsers may call it; NULL: none */
     unsigned port;           /* 0: any free one */
     bool control;
+    bool in_stand; /* the walker in this process is kept in a stand, and no walk is asked for */
 };
 
 /* Parses the command line; --help and --version end the process with 0, a usage error with a message on

@@ -139,4 +139,7 @@ void commission_record_write(const struct commission *commission, FILE *stream);
 /* One self-contained HTML page: done, found, accepted, hazards, and where to sign. */
 void commission_page_write(const struct commission *commission, FILE *stream);
 
+/* The steps in their order and what is recorded of each, as one JSON object. */
+void commission_list_write(const struct commission *commission, FILE *stream);
+
 #endif

@@ -7,9 +7,6 @@
 #include "hal/bus/frame_table.h"
 #include "sim_host/log/replay_internal.h"
 
-/* A controller's boot-up may wait on the bus for its first ticks' more urgent frames. */
-enum { LATE_BOOT_TICKS = 100 };
-
 /* ---- the bus the task sees ------------------------------------------------- */
 
 static enum can_result take_sent(void *context, const struct can_msg *message)
@@ -215,19 +212,13 @@ static void end_run(struct replay *replay)
     replay->running = false;
 }
 
-static bool is_boot(const struct can_msg *message)
-{
-    return message->id == FRAME_HEARTBEAT_CONTROLLER && message->length == 1 &&
-           message->data[0] == 0;
-}
-
 static void keep(struct replay *replay, const struct candump_record *record, unsigned long line)
 {
     const bool foreign = replay->next_is_foreign;
     replay->next_is_foreign = false;
     replay->foreign_frames += foreign ? 1 : 0;
-    if (is_boot(&record->message) && !foreign) {
-        if (replay->running && replay->ticks > LATE_BOOT_TICKS) {
+    if (replay_is_boot(&record->message) && !foreign) {
+        if (replay->running && replay->ticks > REPLAY_LATE_BOOT_TICKS) {
             end_run(replay);
         }
         if (!replay->running && replay->runs > 0) {
@@ -295,7 +286,8 @@ static void explain(struct replay *replay)
                  replay->parameter_crc, replay->own_parameter_crc);
         used = strlen(replay->message);
     }
-    if (!replay->boot_seen && replay->snapshots == 0 && replay->all_ticks <= LATE_BOOT_TICKS) {
+    if (!replay->boot_seen && replay->snapshots == 0 &&
+        replay->all_ticks <= REPLAY_LATE_BOOT_TICKS) {
         snprintf(replay->message + used, sizeof replay->message - used,
                  " (no boot-up of the controller was recorded: does the log begin in the middle "
                  "of a run?)");
@@ -317,6 +309,13 @@ static bool handle_record(struct replay *replay, const struct candump_record *re
     if (replay->snapshot_bytes > 0 && !replay_go_on_from_snapshot(replay, line)) {
         return false;
     }
+    if (replay->from_boot) {
+        replay->from_boot = record->message.id != FRAME_SYNC && !replay_is_boot(&record->message);
+        if (replay->from_boot &&
+            replay_is_controllers(&replay->subject->device.description, record->message.id)) {
+            return true; /* the last words of the run before */
+        }
+    }
     if (record->message.id == FRAME_SYNC && !replay->next_is_foreign) {
         return take_sync(replay, record, line);
     }
@@ -331,7 +330,8 @@ enum replay_verdict replay_run(struct replay *replay, FILE *log)
     unsigned long line = 0;
     enum candump_read_result result = CANDUMP_RECORD;
 
-    if (!replay_choose_interface(replay, log)) {
+    if (!replay_choose_interface(replay, log) ||
+        (replay->from_boot && !replay_seek_boot(replay, log, &line))) {
         return REPLAY_BAD_LOG;
     }
     while (!replay->differs &&

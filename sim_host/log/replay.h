@@ -16,6 +16,8 @@
  * A log may hold frames of several interfaces, and may lack frames that the recorder lost:
  * replay_interface.c, replay_gaps.c.
  *
+ * A log that begins in the middle of a run replays from the next boot-up in it: from_boot.
+ *
  * A log recorded on a bus may hold what others said before the controller was switched on,
  * and more than one run of it, each begun by a boot-up frame. How much the controller had
  * still heard of what lies before its first SYNC is not in the log's order; the first digest
@@ -92,6 +94,7 @@ struct replay {
     bool fresh;   /* ... and no tick of it yet: it begins with the controller switched on */
     bool cut;     /* the last run ended in a silence that only a boot-up can end */
     bool boot_seen;
+    bool from_boot; /* set by the caller: what lies before the first boot-up is left out */
     unsigned runs;
     uint64_t ticks;          /* of this run */
     uint64_t all_ticks;      /* of all runs */

@@ -41,4 +41,13 @@ void replay_take_note(struct replay *replay, const struct can_msg *message);
  * False: it cannot be gone on from, and replay->message says why. */
 bool replay_go_on_from_snapshot(struct replay *replay, unsigned long line);
 
+/* A controller's boot-up may wait on the bus for its first ticks' more urgent frames. */
+enum { REPLAY_LATE_BOOT_TICKS = 100 };
+
+bool replay_is_boot(const struct can_msg *message);
+
+/* Puts the log at the beginning of the run of the first boot-up in it. *line: of the log, there. Returns false, with the
+ * reason in the message, when there is none, or the log is a pipe. */
+bool replay_seek_boot(struct replay *replay, FILE *log, unsigned long *line);
+
 #endif

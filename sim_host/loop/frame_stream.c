@@ -9,6 +9,7 @@
 #include "firmware/version.h"
 #include "hal/bus/bytes.h"
 #include "hal/bus/frame_table.h"
+#include "hal/canopen/co_defs.h"
 #include "sim_host/log/black_box_log.h"
 
 static_assert(sizeof(struct frame_record) == 24, "a record is 24 bytes on the socket");
@@ -125,13 +126,27 @@ static void put_snapshot(struct frame_stream *stream)
 
 /* ---- in -------------------------------------------------------------------------- */
 
+/* CiA 301, client's command specifiers in bits 5 to 7: to read an object, or to give it up. */
+enum { SDO_READ = 2, SDO_READ_SEGMENT = 3, SDO_ABORT = 4 };
+
+static bool may_be_sent(const struct frame_record *record)
+{
+    const unsigned node = record->id - CO_COB_SDO_REQUEST, specifier = record->data[0] >> 5;
+    if (record->length != CAN_FRAME_DATA_MAX || record->id <= CO_COB_SDO_REQUEST ||
+        node > CO_NODE_MAX) {
+        return false;
+    }
+    return record->id == FRAME_SDO_REQUEST_CONTROLLER || specifier == SDO_READ ||
+           specifier == SDO_READ_SEGMENT || specifier == SDO_ABORT;
+}
+
 static void obey(struct frame_stream *stream, const struct frame_record *record)
 {
     if (record->id == FRAME_STREAM_SNAPSHOT) {
         stream->wants_snapshot = true;
     } else if (record->id == FRAME_STREAM_RESTART) {
         stream->wants_restart = true;
-    } else if (record->id == FRAME_SDO_REQUEST_CONTROLLER && record->length == CAN_FRAME_DATA_MAX) {
+    } else if (may_be_sent(record)) {
         const struct can_bus bus = sim_bus_port(&stream->loop->bus, stream->port);
         struct can_msg message = {.id = record->id, .length = record->length};
         memcpy(message.data, record->data, sizeof message.data);

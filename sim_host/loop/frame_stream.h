@@ -2,8 +2,9 @@
  *
  * The walk never waits for who reads. What the socket does not take waits in a ring; what the ring does not take is
  * lost, and a record says how many frames that were. Requests are taken between two ticks, so a walk with a silent
- * reader, a slow one or none sends the same frames bit for bit. Of the reader's frames only SDO requests to the
- * controller reach the bus: what a tool may ask there is the controller's own matter (firmware/write_rules.h).
+ * reader, a slow one or none sends the same frames bit for bit. Of the reader's frames only SDO requests reach the bus:
+ * those to the controller, because what a tool may ask there is its own matter (firmware/write_rules.h), and to other
+ * nodes those that read.
  */
 #ifndef SIM_HOST_LOOP_FRAME_STREAM_H
 #define SIM_HOST_LOOP_FRAME_STREAM_H
@@ -40,7 +41,7 @@ struct frame_stream {
     bool is_gone; /* the reader hung up */
     bool wants_snapshot, wants_restart;
     uint32_t lost;
-    uint64_t refused; /* records that were neither a request nor an SDO request to the controller */
+    uint64_t refused;    /* records that were neither a request nor such an SDO request */
     uint64_t head, tail; /* of the ring, in bytes; both only grow */
     unsigned part_bytes; /* of a request that came in parts */
     struct frame_record part;

@@ -254,7 +254,7 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
         bus = config->wrap_bus(config->wrap_context, bus);
     }
     if (host_task_init(&loop->rig, &config->subject, &config->params, bus,
-                       config->desired_speed_rad_s, true) != CONTROL_PARAMS_OK) {
+                       config->desired_speed_rad_s, !config->standby) != CONTROL_PARAMS_OK) {
         snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
         return -1;
     }

@@ -44,6 +44,7 @@ struct loop_config {
     struct plant_config plant;
     struct own_push_params own_push; /* the person's; not present by default */
     double desired_speed_rad_s;
+    bool standby;                                 /* no walk is asked for at the start */
     const struct eds_file *drive_eds[SIDE_COUNT]; /* the drives obey these strictly; or NULL */
     enum loop_fault fault;
     uint32_t fault_step; /* the fault begins when this many apexes have passed */

@@ -16,29 +16,36 @@
 #include "sim_host/commission/commission.h"
 #include "sim_host/programs/bus_wait.h"
 #include "sim_host/programs/commands.h"
+#include "sim_host/programs/frame_socket.h"
 
 enum { HELP_MAX = 4096, PATH_ROOM = OUTPUT_PATH_MAX + 256 };
 /* Answers of all nodes, and their heartbeats: seven bits are the node. */
-enum { ANY_NODE_MASK = 0x780, ANSWER_POLL_MS = 50 };
+enum { ANY_NODE_MASK = 0x780, ANSWER_POLL_MS = 50, KEY_FRAMES = 0x600, KEY_LIST, FD_MAX = 1 << 20 };
 
 struct options {
     const char *interface, *device_path, *out_path, *page_path, *record_path;
     const char *eds[SIDE_COUNT];
     const char *reason[COMMISSION_STEPS]; /* to skip; NULL = is not */
     bool chosen[COMMISSION_STEPS];
-    bool any_chosen;
+    bool any_chosen, only_list;
+    int fd; /* --frames; -1: none */
     struct commission commission;
     struct socketcan_bus socket;
+    struct frame_socket frames;
 };
 
 static const struct argp_option option_list[] = {
     {"can", 'c', "INTERFACE", 0, "CAN interface of the device (must be given)", 0},
+    {"frames", KEY_FRAMES, "FD", 0,
+     "instead of --can, an inherited socket with a frame in each packet: how afo view runs it", 0},
     {"device", 'd', "FILE", 0, "the device as it is declared (must be given)", 0},
     {"out", 'o', "FILE", 0, "the device file with what was found (commissioned.ini)", 0},
     {"page", 'p', "FILE", 0, "the page to sign (commissioning.html)", 0},
     {"record", 'r', "FILE", 0, "results, which a later run goes on from (commissioning.ini)", 0},
     {"step", 's', "NAME", 0, "do this step only, also again; may be given several times", 0},
     {"skip", 'k', "NAME=REASON", 0, "skip this step, and write the reason down", 0},
+    {"list", KEY_LIST, 0, 0,
+     "only print the steps and what is recorded of them, as JSON; no bus is needed", 0},
     {"eds-left", 'l', "FILE", 0, "data sheet of the left drive: is it this one?", 0},
     {"eds-right", 'R', "FILE", 0, "of the right drive", 0},
     {0}};
@@ -92,6 +99,12 @@ static error_t take(int key, char *text, struct argp_state *state)
     case 'c':
         options->interface = text;
         break;
+    case KEY_LIST:
+        options->only_list = true;
+        break;
+    case KEY_FRAMES:
+        options->fd = (int)option_whole(state, "--frames", text, 0, FD_MAX);
+        break;
     case 'd':
         options->device_path = text;
         break;
@@ -123,7 +136,8 @@ static error_t take(int key, char *text, struct argp_state *state)
         option_refuse_argument(state, text);
         break;
     case ARGP_KEY_END:
-        if (options->interface == NULL || options->device_path == NULL) {
+        if (options->device_path == NULL ||
+            (!options->only_list && (options->interface == NULL) == (options->fd < 0))) {
             argp_error(state, "--can INTERFACE and --device FILE must be given");
         }
         check_files(options, state);
@@ -300,14 +314,42 @@ static int run_steps(struct options *options)
     return commission_is_complete(commission) ? EXIT_GOOD : EXIT_BAD;
 }
 
+/* Returns 0, or -1 behind a complaint. */
+static int open_link(struct options *options, struct ctl_link *link)
+{
+    static const struct socketcan_filter filters[] = {{CO_COB_SDO_ANSWER, ANY_NODE_MASK},
+                                                      {CO_COB_HEARTBEAT, ANY_NODE_MASK}};
+    link->node = NODE_CONTROLLER;
+    if (options->interface == NULL) {
+        link->bus = frame_socket_bus(&options->frames);
+        link->wait = frame_socket_wait;
+        link->pause = frame_socket_pause;
+        link->context = &options->frames;
+        return frame_socket_init(&options->frames, options->fd) == 0
+                   ? 0
+                   : program_complain(
+                         "--frames %d: no socket of packets was inherited by this number",
+                         options->fd);
+    }
+    const int opened = socketcan_bus_open(&options->socket, options->interface, filters, 2, false);
+    if (opened != 0) {
+        bus_program_no_interface(options->interface, opened);
+        return -1;
+    }
+    link->bus = socketcan_bus_interface(&options->socket);
+    link->wait = bus_wait;
+    link->pause = bus_wait_pause;
+    link->context = &options->socket;
+    return 0;
+}
+
 int afo_commission(int argc, char **argv)
 {
     const struct argp parser = {option_list, take, 0, help_text(), 0, 0, 0};
     static struct options options;
-    static const struct socketcan_filter filters[] = {{CO_COB_SDO_ANSWER, ANY_NODE_MASK},
-                                                      {CO_COB_HEARTBEAT, ANY_NODE_MASK}};
     struct commission *commission = &options.commission;
     struct ctl *ctl = &commission->ctl;
+    options.fd = -1;
     options.out_path = "commissioned.ini";
     options.page_path = "commissioning.html";
     options.record_path = "commissioning.ini";
@@ -315,24 +357,23 @@ int afo_commission(int argc, char **argv)
     if (read_all(&options) != 0) {
         return EXIT_USAGE;
     }
+    if (options.only_list) {
+        commission_list_write(commission, stdout);
+        return program_output_done() == 0 ? EXIT_GOOD : EXIT_USAGE;
+    }
     const time_t now = time(NULL);
     (void)strftime(commission->now, sizeof commission->now, "%Y-%m-%d %H:%M", localtime(&now));
     bus_program_catch_signals();
-    const int opened = socketcan_bus_open(&options.socket, options.interface, filters, 2, false);
-    if (opened != 0) {
-        bus_program_no_interface(options.interface, opened);
+    if (open_link(&options, &ctl->link) != 0) {
         return EXIT_USAGE;
     }
-    ctl->link = (struct ctl_link){.bus = socketcan_bus_interface(&options.socket),
-                                  .wait = bus_wait,
-                                  .pause = bus_wait_pause,
-                                  .context = &options.socket,
-                                  .node = NODE_CONTROLLER};
     ctl->out = stdout;
     ctl->complaints = stderr;
     commission->person = (struct commission_operator){.instruct = instruct, .confirm = confirm};
     ctl_open(ctl);
     const int status = run_steps(&options);
-    socketcan_bus_close(&options.socket);
+    if (options.interface != NULL) {
+        socketcan_bus_close(&options.socket);
+    }
     return program_output_done() != 0 ? EXIT_USAGE : status;
 }

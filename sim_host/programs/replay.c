@@ -16,14 +16,18 @@ struct options {
     const char *interface; /* NULL: the controller's */
     bool quiet;
     bool foreign_nodes;
+    bool from_boot;
 };
 
-enum { KEY_FOREIGN_NODES = 0x600, KEY_INTERFACE };
+enum { KEY_FOREIGN_NODES = 0x600, KEY_INTERFACE, KEY_FROM_BOOT };
 
 static const struct argp_option option_list[] = {
     {"quiet", 'q', 0, 0, "say nothing when all is equal", 2},
     {"interface", KEY_INTERFACE, "NAME", 0,
      "which interface of the log (default: the one with the controller's frames)", 2},
+    {"from-boot", KEY_FROM_BOOT, 0, 0,
+     "leave out what lies before the controller's first boot-up: the log begins in the middle of a run",
+     2},
     {"foreign-nodes", KEY_FOREIGN_NODES, 0, 0,
      "other nodes spoke with identifiers of the controller (a tool's SDO requests, NMT): what it does not hear itself "
      "is theirs",
@@ -48,6 +52,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_FOREIGN_NODES:
         options->foreign_nodes = true;
+        break;
+    case KEY_FROM_BOOT:
+        options->from_boot = true;
         break;
     case ARGP_KEY_ARG:
         if (options->log_path != NULL) {
@@ -136,7 +143,7 @@ int afo_replay(int argc, char **argv)
         option_list,
         take,
         "LOG",
-        "Feeds a candump log to the control task and compares every frame that the controller "
+        "Feeds a candump log (-: standard input) to the control task and compares every frame that the controller "
         "sent, bit by bit. Subject, speed and law must be those of the recorded run.\v"
         "Exit status: 0 all frames reproduced, 1 a frame differs, 2 wrong usage or log.",
         children,
@@ -155,7 +162,8 @@ int afo_replay(int argc, char **argv)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
-    FILE *log = fopen(options.log_path, "r");
+    const bool is_input = strcmp(options.log_path, "-") == 0;
+    FILE *log = is_input ? stdin : fopen(options.log_path, "r");
     if (log == NULL) {
         program_complain("%s: %s", options.log_path, strerror(errno));
         return EXIT_USAGE;
@@ -168,6 +176,7 @@ int afo_replay(int argc, char **argv)
     if (options.interface != NULL) {
         (void)replay_set_interface(&replay, options.interface);
     }
+    replay.from_boot = options.from_boot;
     const enum replay_verdict verdict = replay_run(&replay, log);
     fclose(log);
     const int status =

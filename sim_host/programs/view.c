@@ -1,6 +1,7 @@
 /* afo view: a walk in a browser. The walk is in this process, the page's server in one of its own, and between them
  * there is a socket only; so nothing that a browser does can disturb the walk. */
 #include <errno.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,6 +85,13 @@ static int start_server(struct view *view)
 
 /* ---- the walk ------------------------------------------------------------------- */
 
+/* Nobody may read this program's complaints: a full pipe, or a terminal that is held, must not hold the walk. */
+static bool may_complain(void)
+{
+    struct pollfd errors = {.fd = STDERR_FILENO, .events = POLLOUT};
+    return poll(&errors, 1, 0) == 1 && (errors.revents & POLLOUT) != 0;
+}
+
 /* Returns whether to go on: not when the server never came, or ended of its own will. */
 static bool look_after_server(struct view *view)
 {
@@ -97,9 +105,11 @@ static bool look_after_server(struct view *view)
         view->server_status = WEXITSTATUS(status);
         return false; /* it said why */
     }
-    program_complain("the page's server was killed (signal %d). The walk goes on without it, "
-                     "Ctrl-C ends it",
-                     WTERMSIG(status));
+    if (may_complain()) {
+        program_complain("the page's server was killed (signal %d). The walk goes on without it, "
+                         "Ctrl-C ends it",
+                         WTERMSIG(status));
+    }
     return true;
 }
 
@@ -120,7 +130,9 @@ static int restart(struct view *view)
     struct sim_session *session = &view->session;
     if (session->options.log_path != NULL) {
         view->stream.wants_restart = false;
-        program_complain("--log holds one walk: it is not begun anew");
+        if (may_complain()) {
+            program_complain("--log holds one walk: it is not begun anew");
+        }
         return 0;
     }
     sim_session_free(session);
@@ -182,7 +194,9 @@ static int end_server(struct view *view, int fd)
         }
     }
     if (view->server_pid > 0 && ended == 0) {
-        program_complain("the page's server does not end: it is killed");
+        if (may_complain()) {
+            program_complain("the page's server does not end: it is killed");
+        }
         kill(view->server_pid, SIGKILL);
         (void)waitpid(view->server_pid, &status, 0);
     } else if (ended > 0 && WIFEXITED(status)) {
@@ -198,6 +212,10 @@ static int view_walk(struct view *view)
     int status = EXIT_USAGE;
     if (sim_session_configure(session) != 0) {
         return status;
+    }
+    if (view->options.in_stand) {
+        session->config.standby = true;
+        session->config.plant.start_hold.release_tick = UINT64_MAX / 2;
     }
     view->subject = view_subject_json(&session->config.subject, &session->config.params,
                                       session->config.desired_speed_rad_s, &view->options);

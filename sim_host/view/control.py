@@ -138,7 +138,14 @@ class Control:
             self.numbers[client] = FIRST_CLIENT + len(self.numbers) % CLIENTS
         return self.numbers[client]
 
+    def _idle(self):
+        """While a step of commissioning moves motors nothing else is asked of the controller."""
+        under_way = self.site.commissioning.step if self.site.commissioning else None
+        if under_way:
+            raise Refusal(f"The step {under_way} of commissioning is under way: interrupt it first.")
+
     def do_write(self, client, asked):
+        self._idle()
         name, value = str(asked["name"]), float(asked["value"])
         entry = self.objects.by_name.get(name)
         if entry is None or not name.startswith(GROUPS) or entry["access"] != "rw":
@@ -149,6 +156,7 @@ class Control:
         self.keep(self._guarded(client, "write", self._write(client, entry, value, True)))
 
     def do_undo(self, client, _):
+        self._idle()
         if not self.undo:
             raise Refusal("There is nothing to undo.")
         name, before = self.undo.pop()
@@ -158,7 +166,29 @@ class Control:
         what = asked["what"]
         deed = {"walk": self._walk, "stop": self._stop, "reset": self._reset, "zero": self._zero,
                 "restart": self._restart}[what]
+        if what == "stop" and self.site.commissioning:
+            self.site.commissioning.interrupt()
+        else:
+            self._idle()
         self.keep(self._guarded(client, "request", deed(client)))
+
+    def mark(self, client, number):
+        """The mark's number to the controller, whose board gives a pulse; its frame's time in the log is the pulse's."""
+        if self.objects.find("commands.mark") is None:
+            return
+        try:
+            self._idle()
+        except Refusal as refusal:
+            self._tell_refusal(client, "mark", f"No sync pulse for mark {number}. {refusal}")
+            return
+        self.keep(self._guarded(client, "mark", self.put("commands.mark", number)))
+
+    def _tell_refusal(self, client, do, text):
+        """To the browser that asked; what a packet asked for is told to all."""
+        if client is None:
+            self.hub.trouble(text)
+        else:
+            client.put({"type": "refused", "do": do, "text": text})
 
     async def _guarded(self, client, do, work):
         """One after the other, and what goes wrong goes to the browser that asked."""
@@ -166,13 +196,13 @@ class Control:
             async with self.turn:
                 await work
         except Refusal as refusal:
-            client.put({"type": "refused", "do": do, "text": str(refusal)})
+            self._tell_refusal(client, do, str(refusal))
         except canopen.SdoAbortedError as error:
             words, remedy = ABORTS.get(error.code, ("unknown reason", "look the code up in the node's manual"))
-            client.put({"type": "refused", "do": do, "text": f"Refused: {words} (0x{error.code:08X}); {remedy}."})
+            self._tell_refusal(client, do, f"Refused: {words} (0x{error.code:08X}); {remedy}.")
             self.tell_values()
         except (canopen.SdoCommunicationError, OSError) as error:
-            client.put({"type": "refused", "do": do, "text": f"The controller does not answer ({error}). Is it running?"})
+            self._tell_refusal(client, do, f"The controller does not answer ({error}). Is it running?")
 
     async def _write(self, client, entry, value, may_undo):
         before = await self.read(entry)

@@ -14,9 +14,18 @@ def before_fault(walk, tick):
     notes += [(e["tick"], f"{e['name']} was set to {e['value']:.6g} by client {e['client']}") for e in near
               if e["kind"] == "write" and e["done"] and isinstance(e["value"], (int, float)) and "unlock" not in e["name"]]
     notes += [(e["tick"], f"an emergency: {e['text']}") for e in near if e["kind"] == "emergency" and not e["over"]]
+    notes += _earlier(walk, first)
     notes += _pushes(walk, near, tick) + _steps(walk, near) + _bus(walk, int(max(first, 0)), tick)
-    notes += _knock(walk, near, int(max(first, 0)), tick)
+    off = [at for at, text in notes if "at the apex" in text]
+    notes += _knock(walk, near, int(max(first, 0)), min([tick, *off]))  # behind a wrong step the body jerks as it falls
     return [f"{at * walk.tick_s:.2f} s: {text}" for at, text in sorted(notes)]
+
+
+def _earlier(walk, first):
+    """Parameters that somebody had set before: what is set now may be the cause, however long ago that was."""
+    newest = {e["name"]: e for e in walk.events if e["kind"] == "write" and e["done"] and e["tick"] < first
+              and e["name"].startswith("parameters.") and isinstance(e["value"], (int, float))}
+    return [(e["tick"], f"{name} was set to {e['value']:.6g} by client {e['client']}, and is so since") for name, e in newest.items()]
 
 
 def _pushes(walk, near, tick):
@@ -57,6 +66,8 @@ def _knock(walk, near, first, tick):
     if len(rate) < 3 * span:
         return []
     jump = rate[span:] - rate[:-span]
+    walks = next((e["tick"] for e in near if e["kind"] in ("step", "push")), first)
+    jump[:max(walks - first, 0)] = 0.0
     usual = np.nanmedian(np.abs(jump))
     for event in near:  # what walking itself does
         if event["kind"] in ("strike", "push", "toe_off"):

@@ -47,7 +47,8 @@ class Past:
 
     def __init__(self, hub):
         self.hub, self.tick_s = hub, hub.subject["tick_s"]
-        self.events = list(hub.events)[-200:]
+        events = list(hub.events)
+        self.events = [one for one in events[:-200] if one["kind"] == "write"] + events[-200:]
 
     def rows_of(self, name, first, last):
         """(first tick that is there, values)."""
@@ -92,6 +93,7 @@ class Hub:
         self.events_kept = events_kept
         self.clients = set()
         self.recorder = None
+        self.before = None  # of a bus: before.py
         self.listeners = []  # called with every array of records
         self.is_over, self.trouble_text, self.lost_frames, self.walk = False, "", 0, 0
         self._fresh()
@@ -147,6 +149,8 @@ class Hub:
             listener(records)
         if self.recorder:
             self.recorder.take(records)
+        if self.before:
+            self.before.take(records)
         if self.first_us is None:
             self.first_us = int(records["time_us"][0])
         self.newest_us = int(records["time_us"][-1])

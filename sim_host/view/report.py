@@ -45,6 +45,10 @@ def heading(walk):
             ("person", subject["person"]), ("device", f"{subject['device']} ({subject['device_file'] or 'as delivered'})"),
             ("version", f"{subject['version']}, build {subject['build_id']:08x}")]
     text = "".join(f"<tr><th scope=row>{esc(a)}</th><td>{esc(b)}</td></tr>" for a, b in rows)
+    if "replay_from" in told:
+        import trial
+        command, where = trial.how_to_replay(told, walk.folder)
+        text += f"<tr><th scope=row>replay, {esc(where)}</th><td><code>{esc(command)}</code></td></tr>"
     if not told["complete"]:
         text += f"<tr><th scope=row>incomplete</th><td class=bad>{esc(told['lacks'])}</td></tr>"
     return f"<table>{text}</table>"

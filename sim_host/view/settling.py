@@ -16,7 +16,8 @@ class Settling:
                           "ramp": 0}
             return []
         if event["kind"] == "state" and event["state"] != "walking":
-            self.asked = None
+            asked, self.asked = self.asked, None
+            return [self._broken(event, asked)] if asked and event["fault_number"] else []
         if event["kind"] != "step" or self.asked is None:
             return []
         return self._step(event, self.asked)
@@ -36,8 +37,17 @@ class Settling:
                 f"asked for; from {asked['from']:.3f} rad/s")
         if 2 * asked["ramp"] > steps:
             text += (f". In {min(asked['ramp'], steps)} of these steps the command itself was still on its way: "
-                     "speed_ramp_rad_s is its change a step")
+                     "speed_ramp_rad_s is its change a step. Try a larger one, half as much again at a time: with one that is too "
+                     "large the steps swing about the command, and then the walker falls")
         else:
             text += ". The command was there soon: kp_m_s_rad and r0_change_max_m are what corrects the rest"
         return [{"kind": "settled", "tick": step["tick"], "steps": steps, "seconds": seconds, "speed": asked["speed"],
                  "from": asked["from"], "text": text}]
+
+    def _broken(self, event, asked):
+        """The walk ended before the speed had settled."""
+        came = f"{asked['ramp']} of them with the command on its way" if asked["ramp"] else "the command was there at once"
+        text = (f"the walk ended in a fault {asked['steps']} steps after {asked['speed']:.3f} rad/s was asked for, {came}. The speed "
+                "was asked to change faster than this gait follows: write a smaller speed_ramp_rad_s, or a larger kp_m_s_rad within "
+                "what this walker bears; then begin anew")
+        return {"kind": "unsettled", "tick": event["tick"], "steps": asked["steps"], "speed": asked["speed"], "text": text}

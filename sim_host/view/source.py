@@ -117,7 +117,6 @@ class CanSource:
             pass
         except OSError as error:
             self.hub.trouble(f"{self.interface}: {error.strerror}")
-            return
         if rows:
             self.hub.take(np.array(rows, frames.RECORD))
         if lost != self.lost:

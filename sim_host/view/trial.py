@@ -1,6 +1,7 @@
 """A trial: one folder with the frames, what happened, and who walked with what.
 
     bus.log          every frame, as candump -L writes it; notes in 29-bit identifiers hold snapshot and marks
+    before.log.gz    of a bus: what was on it since the controller started, up to the beginning of bus.log
     events.jsonl     marks, changes, faults, steps, a JSON object a line
     trial.json       subject by its code, device, versions, parameters
     INCOMPLETE       as long as the trial was not ended: what is missing
@@ -23,7 +24,11 @@ import frames
 MARK_BEGIN, MARK_TEXT = frames.ID_EXTENDED | 0x1AB20000, frames.ID_EXTENDED | 0x1AB20001
 MARK_TEXT_MAX = 200
 SYNC_S = 0.5  # half of what may be lost
-MARKER = "INCOMPLETE"
+WAITING_MAX = 4000000  # records; 100 MB: minutes of a disk that hangs
+MARKER, BEFORE = "INCOMPLETE", "before.log.gz"
+# Where the replay of a trial begins: a snapshot at its head, the file of what was before, a start of the controller in it,
+# or the next one of a controller that was walking already when the view began.
+SNAPSHOT, BEFORE_IT, OWN_BOOT, NEXT_BOOT = "snapshot", "before", "own boot", "next boot"
 
 
 class TrialError(Exception):
@@ -77,7 +82,8 @@ class Recorder:
         root = pathlib.Path(root)
         self.folder = folder_name(root, description["subject_code"])
         self.on_trouble, self.waits = on_trouble, wait_for_snapshot
-        self.queue, self.failed, self.first_us = queue.Queue(), None, None
+        self.queue, self.failed, self.lacks = queue.Queue(), None, None
+        self.waiting = 0  # records that the disk has not taken
         try:
             self.folder.mkdir(parents=True)
             write_whole(self.folder / MARKER, "This trial was not ended: up to its last second may be missing.\n")
@@ -89,7 +95,14 @@ class Recorder:
         except OSError as error:
             raise TrialError(f"{self.folder}: {error.strerror}") from error
         self.thread = threading.Thread(target=self._write, name="trial", daemon=True)
+        self.before = None
+
+    def start(self, before=None):
+        """From now on it takes records. before: what was on the bus up to now, or None."""
         self.thread.start()
+        if before:
+            self.before = threading.Thread(target=self._write_before, args=(before,), daemon=True)  # beside: it may be long
+            self.before.start()
 
     # ---- from the hub -------------------------------------------------------------
 
@@ -99,11 +112,18 @@ class Recorder:
             if len(found) == 0:
                 return
             records, self.waits = records[found[0]:], False
+        if self.waiting > WAITING_MAX:
+            if self.lacks is None:
+                self.incomplete("the disk did not keep up: frames are missing")
+            return
+        self.waiting += len(records)
         self.queue.put(("log", records))
 
     def mark(self, number, text, time_us):
         if not self.waits:
-            self.queue.put(("log", mark_records(number, text, time_us)))
+            records = mark_records(number, text, time_us)
+            self.waiting += len(records)
+            self.queue.put(("log", records))
 
     def event(self, event):
         self.queue.put(("event", event))
@@ -112,10 +132,13 @@ class Recorder:
         self.queue.put(("event", {"kind": kind, "tick": 0, "text": text}))
 
     def incomplete(self, text):
+        self.lacks = text
         self.queue.put(("incomplete", text))
 
     def close(self):
         """Ends the trial. Returns None, or why it is incomplete."""
+        if self.before:
+            self.before.join(30.0)
         self.queue.put(("end", None))
         self.thread.join(30.0)
         return self.failed
@@ -132,6 +155,7 @@ class Recorder:
                     kind, what = "nothing", None
                 if kind == "log":
                     self.log.write(frames.log_lines(what).encode())
+                    self.waiting -= len(what)
                 elif kind == "event":
                     self.events.write((json.dumps(what, default=str) + "\n").encode())
                 elif kind == "incomplete":
@@ -155,6 +179,16 @@ class Recorder:
                     stream.close()
                 except OSError:
                     pass
+
+    def _write_before(self, parts):
+        try:
+            with open(self.folder / BEFORE, "wb") as stream:
+                for part in parts:
+                    stream.write(part)
+                stream.flush()
+                os.fsync(stream.fileno())
+        except OSError as error:
+            self.incomplete(f"{self.folder / BEFORE}: {error.strerror}: the trial does not replay")
 
     def _sync(self):
         for stream in (self.log, self.events):
@@ -197,6 +231,23 @@ def length_s(folder):
         return times[1] - times[0]
     except (OSError, IndexError, TypeError):
         return None
+
+
+def how_to_replay(told, folder):
+    """(command, what it does) of a trial that trial.json describes."""
+    subject = told["subject"]
+    given = [f"--{key} {subject[f'{key}_file']}" for key in ("person", "device") if subject.get(f"{key}_file")]
+    if subject.get("desired_speed_rad_s"):
+        given.append(f"--speed {subject['desired_speed_rad_s']:g}")
+    command = " ".join(["afo replay", *given])
+    begins = told.get("replay_from")
+    if (pathlib.Path(folder) / BEFORE).exists():
+        return f"zcat {folder}/{BEFORE} | cat - {folder}/bus.log | {command} --foreign-nodes -", "from the controller's start on"
+    if begins == NEXT_BOOT:
+        return f"{command} --foreign-nodes --from-boot {folder}/bus.log", (
+            "from the controller's next start in this trial only: it was walking already when afo view began to watch")
+    foreign = "--foreign-nodes " if begins == OWN_BOOT else ""
+    return f"{command} {foreign}{folder}/bus.log", "from the beginning of the trial on"
 
 
 def describe(folder):

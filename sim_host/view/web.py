@@ -1,5 +1,6 @@
 """The page and its web socket."""
 import asyncio
+import contextlib
 import json
 import pathlib
 import signal
@@ -10,6 +11,7 @@ from aiohttp import WSMsgType, web
 import frames
 import hub as hubs
 import signals
+from before import Before
 from client import Client
 from guard import CLIENTS_MAX, HEADERS, Door, Guard
 from keeping import Keeping, Telegrams
@@ -22,6 +24,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 MESSAGE_MAX = 16384
 PIECE_TICKS, RANGE_TICKS_MAX = 1000, 60000
+END_S = 2.0  # a browser that is stopped does not hold the end
 
 
 def page_files():
@@ -46,7 +49,8 @@ class Site:
         self.deeds = {"range": self.do_range}  # further ones: control.py, trials.py
         self.hello_parts = []
         self.routes = []
-        self.control = self.loop = None
+        self.farewells = []  # called with a browser that has gone
+        self.control = self.commissioning = self.loop = None
 
     def open_source(self):
         options = self.options
@@ -55,6 +59,7 @@ class Site:
             load_log(self.hub, options.replay, self.complain)
         elif options.can:
             self.source = CanSource(options.can)
+            self.hub.before = Before()
         else:
             self.source = WalkSource(options.fd)
             if self.hub.subject["recording"]:
@@ -67,6 +72,8 @@ class Site:
         if self.options.control and self.source:
             from control import Control  # canopen is needed for this only
             self.control = Control(self)
+            from commissioning import Commissioning
+            self.commissioning = Commissioning(self)
 
     # ---- HTTP -------------------------------------------------------------------------
 
@@ -95,6 +102,8 @@ class Site:
             await self.listen(socket, client, writer)
         finally:
             self.hub.clients.discard(client)
+            for farewell in self.farewells:
+                farewell(client)
             writer.cancel()
             await asyncio.gather(writer, return_exceptions=True)
         return socket
@@ -184,8 +193,9 @@ class Site:
         server.close()
         clients = list(self.hub.clients)
         await asyncio.gather(*(client.drained() for client in clients))
-        await asyncio.gather(*(client.socket.close(code=1001) for client in clients), return_exceptions=True)
-        await runner.cleanup()
+        await asyncio.gather(*(asyncio.wait_for(client.socket.close(code=1001), END_S) for client in clients), return_exceptions=True)
+        with contextlib.suppress(asyncio.TimeoutError):
+            await asyncio.wait_for(runner.cleanup(), 2 * END_S)
 
     async def until_over(self, loop):
         done = asyncio.Event()
@@ -205,8 +215,10 @@ class Site:
                 done.set()
             self.hub.ended = end
         await done.wait()
+        if self.commissioning:
+            self.commissioning.interrupt()
         if self.hub.recorder:
-            self.hub.recorder.close()
+            await loop.run_in_executor(None, self.hub.recorder.close)
 
 
 def load_log(hub, path, complain):

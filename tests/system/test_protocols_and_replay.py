@@ -200,6 +200,25 @@ def test_a_log_from_the_middle_of_a_run_is_told_so(log, tmp_path):
     assert done.returncode == 2 and "without a SYNC" in done.stderr
 
 
+def test_a_log_from_the_middle_of_a_run_replays_from_the_next_boot(log, tmp_path):
+    """The run that was under way is left out, with what the old controller said last; the next one is judged to the bit."""
+    lines = [line for line in log.read_text().splitlines() if not line.split(" ")[2].startswith("1AB")]
+    path = tmp_path / "middle.log"
+    later = [f"({float(line[1:18]) + 50:017.6f}{line[18:]}" for line in lines]  # switched on again after a pause
+    joined = lines[30000:50007] + later
+    path.write_text("\n".join(joined) + "\n")
+    assert replay(path).returncode != 0
+    done, whole = replay(path, "--from-boot"), replay(log)
+    count = re.compile(r"all (\d+) frames of the controller reproduced")
+    assert done.returncode == 0 and count.search(done.stdout)[1] == count.search(whole.stdout)[1], done.stdout
+    at = next(i for i in range(90000, len(joined)) if " 283#" in joined[i])
+    path.write_text("\n".join(joined[:at] + [flip(joined[at], 3)] + joined[at + 1:]) + "\n")
+    assert replay(path, "--from-boot").returncode == 1
+    path.write_text("\n".join(lines[30000:50007]) + "\n")
+    done = replay(path, "--from-boot")
+    assert done.returncode == 2 and "no boot-up of the controller" in done.stderr
+
+
 def test_a_lost_frame_is_found(log, tmp_path):
     lines = log.read_text().splitlines()
     index = next(i for i in range(40000, len(lines)) if " 284#" in lines[i])

@@ -13,7 +13,7 @@ def test_it_shows_and_changes_a_device_on_a_bus(tmp_path):
         ip link set lo up
         {PYTHON} tests/system/peer_view.py {BUILD}/afo {tmp_path}""", 400)
     assert out.rstrip().endswith("done"), out
-    assert out.count("\n") == 6, out
+    assert out.count("\n") == 8, out
 
 
 def test_an_interface_that_is_not_there_is_said():

@@ -135,6 +135,35 @@ def test_marks_travel_in_the_log():
     assert found[-1] == (7, text) and not any(found[:-1])
 
 
+def test_what_was_before_a_trial_replays_with_it(walked, tmp_path):
+    """Frames since the controller's start, in pieces, behind an older run; then a trial from the middle of the walk."""
+    import before
+    import gzip
+    with open(walked[0], "rb") as stream:
+        records, _ = frames.parse_log(stream)
+    records = records[records["id"] < 0x800]
+    older, middle = records[20000:30005].copy(), len(records) // 2
+    records["time_us"] += 50000000
+    past = before.Before()
+    assert past.copy() is None
+    past.take(older)
+    assert past.copy() is None  # its controller was started before anybody watched
+    for start in range(0, middle, 777):
+        past.take(records[start:min(start + 777, middle)])
+    packed = b"".join(past.copy())
+    past.take(records[middle:])  # it goes on behind a copy
+    lines, own = gzip.decompress(packed).decode().splitlines(), frames.log_lines(records[:middle]).splitlines()
+    assert lines[-len(own):] == own and len(lines) - len(own) < 20  # before it: what nodes said behind the older run's last SYNC
+    (tmp_path / "before.log.gz").write_bytes(packed)
+    (tmp_path / "bus.log").write_text(frames.log_lines(records[middle:]), encoding="utf-8")
+    subject = {"person_file": None, "device_file": None, "desired_speed_rad_s": 0.8}
+    command, where = trial.how_to_replay({"subject": subject, "replay_from": trial.BEFORE_IT}, tmp_path)
+    done = subprocess.run(["bash", "-o", "pipefail", "-c", command.replace("afo replay", f"{AFO} replay")], capture_output=True,
+                          text=True, timeout=100, check=False)
+    assert done.returncode == 0 and "reproduced" in done.stdout and "start" in where, done.stdout + done.stderr
+    assert run("--speed", "0.8", "--foreign-nodes", tmp_path / "bus.log", command="replay").returncode != 0
+
+
 def test_a_value_holds_until_the_next():
     rows = np.array([[1.0, np.nan], [np.nan, 2.0], [np.nan, np.nan], [3.0, np.nan]])
     signals.hold(rows)
@@ -186,6 +215,54 @@ def test_a_push_by_somebody_is_found_before_the_fault():
     jerk = [note for note in notes if "jerked backwards" in note]
     assert jerk and abs(float(jerk[0].split(" s:")[0]) - 1.8) < 0.02
     assert any("last push" in note for note in notes)
+
+
+def state(tick, name, fault=0):
+    return {"kind": "state", "tick": tick, "state": name, "fault_number": fault}
+
+
+def step(tick, speed, command):
+    return {"kind": "step", "tick": tick, "speed_rad_s": speed, "command_rad_s": command}
+
+
+def asked_for(speed):
+    return {"kind": "write", "tick": 100, "done": True, "name": "commands.desired_apex_speed", "value": speed}
+
+
+def test_a_speed_settles_at_the_first_of_three_steps_within_two_percent():
+    from settling import Settling
+    watch = Settling({"tick_s": 0.001})
+    made = [asked_for(0.45), step(1000, 0.55, 0.53), step(2000, 0.50, 0.45), step(3000, 0.458, 0.45), step(4000, 0.47, 0.45),
+            step(5000, 0.442, 0.45), step(6000, 0.451, 0.45)]
+    assert [found for one in made for found in watch.take(one)] == []
+    found = watch.take(step(7000, 0.45, 0.45))
+    assert [(one["kind"], one["steps"], one["seconds"], one["from"]) for one in found] == [("settled", 5, 4.9, 0.55)]
+    assert watch.take(step(8000, 0.45, 0.45)) == []
+
+
+def test_a_walk_that_falls_before_its_speed_has_settled_is_told_why():
+    from settling import Settling
+    watch = Settling({"tick_s": 0.001})
+    for one in (asked_for(0.45), step(1000, 0.55, 0.50), step(2000, 0.32, 0.45), step(3000, 0.57, 0.45)):
+        assert watch.take(one) == []
+    found = watch.take(state(4000, "unloading", 7))
+    assert found[0]["kind"] == "unsettled" and "3 steps after 0.450 rad/s" in found[0]["text"] and "speed_ramp_rad_s" in found[0]["text"]
+    assert watch.take(state(5000, "FAULT", 7)) == []
+    watch.take(asked_for(0.4))
+    assert watch.take(state(6000, "unloading")) == []  # somebody stopped it: no fault
+
+
+def test_a_setting_of_long_ago_is_among_what_was_seen_before_a_fault():
+    class Past:
+        tick_s = 0.001
+        events = [{"kind": "write", "tick": 5000 + i, "done": True, "client": 101, "name": "parameters.speed_ramp_rad_s", "value": value}
+                  for i, value in enumerate((0.01, 0.02))]
+
+        def rows_of(self, name, first, last):
+            return first, np.zeros(last - first)
+    from findings import before_fault
+    notes = [note for note in before_fault(Past(), 60000) if "speed_ramp_rad_s" in note]
+    assert len(notes) == 1 and "set to 0.02" in notes[0] and notes[0].startswith("5.00 s")
 
 
 def test_a_recorded_persons_events_are_the_feet_of_the_recording(tmp_path):

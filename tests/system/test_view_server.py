@@ -5,8 +5,8 @@ import os
 import resource
 import signal
 import socket
+import sys
 import threading
-import time
 import urllib.error
 import urllib.request
 
@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 import websocket
 
-from afo import AFO, run
-from viewer import Talk, View, viewing, wait_until
+from afo import AFO, ROOT, run
+from viewer import PATIENCE_S, Talk, viewing, wait_until
 
-COMMANDS = (b" 080#", b" 201#", b" 301#", b" 302#")
+sys.path.insert(0, str(ROOT / "sim_host" / "view"))
+import trial as trial_module  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -135,99 +136,86 @@ def test_limits_are_refused_with_their_range(view):
 # ---- who harms nobody -------------------------------------------------------------------------
 
 
-def flood(view, stop):
-    """Everything at once that a hostile neighbour can do, until told to stop."""
-    stalled = [Talk(view) for _ in range(3)]  # never read again
-    many = [Talk(view) for _ in range(17)]
-    udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    silent = [socket.create_connection(("127.0.0.1", view.port)) for _ in range(60)]
-    rubbish = os.urandom(4000)
-    while not stop.is_set():
-        for talk in many:
-            try:
-                talk.socket.send(rubbish.hex())
-                talk.socket.send_binary(rubbish)
-            except (OSError, websocket.WebSocketException):
-                pass
-        for _ in range(200):
-            udp.sendto(rubbish[:300], ("127.0.0.1", view.port))
-        try:
-            with socket.create_connection(("127.0.0.1", view.port), timeout=5) as one:
-                one.sendall(b"GET / HTTP/1.1\r\nX: " + b"y" * 20000)
-        except OSError:
-            pass
-        time.sleep(0.05)
-    for one in (*stalled, *many):
-        one.socket.shutdown()
-    for one in silent:
-        one.close()
-
-
 def lines(path, kinds):
     with open(path, "rb") as stream:
         return [line for line in stream if any(kind in line for kind in kinds)]
 
 
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    path = tmp_path_factory.mktemp("undisturbed") / "w.log"
-    assert run("--speed", "0.8", "--steps", "9", "--log", path, "--quiet").returncode == 0
-    return path
-
-
-def test_clients_that_read_send_nothing_to_the_bus(tmp_path, undisturbed):
-    """Every frame of the walk, byte for byte and by its time, is that of afo sim."""
-    view = View("--speed", "0.8", "--steps", "6", "--log", tmp_path / "v.log")
-    stop = threading.Event()
-    hostile = threading.Thread(target=flood, args=(view, stop))
-    hostile.start()
-    assert view.process.wait(120) == 0
-    stop.set()
-    hostile.join()
-    mine, other = (open(path, "rb").read() for path in (tmp_path / "v.log", undisturbed))
-    assert len(mine) > 1000000 and other.startswith(mine[:mine.rindex(b"\n", 0, -1) + 1])
-    said = view.process.stderr.read()
-    assert "LineTooLong" in said and "Traceback" not in said and len(said.splitlines()) < 20
-
-
 def test_who_reads_no_errors_does_not_stop_the_server(tmp_path):
     """A pipe that is full already: whoever writes to it waits."""
-    reading, writing = os.pipe()
-    os.set_blocking(writing, False)
-    with contextlib.suppress(BlockingIOError):
-        while True:
-            os.write(writing, b"x" * 4096)
-    os.set_blocking(writing, True)
+    reading, writing = full_pipe()
     with viewing("--speed", "0.5", errors=writing) as view:
         with socket.create_connection(("127.0.0.1", view.port), timeout=5) as one:
             one.sendall(b"GET / HTTP/1.1\r\nX: " + b"y" * 20000)
             one.recv(1000)
         assert get(view, "/")[0] == 200
         view.process.send_signal(signal.SIGINT)
-        assert view.process.wait(30) == 0
+        assert view.process.wait(PATIENCE_S) == 0
     os.close(reading)
     os.close(writing)
 
 
+def full_pipe():
+    """(reading end, writing end): whoever writes to it waits."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(writing, b"x" * 4096)
+    os.set_blocking(writing, True)
+    return reading, writing
+
+
+def test_who_reads_no_errors_does_not_stop_the_walk(tmp_path):
+    """The walk has something to complain of, too: its server was killed."""
+    reading, writing = full_pipe()
+    with viewing("--speed", "0.5", "--log", tmp_path / "v.log", errors=writing) as view:
+        Talk(view).event("step")
+        part = next(tmp_path.glob("*v.log*"))
+        os.kill(view.server_pid(), signal.SIGKILL)
+        size = part.stat().st_size
+        wait_until(lambda: part.stat().st_size > size + 1000000, "the walk goes on")
+        view.process.send_signal(signal.SIGINT)
+        assert view.process.wait(PATIENCE_S) == 0
+    os.close(reading)
+    os.close(writing)
+
+
+def test_browsers_that_are_stopped_do_not_hold_the_end(tmp_path):
+    """They asked for all of the past and take none of it; the server ends all the same, by itself."""
+    with viewing("--speed", "0.5") as view:
+        stalled = [Talk(view) for _ in range(4)]
+        stalled[0].event("step")
+        for talk in stalled:
+            talk.ask(do="range", first=0, last=100000)
+        view.process.send_signal(signal.SIGINT)
+        assert view.process.wait(PATIENCE_S) == 0
+        assert "killed" not in view.process.stderr.read()
+
+
+def test_a_disk_that_hangs_holds_nobody(tmp_path, monkeypatch):
+    """The recorder's thread hangs in the disk; who gives it records is never held, and is not drowned in memory."""
+    hangs = threading.Event()
+    monkeypatch.setattr(trial_module.Recorder, "_sync", lambda self: hangs.wait())
+    monkeypatch.setattr(trial_module, "WAITING_MAX", 5000)
+    recorder = trial_module.Recorder(tmp_path, {"subject_code": ""}, lambda text: None, False)
+    recorder.start()
+    one = np.frombuffer(trial_module.frames.record(0x80, b"") * 100, trial_module.frames.RECORD)
+    wait_until(lambda: recorder.take(one) or recorder.lacks, "it says that frames are missing")
+    assert recorder.waiting <= 5100
+    hangs.set()
+    assert "did not keep up" in recorder.close() and "did not keep up" in (recorder.folder / "INCOMPLETE").read_text()
+
+
 def test_a_stopped_server_does_not_hold_the_walks_end(tmp_path):
-    with viewing("--speed", "0.8", "--steps", "2", "--log", tmp_path / "v.log") as view:
+    with viewing("--speed", "0.8", "--log", tmp_path / "v.log") as view:
+        Talk(view).event("step")
         pid = view.server_pid()
         os.kill(pid, signal.SIGSTOP)
-        assert view.process.wait(60) == 0
+        view.process.send_signal(signal.SIGINT)
+        assert view.process.wait(PATIENCE_S) == 0
         assert "it is killed" in view.process.stderr.read()
         assert not os.path.exists(f"/proc/{pid}") and (tmp_path / "v.log").stat().st_size > 100000
-
-
-def test_a_killed_server_changes_no_command(tmp_path, undisturbed):
-    view = View("--speed", "0.8", "--steps", "5", "--control", "--log", tmp_path / "v.log")
-    talk = Talk(view)
-    talk.event("step")  # it reads all settings meanwhile
-    os.kill(view.server_pid(), signal.SIGKILL)
-    assert view.process.wait(120) == 0
-    assert "was killed" in view.process.stderr.read()
-    mine, other = lines(tmp_path / "v.log", COMMANDS), lines(undisturbed, COMMANDS)
-    strip = [line[line.index(b")"):] for line in mine[:-10]]
-    assert len(strip) > 4000 and strip == [line[line.index(b")"):] for line in other[:len(strip)]]
 
 
 def test_who_asks_too_often_is_sent_away(view):
@@ -250,7 +238,8 @@ def test_other_browsers_go_on_beside_a_stalled_one(view):
     stalled, good = Talk(view), Talk(view)
     for _ in range(150):
         good.hear()
-    assert good.rows > 1000 and good.lost == 0
+    assert good.rows > 1000
+    assert good.lost == 0 or any(told["type"] == "skipped" for told in good.told)  # on a machine that is overloaded
     stalled.socket.shutdown()
     good.close()
 
@@ -298,15 +287,21 @@ def test_a_killed_server_leaves_a_marked_trial(tmp_path):
         talk.ask(do="record", on=True)
         talk.until(lambda m: m.get("type") == "recorder", "recording")
         talk.event("step")
-        last_us = 1000 * talk.event("step")["tick"]
+        folder = one_folder(tmp_path)
+        wait_until(lambda: talk.event("step")["tick"] / 1000 - last_s(folder / "bus.log") <= 1.0, "the disk has all but a second")
+        kept = last_s(folder / "bus.log")
         os.kill(view.server_pid(), signal.SIGKILL)
-    folder = one_folder(tmp_path)
     assert (folder / "INCOMPLETE").read_text()
-    tail = lines(folder / "bus.log", (b" 080#",))[-2]
-    assert float(tail[1:18]) >= last_us / 1e6 - 1.0
+    assert last_s(folder / "bus.log") >= kept
     assert run("--speed", "0.5", cut_whole(folder / "bus.log"), command="replay").returncode == 0
     report = run(folder, "--out", tmp_path / "r.html", command="report")
     assert report.returncode == 0 and "incomplete" in (tmp_path / "r.html").read_text()
+
+
+def last_s(path):
+    """The time of the last whole line of a log, s; before there is one, long ago."""
+    whole = [line for line in path.read_bytes()[-4096:].splitlines(keepends=True)[1:] if line.endswith(b"\n")]
+    return float(whole[-1][1:18]) if whole else -1e9
 
 
 def cut_whole(path):
@@ -332,7 +327,7 @@ def test_a_full_disk_ends_the_trial_and_says_so(tmp_path):
 
 def test_a_packet_begins_and_ends_a_recording(tmp_path):
     with viewing("--speed", "0.5", "--trials", tmp_path) as view, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
-        udp.settimeout(60)
+        udp.settimeout(PATIENCE_S)
 
         def say(text):
             udp.sendto(text.encode(), ("127.0.0.1", view.port))
@@ -344,7 +339,6 @@ def test_a_packet_begins_and_ends_a_recording(tmp_path):
         assert say(f"{view.token} stop").startswith("refused")  # the wrong one began nothing
         assert say(f"{view.token} start CAM3") == "done"
         assert say(f"{view.token} mark flash") == "done"
-        time.sleep(0.5)
         assert say(f"{view.token} stop") == "done"
         folder = one_folder(tmp_path)
         wait_until(lambda: not (folder / "INCOMPLETE").exists(), "ended")

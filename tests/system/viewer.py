@@ -1,6 +1,8 @@
 """How the tests start `afo view`, speak with it, and look at its page."""
+import collections
 import contextlib
 import json
+import os
 import re
 import signal
 import subprocess
@@ -10,7 +12,7 @@ import websocket
 
 from afo import AFO, ROOT
 
-PATIENCE_S = 300
+PATIENCE_S = float(os.environ.get("AFO_PATIENCE_S", "300"))
 
 
 class View:
@@ -62,8 +64,12 @@ class Talk:
     def __init__(self, view):
         self.socket = view.connect()
         self.told, self.rows, self.next, self.lost = [], 0, None, 0
+        self.past = collections.deque()  # events from before it connected
 
     def ask(self, **what):
+        while not self.told:
+            self.hear()
+        self.past.clear()  # what is waited for from now on is new
         self.socket.send(json.dumps(what))
 
     def hear(self):
@@ -76,6 +82,7 @@ class Talk:
             self.next, self.rows = max(first + count, self.next or 0), self.rows + count
             return None
         self.told.append(json.loads(data))
+        self.past.extend(self.told[-1].get("events", ()))
         return self.told[-1]
 
     def until(self, condition, what):
@@ -88,7 +95,16 @@ class Talk:
         raise AssertionError(f"did not come: {what}")
 
     def event(self, kind, **fields):
-        return self.until(lambda m: m.get("kind") == kind and all(m.get(k) == v for k, v in fields.items()), (kind, fields))
+        """The next event of a kind; those from before this browser came count until it asks for something."""
+        def fits(message):
+            return message.get("kind") == kind and all(message.get(k) == v for k, v in fields.items())
+        while not self.told:
+            self.hear()
+        while self.past:
+            event = self.past.popleft()
+            if fits(event):
+                return event
+        return self.until(fits, (kind, fields))
 
     def close(self):
         self.socket.close()

@@ -19,6 +19,9 @@ function colour(name, seen) {
 
 const show = (unit) => (_, v) => (v === null || v === undefined ? "–" : `${Number(v.toPrecision(5))} ${unit}`);
 
+// Flags and states lie between 0 and a few: their axis begins at 0 and has room above.
+const flags = (_, low, high) => [Math.min(0, low ?? 0) - 0.1, Math.max(1, high ?? 1) + 0.1];
+
 export class Charts {
   constructor(box, choices, onZoom, isPerson) {
     Object.assign(this, { box, choices, onZoom, plots: [], chosen: new Set(CHOSEN) });
@@ -59,7 +62,7 @@ export class Charts {
     const chart = new uPlot({
       title: GROUPS[group], width: Math.max(this.box.clientWidth, 200), height: HEIGHT,
       cursor: { sync: { key: "time" }, drag: { x: true, y: false } },
-      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", {}])) },
+      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", unit ? {} : { range: flags }])) },
       axes: [{ ...axis, size: 26, values: (_, splits) => splits.map((v) => `${Number(v.toFixed(3))} s`) },
         ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: i ? 1 : 3, size: 62, label: unit,
           labelSize: 16, labelFont: "11px system-ui", grid: { show: i === 0, stroke: css("--grid") } }))],

@@ -24,7 +24,7 @@ export class Keep {
     this.recording = Boolean(recorder);
     $("record").setAttribute("aria-pressed", String(this.recording));
     $("record").textContent = this.recording ? "End the recording" : "Record";
-    $("record-state").textContent = recorder ? `Recording into ${recorder.folder}` : "";
+    $("record-state").textContent = recorder ? `Recording into ${recorder.folder}${recorder.note ? `. ${recorder.note}` : ""}` : "";
   }
 
   list(trials) {

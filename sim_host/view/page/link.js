@@ -2,8 +2,10 @@
 export class Link {
   constructor(handlers) {
     this.handlers = handlers;
-    this.token = decodeURIComponent(location.hash.slice(1)) || sessionStorage.getItem("afo-token") || "";
-    if (this.token.length > 15) {
+    const given = location.hash.slice(1);
+    const isToken = given.length > 15; // a part of the page has a shorter name
+    this.token = isToken ? given : sessionStorage.getItem("afo-token") || given;
+    if (isToken) {
       sessionStorage.setItem("afo-token", this.token);
       history.replaceState(null, "", location.pathname); // the token does not stay in the address line
     }

@@ -3,6 +3,7 @@ import { Charts, StepCharts } from "./charts.js";
 import { Figure } from "./figure.js";
 import { Keep } from "./keep.js";
 import { Link } from "./link.js";
+import { Setup } from "./setup.js";
 import { Store } from "./store.js";
 import { Tune } from "./tune.js";
 import { EventList, showFacts, showFinding, showState, showValues } from "./words.js";
@@ -21,6 +22,7 @@ const list = new EventList($("event-list"), (tick) => goTo(tick));
 let charts;
 const tune = new Tune((what) => link.ask(what));
 const keep = new Keep((what) => link.ask(what), (...a) => link.fetch(...a));
+const setup = new Setup((what) => link.ask(what), (path) => keep.open(path));
 
 // ---- what comes in -------------------------------------------------------------------
 
@@ -40,6 +42,7 @@ function hello(message) {
   document.title = `afo view: ${message.source}`;
   tune.hello(message);
   keep.hello(message);
+  setup.hello(message);
   trouble(message.trouble);
   begin(message.walk);
   for (const event of message.events) take(event, true);
@@ -89,7 +92,7 @@ function message(told) {
   else if (told.type === "trouble") trouble(told.text);
   else if (told.type === "over") $("link").textContent = "the walk is over";
   else if (told.type === "skipped") page.skipped += told.messages, trouble("This browser was too slow: some ticks are missing here. The record is whole.");
-  else { tune.message(told); keep.message(told); }
+  else { tune.message(told); keep.message(told); setup.message(told); }
 }
 
 function rows(buffer) {

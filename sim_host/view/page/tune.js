@@ -95,7 +95,7 @@ export class Tune {
   }
 
   event(event, tickS, isOld) {
-    if (event.kind === "settled") $("speed-verdict").textContent = event.text;
+    if (event.kind === "settled" || event.kind === "unsettled") $("speed-verdict").textContent = event.text;
     if (event.kind !== "write" || !event.name) return;
     const item = document.createElement("li"), time = document.createElement("small");
     time.textContent = `${(event.tick * tickS).toFixed(2)} s `;

@@ -118,6 +118,7 @@ const TEXT = {
   boot: (e) => e.text,
   mark: (e) => `mark ${e.number}${e.text ? `: ${e.text}` : ""}`,
   settled: (e) => e.text,
+  unsettled: (e) => e.text,
   write: (e) => `${e.name} = ${typeof e.value === "number" ? Number(e.value.toPrecision(6)) : e.value}, client ${e.client}${e.done ? "" : ": refused"}`,
   finding: (e) => `before the fault "${e.fault}": ${e.notes.length ? e.notes.join("; ") : "nothing unusual was seen"}`,
 };
@@ -137,7 +138,7 @@ export class EventList {
     time.textContent = `${(event.tick * tickS).toFixed(2)} s `;
     button.append(time, text);
     button.dataset.kind = event.kind;
-    button.className = event.fault_number || (event.kind === "emergency" && !event.over) || event.kind === "finding" ? "bad" : "";
+    button.className = event.fault_number || (event.kind === "emergency" && !event.over) || ["finding", "unsettled"].includes(event.kind) ? "bad" : "";
     button.onclick = () => this.onChoose(event.tick);
     item.append(button);
     this.list.prepend(item);
