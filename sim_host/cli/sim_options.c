@@ -68,7 +68,7 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
 static void check_together(struct argp_state *state, struct sim_options *options)
 {
     options->walk.person = options->recording.path != NULL;
-    if (options->recording.path != NULL && options->walk.speed_rad_s > 0.0) {
+    if (options->recording.path != NULL && walk_options_speed_given(&options->walk)) {
         argp_error(state,
                    "--speed and --recording exclude each other: a person chooses their speed");
     }
