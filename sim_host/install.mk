@@ -1,11 +1,12 @@
-# afo on a system: the program, its manual page, made of its --help, the persons and devices that come with it, and
-# the page of afo view with its server.
+# afo on a system: the program, its manual page, made of its --help, the persons and devices that come with it, the
+# page of afo view with its server, and what afo import reads files with.
 PREFIX ?= /usr/local
 DESTDIR ?=
 INSTALL ?= install
 PERSONS := $(wildcard sim_host/persons/*.ini)
 DEVICES := $(wildcard sim_host/devices/*.ini)
 VIEW_FILES := $(wildcard $(addprefix sim_host/view/,*.py page/*.* page/uplot/*))
+FORMATS_FILES := $(wildcard sim_host/formats/*.py)
 VIEW_SHEETS := $(wildcard hal/canopen/eds/controller.eds hal/canopen/eds/afo.dbc)
 
 .PHONY: man install compile-commands
@@ -23,6 +24,8 @@ install: $(BUILD)/afo $(BUILD)/afo.1 ## the program, its manual page, page of af
 	$(Q)$(INSTALL) -m 644 $(DEVICES) '$(DESTDIR)$(PREFIX)/share/afo/devices'
 	$(Q)for file in $(VIEW_FILES:sim_host/view/%=%); do \
 	    $(INSTALL) -D -m 644 "sim_host/view/$$file" '$(DESTDIR)$(PREFIX)/share/afo/view/'"$$file" || exit 1; done
+	$(Q)for file in $(FORMATS_FILES); do \
+	    $(INSTALL) -D -m 644 "$$file" '$(DESTDIR)$(PREFIX)/share/afo/formats/'"$${file##*/}" || exit 1; done
 	$(Q)for file in $(VIEW_SHEETS); do \
 	    $(INSTALL) -D -m 644 "$$file" '$(DESTDIR)$(PREFIX)/share/afo/view/eds/'"$${file##*/}" || exit 1; done
 	@echo '  installed below $(DESTDIR)$(PREFIX): bin/afo, share/man/man1/afo.1, share/afo'

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { DIGITS = 6, FIGURES = 26 };
+enum { DIGITS = 6, FIGURES = 27 };
 
 /* One figure of a leg. */
 struct figure {
@@ -11,6 +11,12 @@ struct figure {
 };
 
 static const char *const legs[SIDE_COUNT] = {"left", "right"};
+
+static double body_kg(const struct loop *loop)
+{
+    const struct walker3_params *body = &loop->nodes.plant.config.walk.body;
+    return body->hip_mass_kg + 2.0 * body->leg_mass_kg;
+}
 
 static double percent(double share)
 {
@@ -37,6 +43,7 @@ static void figures_of(const struct push_record *record, const struct loop *loop
         {"peak_torque_Nm", push_mean_of(&leg->torque_Nm)},
         {"most_torque_Nm", leg->most_torque_Nm},
         {"work_J", push_mean_of(&leg->work_J)},
+        {"work_J_per_kg", push_mean_of(&leg->work_J) / body_kg(loop)},
         {"peak_power_W", push_mean_of(&leg->power_W)},
         {"loaded_percent", percent(push_mean_of(&leg->load_share))},
         {"release_percent", percent(push_mean_of(&leg->release_share))},
@@ -110,12 +117,12 @@ static void leg_lines(FILE *stream, const struct push_record *record, const stru
                             seen->count[PUSH_NOT_RELEASED];
     fprintf(
         stream,
-        "  %-5s leg  %u pushes in %u stances: %.1f N m, %.2f J, %.0f W at peak; loaded %.0f %%, "
+        "  %-5s leg  %u pushes in %u stances: %.1f N m, %.2f J (%.3f J/kg), %.0f W at peak; loaded %.0f %%, "
         "released %.1f %%, over %.1f %% of the gait cycle\n",
         legs[side], leg->pushes, leg->stances, push_mean_of(&leg->torque_Nm),
-        push_mean_of(&leg->work_J), push_mean_of(&leg->power_W),
-        percent(push_mean_of(&leg->load_share)), percent(push_mean_of(&leg->release_share)),
-        percent(push_mean_of(&leg->end_share)));
+        push_mean_of(&leg->work_J), push_mean_of(&leg->work_J) / body_kg(loop),
+        push_mean_of(&leg->power_W), percent(push_mean_of(&leg->load_share)),
+        percent(push_mean_of(&leg->release_share)), percent(push_mean_of(&leg->end_share)));
     fprintf(
         stream,
         "             besides %.2f N m in swing, %.2f N m in stance; torque error %.2f N m RMS; ankle "
@@ -136,14 +143,14 @@ static void leg_lines(FILE *stream, const struct push_record *record, const stru
             "             %u pushes dragged at the foot in swing: the motor was not back in time\n",
             (unsigned)seen->count[PUSH_DRAGS]);
     }
+    fprintf(stream, "             %u prescribed pushes given, %u missed",
+            (unsigned)seen->count[PUSH_GIVEN], (unsigned)missed);
     if (missed > 0) {
-        fprintf(
-            stream,
-            "             prescribed and not given: %u latch open, %u not loaded in time, %u not "
-            "released\n",
-            (unsigned)seen->count[PUSH_LATCH_OPEN], (unsigned)seen->count[PUSH_NOT_LOADED],
-            (unsigned)seen->count[PUSH_NOT_RELEASED]);
+        fprintf(stream, ": %u latch open, %u not loaded in time, %u not released",
+                (unsigned)seen->count[PUSH_LATCH_OPEN], (unsigned)seen->count[PUSH_NOT_LOADED],
+                (unsigned)seen->count[PUSH_NOT_RELEASED]);
     }
+    fputc('\n', stream);
 }
 
 void push_report_text(FILE *stream, const struct push_record *record, const struct loop *loop)

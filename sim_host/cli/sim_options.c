@@ -68,7 +68,7 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
 static void check_together(struct argp_state *state, struct sim_options *options)
 {
     options->walk.person = recording_options_person(&options->recording);
-    if (recording_options_person(&options->recording) && options->walk.speed_rad_s > 0.0) {
+    if (recording_options_person(&options->recording) && walk_options_speed_given(&options->walk)) {
         argp_error(state, "--speed is the walker's: a person chooses their speed");
     }
     if (options->ticks && options->csv_path == NULL) {

@@ -10,8 +10,10 @@
 #include "sim_host/cli/push_report.h"
 #include "sim_host/cli/recording_report.h"
 #include "sim_host/cli/sim_experiment.h"
+#include "sim_host/cli/walking_report.h"
 #include "sim_host/devices/setup_text.h"
 #include "sim_host/persons/law_name.h"
+#include "sim_host/plant/walking_units.h"
 
 static const char *side_name(enum side side)
 {
@@ -64,6 +66,7 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
         json_unsigned(&json, "apexes_right", record->apexes[SIDE_RIGHT]);
         recording_report_json(&json, &record->gait);
     }
+    walking_report_json(&json, record, loop);
     push_report_json(&json, &record->push, loop);
     drive_report_json(&json, &loop->rig.task);
     walked_json(&json, record);
@@ -79,26 +82,41 @@ void sim_report_json(FILE *stream, const struct sim_options *options, const stru
 
 /* ---- CSV ------------------------------------------------------------------- */
 
+/* A value, or nothing where there is none. */
+static void cell(FILE *stream, double value, int decimals)
+{
+    if (value == value) {
+        fprintf(stream, ",%.*f", decimals, value);
+    } else {
+        fputc(',', stream);
+    }
+}
+
 void sim_report_csv(FILE *stream, const struct walk_record *record, double target_rad_s)
 {
+    const double none = (double)NAN, origin_s = record->gait.origin_s;
     fputs("step,time_s,side,apex_speed_rad_s,measured_speed_rad_s,target_speed_rad_s,r0_m,"
-          "step_time_s,step_length_m,used_fallback\n",
+          "step_time_s,step_length_m,used_fallback,heel_strike_s,toe_off_s,walking_speed_m_s,"
+          "push_off_J,margin_of_stability_m\n",
           stream);
     for (uint32_t i = 0; i < record->count; i++) {
         const struct walk_row *row = &record->rows[i];
-        const double step_time = i > 0 ? row->time_s - record->rows[i - 1].time_s : 0.0;
-        fprintf(stream, "%u,%.6f,%s,%.9f,", row->number, row->time_s - record->gait.origin_s,
-                side_name(row->side), row->apex_speed_rad_s);
-        if (row->measured) {
-            fprintf(stream, "%.9f,%.9f,%.9f,", row->measured_speed_rad_s, row->command_rad_s,
-                    row->r0_m);
-        } else {
-            fprintf(stream, ",%.9f,,", target_rad_s);
-        }
-        fprintf(stream, "%.6f,%.6f,%s\n", step_time, row->step_length_m,
-                !row->measured       ? ""
-                : row->used_fallback ? "1"
-                                     : "0");
+        const double length_m = row->step_length_m > 0.0 ? row->step_length_m : none;
+        const double from_strike_s = walking_step_time_s(record, i);
+        fprintf(stream, "%u,%.6f,%s", row->number, row->time_s - origin_s, side_name(row->side));
+        cell(stream, row->apex_speed_rad_s, 9);
+        cell(stream, row->measured ? row->measured_speed_rad_s : none, 9);
+        cell(stream, row->measured ? row->command_rad_s : target_rad_s, 9);
+        cell(stream, row->measured ? row->r0_m : none, 9);
+        cell(stream, i > 0 ? row->time_s - record->rows[i - 1].time_s : none, 6);
+        cell(stream, length_m, 6);
+        fprintf(stream, ",%s", !row->measured ? "" : row->used_fallback ? "1" : "0");
+        cell(stream, row->heel_strike_s - origin_s, 6);
+        cell(stream, row->toe_off_s - origin_s, 6);
+        cell(stream, walking_speed_m_s(length_m, from_strike_s), 6);
+        cell(stream, row->push_off_J, 6);
+        cell(stream, row->margin_m, 6);
+        fputc('\n', stream);
     }
 }
 
@@ -275,6 +293,7 @@ void sim_report_text(FILE *stream, const struct sim_options *options, const stru
                 last.over, last.mean_rad_s, last.least_rad_s, last.greatest_rad_s,
                 100.0 * (last.greatest_rad_s - last.least_rad_s) / last.mean_rad_s);
     }
+    walking_report_text(stream, record, loop);
     fallback_line(stream, record);
     push_report_text(stream, &record->push, loop);
     drive_report_text(stream, &loop->rig.task);

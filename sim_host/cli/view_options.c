@@ -51,7 +51,7 @@ static void check_together(struct argp_state *state, const struct view_options *
     if (options->replay_path != NULL && options->control) {
         argp_error(state, "--control: nothing can be changed in a log");
     }
-    if (recorded && options->sim.walk.speed_rad_s > 0.0) {
+    if (recorded && walk_options_speed_given(&options->sim.walk)) {
         argp_error(state,
                    "--speed and --recording exclude each other: a person chooses their speed");
     }

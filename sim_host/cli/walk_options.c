@@ -21,8 +21,10 @@ enum {
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "Who walks, and how:", 1},
-    {"speed", KEY_SPEED, "RAD_S", 0,
-     "forward apex speed to walk at (default: the prescribed one, else that of the start gait)", 0},
+    {"speed", KEY_SPEED, "SPEED", 0,
+     "forward apex speed to walk at, rad/s, or walking speed with its unit: 0.57m/s (default: the prescribed one, "
+     "else that of the start gait)",
+     0},
     {"kp", KEY_KP, "GAIN", 0,
      "gain of eq. (16) in m per rad/s (default: 0.042 scaled to the walker, or the walker's own where that does "
      "not hold its gaits)",
@@ -41,6 +43,11 @@ static const struct argp_option option_list[] = {
     {"subject", KEY_SUBJECT, "FILE", OPTION_HIDDEN, 0, 0},
     {0}};
 
+bool walk_options_speed_given(const struct walk_options *options)
+{
+    return options->speed.apex_rad_s > 0.0 || options->speed.walking_m_s > 0.0;
+}
+
 static void check_together(struct argp_state *state, const struct walk_options *options)
 {
     if (options->open_loop && options->r0_m <= 0.0) {
@@ -49,7 +56,7 @@ static void check_together(struct argp_state *state, const struct walk_options *
     if (options->r0_m > 0.0 && !options->open_loop) {
         argp_error(state, "--r0 is the constant of --open-loop; with the law use --speed");
     }
-    if (options->open_loop && options->speed_rad_s > 0.0) {
+    if (options->open_loop && walk_options_speed_given(options)) {
         argp_error(state, "--speed and --open-loop exclude each other");
     }
     if (options->open_loop && options->law_given) {
@@ -82,7 +89,7 @@ static error_t take(int key, char *text, struct argp_state *state)
     struct walk_options *options = (struct walk_options *)state->input;
     switch (key) {
     case KEY_SPEED:
-        options->speed_rad_s = option_number(state, "--speed", text, 1e-3, 20.0);
+        speed_option_take(&options->speed, text, state);
         break;
     case KEY_OPEN_LOOP:
         options->open_loop = true;
@@ -183,9 +190,13 @@ int walk_options_resolve(const struct walk_options *options, struct subject *sub
         return -1;
     }
     *desired_speed_rad_s = (double)speed_table_speed(&params->table, params->start_r0_m);
-    if (options->speed_rad_s > 0.0) {
-        *desired_speed_rad_s = options->speed_rad_s;
-        return check_speed("--speed", params, options->speed_rad_s, message);
+    if (options->speed.walking_m_s > 0.0) {
+        return speed_option_apex(subject, params, options->speed.walking_m_s, desired_speed_rad_s,
+                                 message);
+    }
+    if (options->speed.apex_rad_s > 0.0) {
+        *desired_speed_rad_s = options->speed.apex_rad_s;
+        return check_speed("--speed", params, options->speed.apex_rad_s, message);
     }
     if (person->speed_rad_s > 0.0 && !options->open_loop) {
         *desired_speed_rad_s = person->speed_rad_s;

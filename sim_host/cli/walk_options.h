@@ -8,10 +8,11 @@
 #include <stdbool.h>
 
 #include "sim_host/cli/option.h"
+#include "sim_host/cli/speed_option.h"
 #include "sim_host/subjects/subject.h"
 
 struct walk_options {
-    double speed_rad_s; /* 0 = not given */
+    struct speed_option speed;
     bool open_loop;
     double r0_m;       /* 0 = not given */
     double start_r0_m; /* 0 = not given */
@@ -27,6 +28,9 @@ struct walk_options {
 extern const struct argp walk_options_parser;
 
 void walk_options_init(struct walk_options *options);
+
+/* Whether --speed was given, in whatever unit. */
+bool walk_options_speed_given(const struct walk_options *options);
 
 /* The files and options to what the control task needs: the subject, its
  * parameters, the speed to walk at. Returns 0, or -1 with the reason in message

@@ -1,5 +1,6 @@
 #include "sim_host/loop/walk_record.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 bool walk_record_init(struct walk_record *record, uint32_t capacity, double origin_s)
@@ -26,8 +27,71 @@ static void add_row(struct walk_record *record, const struct walk_event *event)
         record->rows[record->count] = (struct walk_row){.number = record->count + 1,
                                                         .side = event->side,
                                                         .time_s = event->time_s,
-                                                        .apex_speed_rad_s = event->value};
+                                                        .apex_speed_rad_s = event->value,
+                                                        .heel_strike_s = (double)NAN,
+                                                        .toe_off_s = (double)NAN,
+                                                        .push_off_J = (double)NAN,
+                                                        .margin_m = (double)NAN};
         record->count++;
+    }
+}
+
+/* A leg leaves the ground: it ends the stance that the last or the last but one row is of. */
+static void take_toe_off(struct walk_record *record, const struct walk_event *event)
+{
+    for (uint32_t back = 0; back < 2 && back < record->count; back++) {
+        struct walk_row *row = &record->rows[record->count - 1 - back];
+        if (row->side == event->side) {
+            if (!(row->toe_off_s == row->toe_off_s)) {
+                row->toe_off_s = event->time_s;
+            }
+            return;
+        }
+    }
+}
+
+static void take_strike(struct walk_record *record, const struct walk_event *event, bool walker)
+{
+    struct walk_row *row = &record->rows[record->count - 1];
+    row->step_length_m = event->value;
+    row->heel_strike_s = event->time_s;
+    if (walker && record->pose.leg_length_m > 0.0) {
+        struct walking_pose pose = record->pose; /* and on to the very moment */
+        pose.stance_rad += pose.stance_rad_s * (event->time_s - record->pose_s);
+        pose.swing_rad += pose.swing_rad_s * (event->time_s - record->pose_s);
+        row->margin_m = walking_margin_m(&pose);
+    }
+}
+
+static void take_work(struct walk_record *record, const struct walk_step *step)
+{
+    for (uint32_t back = 0; back < 2 && back < record->count; back++) {
+        struct walk_row *row = &record->rows[record->count - 1 - back];
+        if (row->time_s == step->apex_time_s) {
+            row->push_off_J = step->push_off_J;
+        }
+    }
+}
+
+/* The walker as it is now, for the heel strike that may come before the next tick. */
+static void keep_pose(struct walk_record *record, const struct plant *plant)
+{
+    const struct walker3_params *body = &plant->config.walk.body;
+    struct plant_truth truth;
+    plant_truth(plant, &truth);
+    if (truth.phase == WALK_SINGLE) {
+        record->pose_s = truth.time_s;
+        const enum side swing = truth.stance == SIDE_LEFT ? SIDE_RIGHT : SIDE_LEFT;
+        record->pose = (struct walking_pose){
+            .hip_mass_kg = body->hip_mass_kg,
+            .leg_mass_kg = body->leg_mass_kg,
+            .leg_length_m = body->leg_length_m,
+            .gravity_m_s2 = body->gravity_m_s2,
+            .stance_rad = truth.leg_angle_rad[truth.stance],
+            .swing_rad = truth.leg_angle_rad[swing],
+            .stance_rad_s = truth.leg_rate_rad_s[truth.stance],
+            .swing_rad_s = truth.leg_rate_rad_s[swing],
+        };
     }
 }
 
@@ -52,7 +116,9 @@ static void match_step(struct walk_record *record, const struct step_record *ste
 
 int walk_record_take(struct walk_record *record, struct loop *loop)
 {
+    const bool walker = loop->nodes.plant.config.kind == PLANT_WALKER;
     struct walk_event event;
+    struct walk_step step;
     int kind = -1;
     if (!record->push_begun) {
         push_record_init(&record->push, loop);
@@ -65,8 +131,16 @@ int walk_record_take(struct walk_record *record, struct loop *loop)
         if (event.kind == WALK_EVENT_APEX) {
             add_row(record, &event);
         } else if (event.kind == WALK_EVENT_HEEL_STRIKE && record->count > 0) {
-            record->rows[record->count - 1].step_length_m = event.value;
+            take_strike(record, &event, walker);
+        } else if (event.kind == (walker ? WALK_EVENT_LIFT_OFF : WALK_EVENT_TOE_OFF)) {
+            take_toe_off(record, &event);
         }
+    }
+    while (plant_next_step(&loop->nodes.plant, &step)) {
+        take_work(record, &step);
+    }
+    if (walker) {
+        keep_pose(record, &loop->nodes.plant);
     }
     gait_record_take(&record->gait, loop);
     push_record_take(&record->push, loop);

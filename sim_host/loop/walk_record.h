@@ -8,6 +8,7 @@
 #include "sim_host/loop/gait_record.h"
 #include "sim_host/loop/loop.h"
 #include "sim_host/loop/push_record.h"
+#include "sim_host/plant/walking_units.h"
 
 struct walk_row {
     uint32_t number;         /* 1 is the first apex */
@@ -15,7 +16,11 @@ struct walk_row {
     double time_s;           /* of the apex */
     double apex_speed_rad_s; /* the plant's truth */
     double step_length_m; /* toe to toe at the heel strike that ends this stance; 0 = not reached */
-    bool measured;        /* the controller saw this apex: the fields below are valid */
+    double heel_strike_s; /* that ends this stance's single support; NaN: not reached, as below */
+    double toe_off_s;     /* of the stance leg, behind it */
+    double push_off_J; /* of the device on the walker behind this apex; NaN of a recorded person */
+    double margin_m;   /* of stability just before the heel strike; NaN of a recorded person */
+    bool measured;     /* the controller saw this apex: the fields below are valid */
     double measured_speed_rad_s;
     double command_rad_s;
     double r0_m;        /* what the law asked for at this apex */
@@ -31,6 +36,8 @@ struct walk_record {
     double first_apex_s;
     struct push_record push; /* what the device did at each ankle; begins with the first tick */
     bool push_begun;
+    struct walking_pose pose; /* of the walker in single support, one tick ago, at pose_s */
+    double pose_s;
     struct gait_record gait; /* events as the controller saw them, beside the truth */
 };
 

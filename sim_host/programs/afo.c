@@ -10,6 +10,8 @@ static const struct program_command table[] = {
     {"replay", afo_replay, "a log through the control task, its frames compared bit by bit"},
     {"view", afo_view, "a walk in a browser: see, tune, mark, keep and compare"},
     {"report", afo_report, "a trial of afo view as one HTML file, two compared, or exported"},
+    {"import", afo_import,
+     "a gait laboratory's file (C3D, OpenSim, CSV) as a recording; a CAN log of other tools"},
     {"walker", afo_walker, "the simulated walker and its four nodes on a CAN interface"},
     {"host", afo_host, "the control task on a CAN interface"},
     {"ctl", afo_ctl, "read and write the objects of a node by name; walk, stop, reset, zero, save"},

@@ -9,6 +9,8 @@
 
 #include "sim_host/cli/program.h"
 
+enum { ROOM_PATH_MAX = 64 };
+
 static bool is_there(char *path, const char *folder, const char *rest, const char *name)
 {
     return (size_t)snprintf(path, PATH_MAX, "%s/%s%s", folder, rest, name) < PATH_MAX &&
@@ -29,10 +31,13 @@ static bool find_folder(struct python_tool *tool, char *folder)
     return true;
 }
 
-int python_tool_find(struct python_tool *tool, const char *name)
+int python_tool_find(struct python_tool *tool, const char *room, const char *name)
 {
     static const char *const up[] = {"/..", "/../..", "/../../.."};
-    char folder[PATH_MAX], base[PATH_MAX], python[PATH_MAX];
+    char folder[PATH_MAX], base[PATH_MAX], python[PATH_MAX], in_tree[ROOM_PATH_MAX],
+        installed[ROOM_PATH_MAX];
+    snprintf(in_tree, sizeof in_tree, "sim_host/%s/", room);
+    snprintf(installed, sizeof installed, "../share/afo/%s/", room);
     if (!find_folder(tool, folder)) {
         return program_complain("/proc/self/exe: %s", strerror(errno));
     }
@@ -40,19 +45,19 @@ int python_tool_find(struct python_tool *tool, const char *name)
     snprintf(tool->python, sizeof tool->python, "%s", chosen != NULL ? chosen : "/usr/bin/python3");
     for (size_t i = 0; i < sizeof up / sizeof up[0]; i++) {
         const bool fits = (size_t)snprintf(base, sizeof base, "%s%s", folder, up[i]) < sizeof base;
-        if (fits && is_there(tool->script, base, "sim_host/view/", name)) {
+        if (fits && is_there(tool->script, base, in_tree, name)) {
             if (chosen == NULL && is_there(python, base, "build/venv/bin/", "python")) {
                 memcpy(tool->python, python, sizeof python);
             }
             return 0;
         }
     }
-    if (is_there(tool->script, folder, "../share/afo/view/", name)) {
+    if (is_there(tool->script, folder, installed, name)) {
         return 0;
     }
-    return program_complain("%s is neither in sim_host/view of a tree around %s nor in "
-                            "%s/../share/afo/view: `make install' puts it there",
-                            name, folder, folder);
+    return program_complain("%s is neither in sim_host/%s of a tree around %s nor in "
+                            "%s/../share/afo/%s: `make install' puts it there",
+                            name, room, folder, folder, room);
 }
 
 void python_tool_become(const struct python_tool *tool, const char **arguments)

@@ -10,9 +10,9 @@ struct python_tool {
     char python[PATH_MAX]; /* AFO_PYTHON, else the tree's own (build/venv), else the system's */
 };
 
-/* Finds script `name` of sim_host/view: in the tree that this program was built in, or where `make install' puts it.
- * Returns 0, or -1 behind a complaint. */
-int python_tool_find(struct python_tool *tool, const char *name);
+/* Finds script `name` of sim_host/ROOM ("view", "formats"): in the tree that this program was built in, or where `make
+ * install' puts it. Returns 0, or -1 behind a complaint. */
+int python_tool_find(struct python_tool *tool, const char *room, const char *name);
 
 /* Becomes the tool. arguments: ends with NULL; the first two are filled in here. Comes back only behind a complaint. */
 void python_tool_become(const struct python_tool *tool, const char **arguments);

@@ -120,7 +120,7 @@ int afo_report(int argc, char **argv)
     option_parse(&parser, argc, argv, &options);
     char *who = options.is_log ? subject_of(&options) : NULL;
     if ((!options.is_log || who != NULL) &&
-        python_tool_find(&tool, options.kind != NULL ? "export.py" : "report.py") == 0) {
+        python_tool_find(&tool, "view", options.kind != NULL ? "export.py" : "report.py") == 0) {
         become(&options, &tool, who);
     }
     free(who);

@@ -260,7 +260,7 @@ int afo_view(int argc, char **argv)
     view_options_parse(&view.options, argc, argv);
     snprintf(view.port, sizeof view.port, "%u", view.options.port);
     int status = EXIT_USAGE;
-    if (python_tool_find(&view.tool, "serve.py") == 0) {
+    if (python_tool_find(&view.tool, "view", "serve.py") == 0) {
         if (view.options.interface != NULL || view.options.replay_path != NULL) {
             status = view_other(&view);
         } else {

@@ -10,7 +10,7 @@ int observe_case_configure(const struct observe_case *want, struct loop_config *
     struct control_params params;
     double speed;
     walk_options_init(&options);
-    options.speed_rad_s = want->speed_rad_s;
+    options.speed.apex_rad_s = want->speed_rad_s;
     options.law_given = true;
     options.law = want->law;
     if (walk_options_resolve(&options, &subject, &params, &speed, message) != 0 ||

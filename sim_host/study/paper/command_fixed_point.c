@@ -1,6 +1,7 @@
 /* afo study fixed-point: a periodic gait, by Newton, with its eigenvalues and measures. */
 #include <stdio.h>
 
+#include "sim_host/plant/walking_units.h"
 #include "sim_host/study/paper/command.h"
 #include "sim_host/study/paper/periodic.h"
 
@@ -74,6 +75,34 @@ static int find(const struct options *options, struct problem *problem, struct o
     return EXIT_FOUND;
 }
 
+/* The same gait as a laboratory reports it; margin and double support are the first step's. */
+static void in_walking_units(const struct problem *problem, const struct orbit *orbit,
+                             struct report *report)
+{
+    const struct walker_params *p = &problem->params;
+    const double step_s = orbit->duration_s / problem->period;
+    const double work_J = orbit->spring_energy_J / problem->period;
+    const struct walking_pose pose = {
+        .hip_mass_kg = p->hip_mass_kg,
+        .leg_mass_kg = p->leg_mass_kg,
+        .leg_length_m = p->leg_length_m,
+        .gravity_m_s2 = p->gravity_m_s2,
+        .stance_rad = orbit->first.strike[0],
+        .swing_rad = orbit->first.strike[1],
+        .stance_rad_s = orbit->first.strike[2],
+        .swing_rad_s = orbit->first.strike[3],
+    };
+    report_value(report, "cadence_per_min", cell_number(walking_cadence_per_min(step_s)));
+    report_value(report, "stance_percent",
+                 cell_number(50.0 * (1.0 + orbit->first.double_support_s / step_s)));
+    report_value(report, "double_support_percent",
+                 cell_number(100.0 * orbit->first.double_support_s / step_s));
+    report_value(report, "push_off_J", cell_number(work_J));
+    report_value(report, "push_off_J_per_kg",
+                 cell_number(work_J / (p->hip_mass_kg + 2.0 * p->leg_mass_kg)));
+    report_value(report, "margin_of_stability_m", cell_number(walking_margin_m(&pose)));
+}
+
 static void print(const struct options *options, const struct problem *problem,
                   const struct orbit *orbit, struct report *report)
 {
@@ -101,6 +130,7 @@ static void print(const struct options *options, const struct problem *problem,
     report_value(report, "speed_m_s", cell_number(orbit->distance_m / orbit->duration_s));
     report_value(report, "cost_of_transport",
                  cell_number(orbit->spring_energy_J / (weight * orbit->distance_m)));
+    in_walking_units(problem, orbit, report);
     report_value(report, "residual", cell_number(orbit->residual));
     report_value(report, "period", cell_integer(problem->period));
     report_value(report, "stable", cell_truth(linear_magnitude(values[0]) < 1.0));

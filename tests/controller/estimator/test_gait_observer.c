@@ -36,7 +36,7 @@ static void configure(double speed_rad_s, enum sensor_preset_kind sensors, doubl
     double speed;
     char message[LOOP_MESSAGE_MAX];
     walk_options_init(&options);
-    options.speed_rad_s = speed_rad_s;
+    options.speed.apex_rad_s = speed_rad_s;
     ck_assert_int_eq(walk_options_resolve(&options, &subject, &params, &speed, message), 0);
     ck_assert_int_eq(loop_configure(config, &subject, &params, speed, sensors, seed, message), 0);
     for (int side = 0; side < SIDE_COUNT; side++) {
