@@ -63,9 +63,23 @@ class Phase:
     def __init__(self, rates, event, direction, tolerance, lanes):
         states, self.lanes, self.steps = len(rates), lanes, 0
         make = heyoka.taylor_adaptive if lanes == 1 else heyoka.taylor_adaptive_batch
-        event_type = heyoka.t_event if lanes == 1 else heyoka.t_event_batch
         zeros = numpy.zeros(states) if lanes == 1 else numpy.zeros((states, lanes))
-        self.integrator = make(rates, zeros, t_events=[event_type(event, direction=direction)], tol=tolerance)
+        if lanes == 1:
+            events = [heyoka.t_event(event, direction=direction)]
+        else:
+            events = [heyoka.t_event_batch(event, direction=direction, callback=self.on_arrival())]
+        self.integrator = make(rates, zeros, t_events=events, tol=tolerance)
+        self.arrived, self.waiting = numpy.empty_like(zeros), set()
+
+    def on_arrival(self):
+        """A function and no method: heyoka copies what it is given, and functions stay what they are."""
+        def arrive(block, _direction, lane):
+            """A lane is at its event: its state is kept, and it goes on for nothing until the last one is there."""
+            if lane in self.waiting:
+                self.waiting.remove(lane)
+                self.arrived[:, lane] = block.state[:, lane]
+            return bool(self.waiting)
+        return arrive
 
     def run(self, states, parameters):
         """states (n, rows), parameters (p, rows); rows is a multiple of the lanes. Returns the states at the event."""
@@ -87,16 +101,10 @@ class Phase:
         block.state[:], block.pars[:] = states[:, first:last], parameters[:, first:last]
         block.set_time(0.0)
         block.reset_cooldowns()
-        waiting = numpy.full(self.lanes, LIMIT_S)
-        while waiting.any():  # a walker that is at its event waits for the others with steps of no length
-            block.step(waiting)
-            self.steps += 1
-            for lane, (outcome, _) in enumerate(block.step_res):
-                if int(outcome) == -1:
-                    waiting[lane] = 0.0
-                elif block.time[lane] > LIMIT_S or int(outcome) == ERROR:
-                    waiting[lane], block.state[:, lane] = 0.0, 0.0
-        end[:, first:last] = block.state
+        self.waiting = set(range(self.lanes))
+        block.propagate_until(LIMIT_S)
+        self.steps += max(result[3] for result in block.propagate_res)
+        end[:, first:last] = self.arrived if not self.waiting else numpy.nan
 
     def step_s(self, states, parameters):
         """The fastest time of one step, there and back, from the first walkers of a phase."""
@@ -111,9 +119,6 @@ class Phase:
                 block.step_backward()
             best = min(best, (time.process_time() - start) / (2 * STEP_PAIRS))
         return best
-
-
-ERROR = int(heyoka.taylor_outcome.err_nf_state)
 
 
 class Stride:
