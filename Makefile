@@ -28,7 +28,9 @@ BITS := -ffp-contract=off -fno-math-errno -fno-strict-aliasing
 NOT_A_NUMBER = $(if $(2),$(if $(shell printf '%s' '$(2)' | tr -d 0-9),$(error $(1) must be a whole number of $(3), not "$(2)")))
 $(call NOT_A_NUMBER,TICK_US,$(TICK_US),microseconds)$(call NOT_A_NUMBER,BITRATE,$(BITRATE),bit/s)
 BUS_RATES := $(strip $(if $(TICK_US),-DTICK_PERIOD_US=$(TICK_US)) $(if $(BITRATE),-DBUS_BITRATE=$(BITRATE)))
-CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(OPT) -g $(WARN) $(BITS) $(BUS_RATES) $(SANITIZE) -I. $(CFLAGS)
+# One object code for the programs and for the Python package's shared library, which shows its own functions only.
+SHARABLE := -fPIC -fvisibility=hidden
+CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(OPT) -g $(WARN) $(BITS) $(SHARABLE) $(BUS_RATES) $(SANITIZE) -I. $(CFLAGS)
 LDFLAGS_ALL = $(SANITIZE) $(LDFLAGS)
 LDLIBS_SIM := -lm -lpthread
 
@@ -38,7 +40,7 @@ SRC_CONTROLLER := $(wildcard controller/*.c controller/*/*.c)
 # Of the ports only those that a Linux host can build; a board's fragment names its own.
 SRC_HAL := $(filter-out hal/port_%,$(wildcard hal/*.c hal/*/*.c)) $(wildcard hal/port_socketcan/*.c)
 SRC_FIRMWARE := $(wildcard firmware/*.c)
-SRC_SIM := $(filter-out sim_host/programs/%,$(wildcard sim_host/*/*.c sim_host/*/*/*.c))
+SRC_SIM := $(filter-out sim_host/programs/% sim_host/python/%,$(wildcard sim_host/*/*.c sim_host/*/*/*.c))
 # What computes with the model computes in double; what holds a controller, in float as it does.
 SRC_SIM_F32_STUDIES := $(wildcard sim_host/study/laws/*.c sim_host/study/observer/*.c sim_host/study/size/*.c)
 SRC_SIM_F64 := $(filter-out $(SRC_SIM_F32_STUDIES),$(filter sim_host/plant/% sim_host/reflex/% sim_host/gait/% sim_host/study/% sim_host/batch/%,$(SRC_SIM)))
@@ -199,7 +201,7 @@ test-long: ## what takes longer than `make test` may: tests marked long (some te
 
 bench: ## how fast it is, as ratios measured side by side; ten minutes of afo view in a browser (some minutes more)
 	$(Q)scripts/setup bench
-	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)$(MAKE) --no-print-directory programs python-package
 	$(Q)scripts/bench $(BUILD)
 	$(Q)scripts/bench-strides $(BUILD)
 	$(Q)scripts/setup view && scripts/bench-view $(BUILD)

@@ -3,6 +3,11 @@ $(BUILD)/f64/sim_host/batch/kernel_%.o: private CFLAGS_ALL += $(if $(findstring 
 
 # The speed measurements' comparisons use libraries where they are installed; without them they say so.
 HAVE_HEADER = $(shell printf '\043include <$(1)>\n' | $(CC) -E -x c - >/dev/null 2>&1 && echo yes)
+# A library that came since the last build is in the next one.
+PEER_HEADERS := cvode/cvode.h gsl/gsl_odeiv2.h
+$(BUILD)/stamp/peers: FORCE
+	$(call STAMP,$(foreach header,$(PEER_HEADERS),$(header) $(or $(call HAVE_HEADER,$(header)),no)))
+$(call OBJ_F32,sim_host/programs/bench/afo_bench_cvode.c sim_host/programs/bench/afo_bench_gsl.c): $(BUILD)/stamp/peers
 $(BUILD)/afo-bench-cvode: private LDLIBS_SIM += $(if $(call HAVE_HEADER,cvode/cvode.h),\
         -lsundials_cvode -lsundials_nvecserial -lsundials_generic)
 $(BUILD)/afo-bench-gsl: private LDLIBS_SIM += $(if $(call HAVE_HEADER,gsl/gsl_odeiv2.h),-lgsl -lgslcblas)

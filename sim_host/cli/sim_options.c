@@ -159,7 +159,7 @@ void sim_options_parse(struct sim_options *options, int argc, char **argv)
     recording_options_init(&options->recording);
     option_parse(&parser, argc, argv, options);
     if (options->steps == 0) {
-        options->steps = recording_options_person(&options->recording) ? UINT32_MAX : DEFAULT_STEPS;
+        options->steps = options->recording.path != NULL ? UINT32_MAX : DEFAULT_STEPS;
     }
     if (options->fault_step == UINT32_MAX) {
         options->fault_step = DEFAULT_FAULT_STEP;

@@ -25,10 +25,11 @@ double loop_gain_largest(const struct loop_point *points, int count, double kp)
 /* Scan, then golden section around the best. */
 double loop_gain_best(const struct loop_point *points, int count, double unit)
 {
-    const double step = 0.001 * unit, golden = 0.6180339887498949;
+    enum { PARTS = 200 };
+    const double step = LOOP_GAIN_MOST / PARTS * unit, golden = 0.6180339887498949;
     int best = 0;
     double smallest = 1e300;
-    for (int i = 0; i <= 200; i++) {
+    for (int i = 0; i <= PARTS; i++) {
         const double largest = loop_gain_largest(points, count, i * step);
         if (largest < smallest) {
             smallest = largest;

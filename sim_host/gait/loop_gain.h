@@ -19,7 +19,8 @@ void loop_gain_eigenvalues(const struct loop_point *point, double kp, struct eig
 /* The largest magnitude over all the gaits; below 1: each is stable. */
 double loop_gain_largest(const struct loop_point *points, int count, double kp);
 
-/* The gain that makes that smallest, looked for from 0 to 0.2 `unit` (1 for the paper's walker). */
+/* The gain that makes that smallest, looked for from 0 to LOOP_GAIN_MOST `unit` (1 for the paper's walker). */
+#define LOOP_GAIN_MOST 0.2
 double loop_gain_best(const struct loop_point *points, int count, double unit);
 
 #endif

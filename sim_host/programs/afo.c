@@ -4,6 +4,7 @@
 
 static const struct program_command table[] = {
     {"sim", afo_sim, "a walk, or a recording, in closed loop on an in-process bus"},
+    {"compare", afo_compare, "the same walk by several laws: one table, one picture"},
     {"study", afo_study, "the paper's tables and figures, the laws, the observer, and more"},
     {"faults", afo_faults, "inject faults into steady walks and judge what came of them"},
     {"soak", afo_soak, "walk for days of simulated time and watch what must not change"},

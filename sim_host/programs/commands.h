@@ -4,6 +4,7 @@
 #define SIM_HOST_PROGRAMS_COMMANDS_H
 
 int afo_sim(int argc, char **argv);
+int afo_compare(int argc, char **argv);
 int afo_walker(int argc, char **argv);
 int afo_host(int argc, char **argv);
 int afo_replay(int argc, char **argv);

@@ -77,6 +77,25 @@ def test_changed_flags_rebuild_everything(tree):
     assert compiled(make(tree, "OPT=-O1")) == []
 
 
+def test_a_library_that_came_since_is_in_the_next_build(tree, monkeypatch):
+    """The measurements' peers: their program is compiled anew when the compiler finds a header that it did not find."""
+    headers, bench = tree / "include", tree / "sim_host/programs/bench"
+    bench.mkdir()
+    shutil.copy(ROOT / "sim_host" / "batch.mk", tree / "sim_host")
+    (bench / "afo_bench_gsl.c").write_text(
+        "#include <stdio.h>\nint main(void)\n{\n#if __has_include(<peer/peer.h>)\n    puts(\"with\");\n#else\n"
+        "    puts(\"without\");\n#endif\n    return 0;\n}\n")
+    monkeypatch.setenv("CPATH", str(headers))
+    program, what = tree / "build/afo-bench-gsl", ("build/afo-bench-gsl", "PEER_HEADERS=peer/peer.h")
+    make(tree, *what)
+    assert subprocess.check_output([program], text=True) == "without\n"
+    (headers / "peer").mkdir(parents=True)
+    (headers / "peer/peer.h").touch()
+    make(tree, *what)
+    assert subprocess.check_output([program], text=True) == "with\n"
+    assert not compiled(make(tree, *what))
+
+
 def test_a_removed_source_leaves_its_archive(tree):
     make(tree)
     archive = tree / "build" / "lib" / "libmodel_f32.a"

@@ -1,6 +1,6 @@
 /* Time against error of the project's own return maps: model/'s scalar map and the batch engine.
- * Usage: afo-bench REFERENCE.csv [SECONDS [cores]]; scripts/bench-strides runs it beside the others.
- * With a third word: all cores against one, and nothing else. */
+ * Usage: afo-bench REFERENCE.csv [SECONDS [cores|engine]]; scripts/bench-strides runs it beside the others.
+ * cores: all cores against one, and nothing else; engine: one core's strides per second, for scripts/bench_python.py. */
 #define REAL_IS_DOUBLE 1 /* the map in double */
 #include <stdlib.h>
 #include <string.h>
@@ -185,6 +185,29 @@ static void report_cores(const struct benchmark_rows *rows)
         100.0 * processor[0] / processor[1]);
 }
 
+/* The same gait and number of walkers that bench_python.py takes, one core, by processor time. */
+static void report_engine(const struct benchmark_rows *rows)
+{
+    enum { WALKERS = BENCHMARK_MAX_ROWS * REPEATS, STRIDES = 2 };
+    static struct batch_item items[WALKERS];
+    const struct batch_job job = {.walkers = &rows->row[0].walker,
+                                  .walker_count = 1,
+                                  .items = items,
+                                  .count = WALKERS,
+                                  .strides = STRIDES};
+    double best = 1e30, spent = 0.0;
+    while (spent < rows->least_time_s) {
+        double processor_s;
+        for (size_t i = 0; i < WALKERS; i++) {
+            items[i] = (struct batch_item){.apex = {-0.40696, -0.05957, 1.75677}, .push_m = 0.05};
+        }
+        (void)pass_s(&job, 1, &processor_s);
+        best = processor_s < best ? processor_s : best;
+        spent += processor_s;
+    }
+    printf("%d,%d,%.6g\n", WALKERS, STRIDES, WALKERS * STRIDES / best);
+}
+
 static void measure_lanes(const struct benchmark_rows *rows, struct many *many)
 {
     static const double accuracies[] = {1e-4, 1e-6, 1e-9, 1e-11, 1e-12};
@@ -228,7 +251,7 @@ int main(int argc, char **argv)
         return EXIT_FAILURE;
     }
     if (argc > 3) {
-        report_cores(&rows);
+        (strcmp(argv[3], "engine") == 0 ? report_engine : report_cores)(&rows);
         return EXIT_SUCCESS;
     }
     measure_batch(&rows);

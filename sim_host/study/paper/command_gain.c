@@ -87,7 +87,7 @@ static int gather(const struct options *options, struct loop_point *points)
 }
 
 static void print(const struct options *options, const struct loop_point *points, int count,
-                  double unit, struct report *report)
+                  struct report *report)
 {
     for (int k = 0; k < options->gain_count; k++) {
         for (int i = 0; i < count; i++) {
@@ -106,14 +106,40 @@ static void print(const struct options *options, const struct loop_point *points
             report_row(report, row);
         }
     }
-    if (options->best) {
-        const double best = loop_gain_best(points, count, unit);
-        report_value(report, "best_kp", cell_number(best));
-        report_value(report, "largest_with_best_kp",
-                     cell_number(loop_gain_largest(points, count, best)));
-        report_value(report, "largest_without_law",
-                     cell_number(loop_gain_largest(points, count, 0.0)));
+}
+
+/* Where the gain leaves the largest eigenvalue. */
+static const struct loop_point *least_stable(const struct loop_point *points, int count, double kp)
+{
+    const struct loop_point *worst = points;
+    for (int i = 1; i < count; i++) {
+        worst = loop_gain_largest(&points[i], 1, kp) > loop_gain_largest(worst, 1, kp) ? &points[i]
+                                                                                       : worst;
     }
+    return worst;
+}
+
+/* 0, or -1 with words where no gain makes all the gaits stable. */
+static int print_best(const struct loop_point *points, int count, double unit,
+                      struct report *report)
+{
+    const double best = loop_gain_best(points, count, unit);
+    const double largest = loop_gain_largest(points, count, best);
+    report_value(report, "best_kp", cell_number(best));
+    report_value(report, "largest_with_best_kp", cell_number(largest));
+    report_value(report, "largest_without_law", cell_number(loop_gain_largest(points, count, 0.0)));
+    report_value(report, "stable_with_best_kp", cell_truth(largest < 1.0));
+    if (largest < 1.0) {
+        return 0;
+    }
+    fprintf(
+        stderr,
+        "afo study: no gain of eq. (16) stabilises this walker from r0 = %g to %g m: looked for up to %.3g m per "
+        "rad/s, the best, %.4g, leaves an eigenvalue of %.3g at r0 = %g m (without the law %.3g). Narrow the range "
+        "with --from and --to, or take a law on the whole state: --law dlqr, deadbeat or predictive of afo sim\n",
+        points[0].r0_m, points[count - 1].r0_m, LOOP_GAIN_MOST * unit, best, largest,
+        least_stable(points, count, best)->r0_m, loop_gain_largest(points, count, 0.0));
+    return -1;
 }
 
 int command_gain(int argc, char **argv)
@@ -161,10 +187,11 @@ int command_gain(int argc, char **argv)
     if (count == 0) {
         status = EXIT_NOT_FOUND;
     } else if (report_open(&report, &options.common, "gain", "", columns)) {
-        print(&options, points, count, unit, &report);
-        status = !report_close(&report)    ? EXIT_USAGE
-                 : count == options.points ? EXIT_FOUND
-                                           : EXIT_NOT_FOUND;
+        print(&options, points, count, &report);
+        const int is_stable = !options.best || print_best(points, count, unit, &report) == 0;
+        status = !report_close(&report)                 ? EXIT_USAGE
+                 : is_stable && count == options.points ? EXIT_FOUND
+                                                        : EXIT_NOT_FOUND;
     }
     free(points);
     return status;

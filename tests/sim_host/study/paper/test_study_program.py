@@ -150,6 +150,26 @@ def test_gain_stabilises_the_whole_range():
     assert adult["largest_with_best_kp"] < 0.9
 
 
+def test_a_walker_that_no_gain_stabilises_is_told():
+    """k = 30 N/m: at every gain up to 0.2 some gait up to 0.2 m has an eigenvalue beyond 1, by gain's own rows."""
+    soft = ("--k", 30, "--to", 0.2, "--points", 12)
+    done = run("gain", "--best", *soft, status=1)
+    for word in ("no gain of eq. (16) stabilises this walker from r0 = 0.05 to 0.2 m", "up to 0.2 m per rad/s", "--to",
+                 "--law dlqr"):
+        assert word in done.stderr
+    best = ask("gain", "--best", *soft, status=1)
+    worst = max(rows("gain", "--kp", best["best_kp"], *soft), key=lambda row: float(row["largest"]))
+    assert best["stable_with_best_kp"] is False
+    assert f"leaves an eigenvalue of {float(worst['largest']):.3g} at r0 = {float(worst['r0_m']):g} m" in done.stderr
+    gains = [0.02 * i for i in range(11)]
+    rows_of = {kp: [float(row["largest"]) for row in rows("gain", "--kp", kp, *soft)] for kp in gains}
+    assert all(max(largest) > 1 for largest in rows_of.values())
+
+
+def test_a_best_gain_that_stabilises_says_so():
+    assert ask("gain", "--best", "--points", 12)["stable_with_best_kp"] is True
+
+
 def test_long_runs_know_periods_chaos_and_falls():
     options = ("--points", 2, "--transient", 600, "--keep", 40, "--lyapunov", 200)
     found = {}

@@ -1,0 +1,52 @@
+"""Logs and trials as tables."""
+import json
+import subprocess
+
+import numpy
+import pytest
+
+from conftest import BUILD
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    """A log of four steps, and the table that the same walk wrote."""
+    path = tmp_path_factory.mktemp("log") / "walk.log"
+    subprocess.run([BUILD / "afo", "sim", "--speed", "0.45", "--steps", "4", "--sensors", "ideal", "--quiet", "--log", path],
+                   check=True)
+    return path
+
+
+def test_a_log_is_a_table_by_tick(afo, log):
+    frame = afo.read_log(log)
+    walk = afo.sim(speed=0.45, steps=4, sensors="ideal", ticks=True)
+    assert list(frame.columns[:2]) == ["tick", "time"] and frame.attrs["units"]["leg_angle_left"] == "rad"
+    truth = walk.ticks.set_index("tick").theta_left_rad
+    late = frame[(frame.tick > 3000) & (frame.tick < len(truth) - 5)]
+    # Sampled at a SYNC, heard behind it: at most a tick apart from the truth, at rates below 5 rad/s.
+    assert numpy.abs(late.leg_angle_left.to_numpy() - truth.loc[late.tick].to_numpy()).max() < 0.01
+    speeds = [event["speed_rad_s"] for event in frame.attrs["events"] if event["kind"] == "step"]
+    assert numpy.allclose(speeds, walk.steps.measured_speed_rad_s[:len(speeds)], atol=1e-3) and len(speeds) >= 3
+
+
+def test_a_trial_is_a_table_by_tick(afo, log, tmp_path):
+    import shutil
+    trial = tmp_path / "trial"
+    trial.mkdir()
+    shutil.copy(log, trial / "bus.log")
+    (trial / "events.jsonl").write_text("")
+    with pytest.raises(afo.AfoError, match="trial.json"):
+        afo.read_trial(trial)
+    provenance = afo.read_log(log).attrs["provenance"]
+    assert provenance["person"] and json.dumps(provenance)
+
+
+@pytest.mark.parametrize("read,path,words", [
+    ("read_log", "/nowhere/walk.log", "no such file"),
+    ("read_log", "/tmp", "is a folder; a trial is read by read_trial"),
+    ("read_trial", "/nowhere", "no folder of a trial; a log is read by read_log"),
+    ("read_log", __file__, "no line of a candump log"),
+])
+def test_what_is_no_log_is_said(afo, read, path, words):
+    with pytest.raises(afo.AfoError, match=words):
+        getattr(afo, read)(path)
