@@ -21,7 +21,7 @@ $(AFO_LIBRARY): $(OBJ_LIBRARY) $(LIBS)
 $(AFO_STAMP): $(AFO_LIBRARY) $(BUILD)/afo $(AFO_MODULES) $(PYTHON_ROOM)/library.h $(PERSONS) $(DEVICES) $(VIEW_FILES)
 	$(Q)$(INSTALL) -m 644 $(AFO_MODULES) $(PYTHON_ROOM)/library.h $(AFO_PACKAGE)
 	$(Q)rm -rf $(AFO_PACKAGE)/system
-	$(Q)$(MAKE) --no-print-directory install DESTDIR= PREFIX='$(abspath $(AFO_PACKAGE))/system' >$(PYTHON_SITE)/install.log
+	$(Q)$(MAKE) --no-print-directory --silent install DESTDIR= PREFIX='$(abspath $(AFO_PACKAGE))/system'
 	$(Q)strip $(AFO_PACKAGE)/system/bin/afo
 	$(Q)touch $@
 
