@@ -10,13 +10,17 @@
 #define LATCH_SHARE 0.03
 #define SPRING_SHARE 0.15
 #define CHIRP_SHARE 0.02
-/* None of them beyond this part of the drive's rated force, where that is declared. */
-#define RATED_PART 0.19
+/* None of them beyond this part of the drive's rated force, where that is declared: with a spring that is a tenth
+ * stronger than declared it stays below 0.2. */
+#define RATED_PART 0.17
 /* What is still right: of a way, of the other motor's, of the spring constant coarse and fine. */
 #define WAY_PART 0.1
 #define OTHER_WAY_PART 0.2
 #define COARSE_PART 0.4
 #define FINE_PART 0.15
+/* More force over way is more energy: 8 % is what a person's push may have above its prescription, in loads that
+ * go both ways, so that friction cancels. A motor's scale of 0.9 reads 1.11. */
+#define FINE_PART_ABOVE 0.08
 /* A drive must follow at least this: a push-off's reference has its power below. */
 #define BANDWIDTH_LEAST_HZ 5.0
 #define UNLOAD_MOST_MS 400u
@@ -95,8 +99,10 @@ static void judge_stiffness(const struct commission *commission, struct commissi
     }
     commission_note(result, "%s leg: %.4g N/m, friction %.2g N.", commission_leg(leg),
                     report->stiffness_N_m, report->friction_N);
-    if (!(fabs(report->stiffness_N_m - commission->stiffness_N_m) <=
-          part * commission->stiffness_N_m)) {
+    const double off_N_m = report->stiffness_N_m - commission->stiffness_N_m;
+    const double above = part < COARSE_PART ? FINE_PART_ABOVE : part;
+    if (!(off_N_m >= -part * commission->stiffness_N_m &&
+          off_N_m <= above * commission->stiffness_N_m)) {
         commission_find(result,
                         "%s leg: force over way is %.4g N/m where the spring has %.4g; look at the "
                         "torque constant (rated_force_N), the gear (counts_per_m), and the spring",

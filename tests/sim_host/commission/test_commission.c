@@ -106,6 +106,13 @@ static void inject_gear(void)
         2; /* it goes twice as far as the file says */
 }
 
+/* A screw with a tenth more pitch: each push would have 1.23 times the energy. */
+static void inject_scale(void)
+{
+    uint32_t *counts_per_m = &loop.nodes.drive[SIDE_LEFT].config.counts_per_m;
+    *counts_per_m -= *counts_per_m / 10u;
+}
+
 static void inject_slip(void)
 {
     loop.nodes.plant.sea[SIDE_RIGHT].params.zero_offset_m = 0.01;
@@ -169,6 +176,7 @@ static const struct defect defects[] = {
      "two nodes have the number"},
     {"no heartbeat consumer", NULL, NULL, hold_no_consumer, COMMISSION_IDENTIFY, "heartbeat"},
     {"wrong gear", NULL, inject_gear, NULL, COMMISSION_MOVES, "gear"},
+    {"scale of 0.9", NULL, inject_scale, NULL, COMMISSION_SPRING, "gear (counts_per_m)"},
     {"slipped encoder", NULL, inject_slip, NULL, COMMISSION_REST, "slipped"},
     {"latch bit stuck", NULL, NULL, hold_latch_bit, COMMISSION_LATCH, "never changed"},
     {"RPDO time-out missing", NULL, NULL, hold_no_rpdo_timer, COMMISSION_IDENTIFY,
