@@ -56,9 +56,10 @@ class Page:
         self.js("document.getElementById(arguments[0]).focus()", identifier)
         return self.browser.switch_to.active_element
 
-    def tab_to(self, identifier):
-        """By Tab alone."""
-        self.js("document.activeElement.blur()")
+    def tab_to(self, identifier, part):
+        """By the page's own links to its parts, and Tab."""
+        self.js("document.querySelector(`nav a[href='#${arguments[0]}']`).focus()", part)
+        self.keys(Keys.ENTER)
         for _ in range(250):
             self.keys(Keys.TAB)
             if self.js("return document.activeElement.id") == identifier:

@@ -81,6 +81,7 @@ def main():
         host.send_signal(signal.SIGTERM)
         host.wait(60)
         host = begin_host()
+        late_talk.event("boot")
         late_talk.event("step")
         late_talk.ask(do="record", on=False)
         late_talk.until(lambda m: m.get("type") == "trials" and kept(m, "LATE"), "kept")
