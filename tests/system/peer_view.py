@@ -82,7 +82,9 @@ def main():
         host.wait(60)
         host = begin_host()
         late_talk.event("boot")
-        late_talk.event("step")
+        seen = late_talk.rows
+        while late_talk.rows < seen + 3000:
+            late_talk.hear()
         late_talk.ask(do="record", on=False)
         late_talk.until(lambda m: m.get("type") == "trials" and kept(m, "LATE"), "kept")
     finally:
