@@ -18,37 +18,43 @@ struct place {
     unsigned long line;
 };
 
-/* The SYNCs so far: where the last one ended, and where the one behind the last pause began. */
+/* The newest SYNCs: where the cycle before each one began, and how long it was. */
 struct syncs {
-    struct place last, run;
-    uint64_t time_us, count, run_count; /* run_count: of count, at run */
+    struct place last; /* behind the newest one */
+    uint64_t time_us, count;
+    struct place before[REPLAY_LATE_BOOT_TICKS];
+    uint64_t period_us[REPLAY_LATE_BOOT_TICKS];
 };
 
 static void take_sync(struct syncs *syncs, const struct place *place, uint64_t time_us)
 {
-    const bool is_pause =
-        time_us < syncs->time_us || time_us - syncs->time_us > PAUSE_US || syncs->count == 0;
-    if (is_pause) {
-        syncs->run = syncs->last;
-        syncs->run_count = syncs->count;
-    }
+    const uint64_t at = syncs->count % REPLAY_LATE_BOOT_TICKS;
+    const bool is_first = syncs->count == 0 || time_us < syncs->time_us;
+    syncs->before[at] = syncs->last;
+    syncs->period_us[at] = is_first ? UINT64_MAX : time_us - syncs->time_us;
     syncs->last = *place;
     syncs->time_us = time_us;
     syncs->count++;
 }
 
-/* The boot-up's own cycle, or the pause shortly before it. */
+/* The longest pause shortly before the boot-up, or the boot-up's own cycle where there is none. */
 static bool go_to(FILE *log, const struct syncs *syncs, unsigned long *line)
 {
-    const bool is_near = syncs->count - syncs->run_count <= REPLAY_LATE_BOOT_TICKS;
-    const struct place *place = is_near ? &syncs->run : &syncs->last;
+    const struct place *place = &syncs->last;
+    uint64_t longest_us = PAUSE_US;
+    for (uint64_t i = 0; i < REPLAY_LATE_BOOT_TICKS && i < syncs->count; i++) {
+        if (syncs->period_us[i] > longest_us) {
+            longest_us = syncs->period_us[i];
+            place = &syncs->before[i];
+        }
+    }
     *line = place->line;
     return fseek(log, place->at, SEEK_SET) == 0;
 }
 
 bool replay_seek_boot(struct replay *replay, FILE *log, unsigned long *line)
 {
-    struct syncs syncs = {{ftell(log), 0}, {ftell(log), 0}, 0, 0, 0};
+    struct syncs syncs = {.last = {ftell(log), 0}};
     struct candump_record record;
     struct candump_error error;
     struct place place = syncs.last;

@@ -49,11 +49,13 @@ class Before:
         syncs = np.flatnonzero(earlier["id"] == frames.SYNC)
         if len(syncs) == 0:
             return of_other_nodes(earlier)
-        period = np.diff(earlier["time_us"][syncs].astype(np.int64))
-        pauses = np.flatnonzero((period < 0) | (period > PAUSE_US)) + 1  # the SYNC behind one
-        if not self.synced:
-            pauses = np.concatenate([[0], pauses])
-        run = int(pauses[-1]) if len(pauses) and len(syncs) - pauses[-1] <= LATE_TICKS else len(syncs)
+        longest = np.iinfo(np.int64).max
+        period = np.diff(earlier["time_us"][syncs].astype(np.int64), prepend=earlier["time_us"][syncs[0]].astype(np.int64))
+        period[period < 0] = longest
+        period[0] = 0 if self.synced else longest
+        late = max(len(syncs) - LATE_TICKS, 0)
+        run = late + int(np.argmax(period[late:]))  # the SYNC behind the longest pause
+        run = run if period[run] > PAUSE_US else len(syncs)
         start = int(syncs[run - 1]) + 1 if run > 0 else 0
         first = int(syncs[run]) if run < len(syncs) else len(earlier)
         return np.concatenate([of_other_nodes(earlier[start:first]), earlier[first:]])

@@ -56,11 +56,11 @@ class Page:
         self.js("document.getElementById(arguments[0]).focus()", identifier)
         return self.browser.switch_to.active_element
 
-    def tab_to(self, identifier):
-        """By Tab alone."""
-        self.js("document.activeElement.blur()")
-        for _ in range(250):
-            self.keys(Keys.TAB)
+    def tab_to(self, identifier, part):
+        """By the page's own links to its parts, and Tab."""
+        self.js("document.querySelector(`nav a[href='#${arguments[0]}']`).focus()", part)
+        for keys in (Keys.ENTER + Keys.TAB, *(Keys.TAB for _ in range(100))):
+            self.keys(keys)
             if self.js("return document.activeElement.id") == identifier:
                 return self.browser.switch_to.active_element
         raise AssertionError(f"Tab never reaches {identifier}")

@@ -81,7 +81,10 @@ def main():
         host.send_signal(signal.SIGTERM)
         host.wait(60)
         host = begin_host()
-        late_talk.event("step")
+        late_talk.event("boot")
+        seen = late_talk.rows
+        while late_talk.rows < seen + 3000:
+            late_talk.hear()
         late_talk.ask(do="record", on=False)
         late_talk.until(lambda m: m.get("type") == "trials" and kept(m, "LATE"), "kept")
     finally:

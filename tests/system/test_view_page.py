@@ -44,7 +44,7 @@ def test_the_slider_changes_the_speed(page, walking):
     """By the keyboard; what the walker does is read off its own leg at the apex, not off the controller's word."""
     page.until("return !document.getElementById('speed').disabled", "the speed is known")
     assert page.js("return Number(document.getElementById('speed').value)") == pytest.approx(0.5)
-    page.tab_to("speed")
+    page.tab_to("speed", "tune")
     page.keys(Keys.ARROW_RIGHT * 4)
     page.until_text("#write-outcome", "read back 0.52")
     page.until_text("#changes", "desired_apex_speed = 0.52")
@@ -132,6 +132,7 @@ def test_dark_and_light(page, scheme):
     assert (sum(int(one) for one in back[4:-1].split(",")[:3]) < 200) == (scheme == "dark")
     drawn = page.js("return afo.draw.drawn")
     page.until(f"return afo.draw.drawn > {drawn} + 500", "drawn in these colours")
+    page.js("scrollTo(0, 0)")
     page.picture(f"live-{scheme}")
 
 

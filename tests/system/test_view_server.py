@@ -124,6 +124,21 @@ def test_a_change_is_read_back_dated_and_undone(view):
     talk.close()
 
 
+def test_a_mark_gives_the_boards_pulse_with_control_only(view):
+    """It is an SDO write of the mark's number, so its time is in the log; without control nothing is sent."""
+    talk = Talk(view)
+    talk.ask(do="mark", text="flash")
+    number = talk.event("mark", text="flash")["number"]
+    assert talk.event("write", name="commands.mark")["value"] == number
+    talk.close()
+    with viewing("--speed", "0.5") as other:
+        looks = Talk(other)
+        looks.ask(do="mark", text="flash")
+        looks.event("mark")
+        looks.event("step")
+        assert not [one for one in looks.told if one.get("kind") == "write"]
+
+
 def test_limits_are_refused_with_their_range(view):
     talk = Talk(view)
     talk.ask(do="write", name="parameters.kp_m_s_rad", value=2)

@@ -145,8 +145,7 @@ def test_the_page_shows_the_steps(browser, tmp_path):  # noqa: F811
         page = Page(browser, view)
         page.until("return document.querySelectorAll('#setup-steps li').length === 11", "the steps")
         assert page.js("return document.getElementById('setup-run-identify').disabled")
-        page.focus("setup-link").send_keys(Keys.ENTER, Keys.TAB)
-        assert page.js("return document.activeElement.id") == "setup-stand"
+        page.tab_to("setup-stand", "setup")
         page.keys(" ")
         page.focus("setup-run-identify").send_keys(Keys.ENTER)
         page.until("return document.querySelector('#setup-steps li .verdict').innerText === 'passed'", "identify passed")

@@ -22,6 +22,14 @@ const show = (unit) => (_, v) => (v === null || v === undefined ? "–" : `${Num
 // Flags and states lie between 0 and a few: their axis begins at 0 and has room above.
 const flags = (_, low, high) => [Math.min(0, low ?? 0) - 0.1, Math.max(1, high ?? 1) + 0.1];
 
+// Not narrower than two percent of the values: what is steady is drawn as steady.
+const wide = (_, low, high) => {
+  if (low === null || low === undefined) return [0, 1];
+  const middle = (low + high) / 2, half = Math.max(0.55 * (high - low), 0.01 * Math.max(Math.abs(low), Math.abs(high)), 1e-6);
+  return [middle - half, middle + half];
+};
+const brief = (_, splits) => splits.map((v) => String(Number(v.toPrecision(5))));
+
 export class Charts {
   constructor(box, choices, onZoom, isPerson) {
     Object.assign(this, { box, choices, onZoom, plots: [], chosen: new Set(CHOSEN) });
@@ -62,9 +70,9 @@ export class Charts {
     const chart = new uPlot({
       title: GROUPS[group], width: Math.max(this.box.clientWidth, 200), height: HEIGHT,
       cursor: { sync: { key: "time" }, drag: { x: true, y: false } },
-      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", unit ? {} : { range: flags }])) },
+      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: unit ? wide : flags }])) },
       axes: [{ ...axis, size: 26, values: (_, splits) => splits.map((v) => `${Number(v.toFixed(3))} s`) },
-        ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: i ? 1 : 3, size: 62, label: unit,
+        ...units.slice(0, 2).map((unit, i) => ({ ...axis, values: brief, scale: unit || "1", side: i ? 1 : 3, size: 62, label: unit,
           labelSize: 16, labelFont: "11px system-ui", grid: { show: i === 0, stroke: css("--grid") } }))],
       series: [{ label: "time", value: (_, v) => (v === null ? "–" : `${v.toFixed(3)} s`) }, ...signals.map((signal) => ({
         label: signal.name, scale: signal.unit || "1", width: 1.25, points: { show: false }, value: show(signal.unit),
