@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Turns a table of afo into Parquet or OpenSim's .mot and .sto, with all that its .json tells; started by `afo export`."""
+"""Turns a table of afo into Parquet, OpenSim's .mot and .sto, or a moving picture, with all that its .json tells; started by `afo export`."""
 import argparse
 import csv
 import json
@@ -98,7 +98,21 @@ def to_storage(names, columns, told, path):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-WRITERS = {".parquet": to_parquet, ".mot": to_storage, ".sto": to_storage}
+def to_picture(names, columns, told, path):
+    """The walk of a table of ticks, moving."""
+    import walk_picture
+    lacking = [name for name in walk_picture.NEEDED if name not in names]
+    if lacking:
+        raise Refusal(f"a moving picture is made of a table of ticks (afo sim --ticks=FILE), and this one lacks {listed(lacking)}")
+    if told.get("who", {}).get("recording"):
+        raise Refusal("a recorded person has no hip in the table of ticks: the picture is of a simulated walker")
+    kept = {name: columns[names.index(name)] if name in ("stance", "phase") else [number(x) for x in columns[names.index(name)]]
+            for name in walk_picture.NEEDED}
+    rows = [dict(zip(kept, row)) for row in zip(*kept.values())]
+    path.write_text(walk_picture.draw(rows, told), encoding="utf-8")
+
+
+WRITERS = {".parquet": to_parquet, ".mot": to_storage, ".sto": to_storage, ".svg": to_picture}
 
 
 def main(arguments):

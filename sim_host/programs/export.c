@@ -13,7 +13,8 @@ struct options {
 
 static const struct argp_option option_list[] = {
     {"out", 'o', "FILE", 0,
-     "write there; its ending says in what format: .parquet, or OpenSim's .mot or .sto", 0},
+     "write there; its ending says in what format: .parquet, OpenSim's .mot or .sto, or .svg, a moving picture",
+     0},
     {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -45,11 +46,12 @@ int afo_export(int argc, char **argv)
         option_list,
         take,
         "TABLE.csv",
-        "Turns a table that afo wrote into Parquet, or a table of ticks into an OpenSim motion. What TABLE.csv.json tells "
+        "Turns a table that afo wrote into Parquet, or a table of ticks into an OpenSim motion or a moving picture. What TABLE.csv.json tells "
         "(parameters, versions, the recording) goes along.\v"
         "  afo sim --speed 0.8 --csv steps.csv --ticks=ticks.csv\n"
         "  afo export steps.csv --out steps.parquet\n"
-        "  afo export ticks.csv --out walk.mot\n\n"
+        "  afo export ticks.csv --out walk.mot\n"
+        "  afo export ticks.csv --out walk.svg\n\n"
         "A motion has pelvis_tx and pelvis_ty at the hip, the legs' pitch as hip_flexion, and straight knees. "
         "Trials of afo view are exported by afo report --export.\n\n"
         "Exit status: 0 written, 2 wrong usage, or a table that cannot be read.",

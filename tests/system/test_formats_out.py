@@ -2,6 +2,7 @@
 Parquet and as an OpenSim motion."""
 import json
 import math
+import xml.etree.ElementTree
 
 import numpy as np
 import pandas
@@ -166,9 +167,31 @@ def test_a_walk_as_an_opensim_motion(written, tmp_path):
     assert np.corrcoef(moved, turned)[0, 1] > 0.97
 
 
+def test_a_walk_as_a_moving_picture(written, tmp_path):
+    """No script; every leg's upper end is the hip, and the stance toe stands still while its ankle is locked."""
+    path = tmp_path / "walk.svg"
+    assert run(written["ticks"], "--out", path, command="export").returncode == 0
+    picture = xml.etree.ElementTree.parse(path)
+    svg = "{http://www.w3.org/2000/svg}"
+    assert "script" not in path.read_text().lower()
+    legs = [line for line in picture.iter(f"{svg}line") if len(line)]
+    paths = [{one.get("attributeName"): np.array([float(v) for v in one.get("values").split(";")]) for one in leg} for leg in legs]
+    hip = {one.get("attributeName"): one.get("values") for one in next(picture.iter(f"{svg}circle"))}
+    assert len(legs) == 2 and all(one.find(f"{svg}animate").get("values") == hip["cx"] for one in legs)
+    ticks = pandas.read_csv(written["ticks"])
+    assert len(paths[0]["x1"]) == pytest.approx(ticks["time_s"].iloc[-1] * 25, abs=2)
+    at = ticks.iloc[(np.arange(len(paths[0]["x1"])) * 40).clip(max=len(ticks) - 1)].reset_index()
+    stands = (at["phase"] == "single") & (at["stance"] == "left")
+    both = (stands & stands.shift(-1, fill_value=False)).to_numpy()[:-1]
+    assert both.sum() > 20
+    assert np.abs(np.diff(paths[0]["x2"])[both]).max() < 0.25 and np.abs(paths[0]["y2"][:-1][both] - 360).max() < 0.5
+    assert paths[0]["x1"][-1] - paths[0]["x1"][0] > 300  # pixels to the right: forwards
+
+
 @pytest.mark.parametrize("table,out,words", [
+    ("steps", "walk.svg", "a moving picture is made of a table of ticks"),
     ("steps", "walk.mot", "a motion is made of a table of ticks (afo sim --ticks=FILE), and this one lacks theta_left_rad"),
-    ("steps", "walk.xls", "its ending says in what format, and is one of .parquet, .mot, .sto"),
+    ("steps", "walk.xls", "its ending says in what format, and is one of .parquet, .mot, .sto, .svg"),
     ("nothing", "walk.parquet", "No such file"),
 ])
 def test_what_cannot_be_exported_is_refused_in_words(written, table, out, words, tmp_path):
