@@ -23,9 +23,8 @@ class Study:
         done = subprocess.run(command, check=False, capture_output=True, text=True)
         if done.returncode != 0 and not may_fail:
             raise TableError(f"{' '.join(command)}: exit status {done.returncode} {done.stderr}".strip())
-        with open(path, encoding="ascii") as file:
-            lines = [line for line in file if not line.startswith("#")]
-        return [{key: number(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+        with open(path, encoding="ascii", newline="") as file:
+            return [{key: number(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
     def report(self, *arguments):
         """Runs a command with --json."""

@@ -46,3 +46,14 @@ int experiment_commit(struct experiment *experiment, char *message, size_t size)
     json_end(&experiment->json);
     return output_file_commit(&experiment->file, message, size);
 }
+
+int experiment_commit_table(struct output_file *table, int argc, char *const *argv, char *message,
+                            size_t size)
+{
+    struct experiment experiment;
+    if (output_file_commit(table, message, size) != 0 ||
+        experiment_begin(&experiment, table, argc, argv, message, size) != 0) {
+        return -1;
+    }
+    return experiment_commit(&experiment, message, size);
+}

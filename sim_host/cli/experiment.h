@@ -22,6 +22,11 @@ int experiment_begin(struct experiment *experiment, const struct output_file *ta
 /* Puts the program, its version and its arguments into an object that is open. */
 void experiment_identity(struct json_writer *json, int argc, char *const *argv);
 
+/* The same for a table of which nothing else is to be told than the program and its arguments; and the table itself is
+ * put into its place before. Returns 0, or -1 with the reason in message. */
+int experiment_commit_table(struct output_file *table, int argc, char *const *argv, char *message,
+                            size_t size);
+
 /* Ends the object and puts the file in its place. Returns 0, or -1 with the reason in message. */
 int experiment_commit(struct experiment *experiment, char *message, size_t size);
 

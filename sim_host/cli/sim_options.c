@@ -30,7 +30,8 @@ static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "What comes out:", 3},
     {"csv", KEY_CSV, "FILE", 0, "one line per step; FILE.json says what the experiment was", 0},
     {"pushes", KEY_PUSHES, "FILE", 0, "one line per leg: torque, work, timing, motor, as CSV", 0},
-    {"ticks", KEY_TICKS, 0, 0, "one line per tick in --csv instead", 0},
+    {"ticks", KEY_TICKS, "FILE", OPTION_ARG_OPTIONAL,
+     "one line per tick there; without FILE, in --csv in place of the steps", 0},
     {"log", KEY_LOG, "FILE", 0, "every frame, as candump -L writes it", 0},
     {"json", 'j', 0, 0, "one JSON object on standard output instead of the report", 0},
     {"quiet", 'q', 0, 0, "no report and no progress line", 0},
@@ -72,7 +73,11 @@ static void check_together(struct argp_state *state, struct sim_options *options
         argp_error(state, "--speed is the walker's: a person chooses their speed");
     }
     if (options->ticks && options->csv_path == NULL) {
-        argp_error(state, "--ticks needs --csv FILE");
+        argp_error(state, "--ticks needs --csv FILE, or a file of its own: --ticks=FILE");
+    }
+    if (options->csv_path != NULL && options->ticks_path != NULL &&
+        strcmp(options->csv_path, options->ticks_path) == 0) {
+        argp_error(state, "--csv and --ticks name the same file, %s", options->csv_path);
     }
     if (options->csv_path != NULL && options->log_path != NULL &&
         strcmp(options->csv_path, options->log_path) == 0) {
@@ -102,7 +107,8 @@ static error_t take(int key, char *text, struct argp_state *state)
         options->pushes_path = text;
         break;
     case KEY_TICKS:
-        options->ticks = true;
+        options->ticks = text == NULL;
+        options->ticks_path = text;
         break;
     case KEY_LOG:
         options->log_path = text;

@@ -18,7 +18,8 @@ struct sim_options {
     struct sensing_options sensing;
     const char *csv_path;
     const char *pushes_path; /* NULL: no table of the legs' pushes */
-    bool ticks;
+    bool ticks;              /* a line a tick in --csv in place of the steps */
+    const char *ticks_path;  /* NULL: no table of ticks beside that of the steps */
     const char *log_path;
     struct recording_options recording;
     struct sensor_options sensor;

@@ -154,6 +154,15 @@ static const char *event_name(int event)
     }
 }
 
+/* As a table holds it: one word. */
+static const char *supervisor_word(enum supervisor_state state)
+{
+    static const char *const words[SUPERVISOR_STATES] = {"init",     "self_test",    "standby",
+                                                         "engaging", "walking",      "unloading",
+                                                         "fault",    "commissioning"};
+    return (unsigned)state < SUPERVISOR_STATES ? words[state] : "unknown";
+}
+
 void sim_tick_line(FILE *stream, const struct loop *loop, int event, double origin_s)
 {
     static const char *const phases[] = {"held", "single", "double", "down"};
@@ -162,12 +171,12 @@ void sim_tick_line(FILE *stream, const struct loop *loop, int event, double orig
     plant_truth(&loop->nodes.plant, &truth);
     plant_sea_output(&loop->nodes.plant, SIDE_LEFT, &motor[SIDE_LEFT]);
     plant_sea_output(&loop->nodes.plant, SIDE_RIGHT, &motor[SIDE_RIGHT]);
-    fprintf(stream, "%llu,%.3f,%s,%s,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%s,%d\n",
+    fprintf(stream, "%llu,%.3f,%s,%s,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%s,%s\n",
             (unsigned long long)truth.tick, truth.time_s - origin_s, side_name(truth.stance),
             phases[truth.phase], truth.leg_angle_rad[0], truth.leg_angle_rad[1],
             truth.leg_rate_rad_s[0], truth.leg_rate_rad_s[1], truth.ankle_m[0], truth.ankle_m[1],
             motor[SIDE_LEFT].position_m, motor[SIDE_RIGHT].position_m, truth.hip_m[0],
-            truth.hip_m[1], event_name(event), (int)loop->rig.task.output.state);
+            truth.hip_m[1], event_name(event), supervisor_word(loop->rig.task.output.state));
 }
 
 /* ---- for people ------------------------------------------------------------ */

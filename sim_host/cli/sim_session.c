@@ -68,6 +68,7 @@ int sim_session_open(struct sim_session *session)
         return program_complain("out of memory");
     }
     if (program_open_output(&session->csv, options->csv_path) != 0 ||
+        program_open_output(&session->ticks, options->ticks_path) != 0 ||
         program_open_output(&session->log, options->log_path) != 0 ||
         program_open_output(&session->pushes, options->pushes_path) != 0 ||
         loop_init(session->loop, &session->config, session->log.stream, message) != 0) {
@@ -89,6 +90,7 @@ int sim_session_open(struct sim_session *session)
 void sim_session_free(struct sim_session *session)
 {
     output_file_discard(&session->csv);
+    output_file_discard(&session->ticks);
     output_file_discard(&session->pushes);
     output_file_discard(&session->log);
     walk_record_free(&session->record);
@@ -104,15 +106,23 @@ void sim_session_free(struct sim_session *session)
 bool sim_session_output_failed(const struct sim_session *session)
 {
     return (session->csv.stream != NULL && ferror(session->csv.stream)) ||
+           (session->ticks.stream != NULL && ferror(session->ticks.stream)) ||
            (session->log.stream != NULL && ferror(session->log.stream));
+}
+
+/* Where a line a tick goes, or NULL. */
+static FILE *tick_stream(const struct sim_session *session)
+{
+    return session->options.ticks ? session->csv.stream : session->ticks.stream;
 }
 
 static void tick(struct sim_session *session)
 {
+    FILE *stream = tick_stream(session);
     loop_tick(session->loop);
     const int event = walk_record_take(&session->record, session->loop);
-    if (session->options.ticks) {
-        sim_tick_line(session->csv.stream, session->loop, event, session->record.gait.origin_s);
+    if (stream != NULL) {
+        sim_tick_line(stream, session->loop, event, session->record.gait.origin_s);
     }
 }
 
@@ -159,8 +169,8 @@ void sim_session_walk(struct sim_session *session, const volatile sig_atomic_t *
     progress_begin(&progress, "steps",
                    session->options.steps != UINT32_MAX ? session->options.steps : 0,
                    session->options.quiet || session->options.json);
-    if (session->options.ticks) {
-        sim_tick_header(session->csv.stream);
+    if (tick_stream(session) != NULL) {
+        sim_tick_header(tick_stream(session));
     }
     if (session->options.real_time) {
         pacer_start(&session->pacer, UINT64_C(1000) * TICK_PERIOD_US);

@@ -17,7 +17,7 @@ struct sim_session {
     struct loop_config config;
     struct loop *loop; /* owned */
     struct walk_record record;
-    struct output_file csv, log, pushes;
+    struct output_file csv, ticks, log, pushes;
     struct sim_outcome outcome;
     struct pacer pacer;
     bool pushed;
@@ -26,7 +26,7 @@ struct sim_session {
 /* Options to configuration. Returns 0, or -1 behind a complaint. */
 int sim_session_configure(struct sim_session *session);
 
-/* Opens --csv, --log and --pushes, then the loop with its record. Returns 0, or -1 behind a complaint. */
+/* Opens --csv, --ticks, --log and --pushes, then the loop with its record. Returns 0, or -1 behind a complaint. */
 int sim_session_open(struct sim_session *session);
 
 /* Walks until the walk is over, *interrupted is set or an output fails; says how in session->outcome. */

@@ -6,8 +6,6 @@ ankle_l, ankle_r (dorsiflexion positive), contact_l, contact_r (1: the foot is o
 import dataclasses
 import difflib
 
-import numpy as np
-
 SIDES = {"l": "left", "r": "right"}
 PITCHES = ("thigh_l", "thigh_r", "shank_l", "shank_r")
 ANKLES = ("ankle_l", "ankle_r")
@@ -23,13 +21,14 @@ class Refusal(Exception):
 class Source:
     """A walk as it was read. time_s ascends; columns: role -> values, NaN where the file has none."""
     kind: str
-    time_s: np.ndarray
+    time_s: object  # a numpy array, as the columns are
     columns: dict = dataclasses.field(default_factory=dict)
     taken: dict = dataclasses.field(default_factory=dict)  # role -> from where, in words
     notes: list = dataclasses.field(default_factory=list)  # what was assumed
 
     def take(self, role, values, words):
-        self.columns[role] = np.asarray(values, dtype=float)
+        import numpy  # here: a machine without it is to be told so in words
+        self.columns[role] = numpy.asarray(values, dtype=float)
         self.taken[role] = words
 
 

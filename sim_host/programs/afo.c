@@ -13,6 +13,7 @@ static const struct program_command table[] = {
     {"report", afo_report, "a trial of afo view as one HTML file, two compared, or exported"},
     {"import", afo_import,
      "a gait laboratory's file (C3D, OpenSim, CSV) as a recording; a CAN log of other tools"},
+    {"export", afo_export, "a table as Parquet, as an OpenSim motion, or as a moving picture"},
     {"walker", afo_walker, "the simulated walker and its four nodes on a CAN interface"},
     {"host", afo_host, "the control task on a CAN interface"},
     {"ctl", afo_ctl, "read and write the objects of a node by name; walk, stop, reset, zero, save"},

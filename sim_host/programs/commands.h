@@ -25,6 +25,7 @@ int afo_size(int argc, char **argv);
 int afo_view(int argc, char **argv);
 int afo_report(int argc, char **argv);
 int afo_import(int argc, char **argv);
+int afo_export(int argc, char **argv);
 
 /* Two studies that are files here: a table for the controller, and maps of points. */
 int afo_study_table(int argc, char **argv);

@@ -54,21 +54,21 @@ static int complete_output(const struct sim_session *session, struct output_file
 }
 
 /* The table, and behind it the file that says what it is a table of. */
-static int complete_table(struct sim_session *session)
+static int complete_table(struct sim_session *session, struct output_file *table)
 {
     struct experiment experiment;
     char message[MESSAGE_MAX];
-    if (session->csv.stream == NULL) {
+    if (table->stream == NULL) {
         return 0;
     }
-    if (complete_output(session, &session->csv) != 0) {
+    if (complete_output(session, table) != 0) {
         return -1;
     }
     if (interrupted) {
         return 0;
     }
-    if (experiment_begin(&experiment, &session->csv, session->options.argc, session->options.argv,
-                         message, sizeof message) != 0) {
+    if (experiment_begin(&experiment, table, session->options.argc, session->options.argv, message,
+                         sizeof message) != 0) {
         return program_complain("%s", message);
     }
     if (experiment.file.stream != NULL) {
@@ -128,6 +128,7 @@ static int finish(struct sim_session *session)
 
     if (sim_session_output_failed(session)) {
         discard_unfinished(&session->csv);
+        discard_unfinished(&session->ticks);
         discard_unfinished(&session->log);
     }
     if (session->csv.stream != NULL && !options->ticks) {
@@ -136,11 +137,12 @@ static int finish(struct sim_session *session)
     if (session->pushes.stream != NULL) {
         push_report_csv(session->pushes.stream, &session->record.push, session->loop);
     }
-    const int csv = complete_table(session);
+    const int csv = complete_table(session, &session->csv);
+    const int ticks = complete_table(session, &session->ticks);
     const int log = complete_output(session, &session->log); /* whatever became of the other */
-    const int pushes = complete_output(session, &session->pushes);
+    const int pushes = complete_table(session, &session->pushes);
     const int fit = write_fit(session);
-    if (csv != 0 || log != 0 || pushes != 0 || fit != 0) {
+    if (csv != 0 || ticks != 0 || log != 0 || pushes != 0 || fit != 0) {
         status = EXIT_USAGE;
     }
     if (options->json) {

@@ -3,10 +3,13 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "sim_host/cli/experiment.h"
 #include "sim_host/cli/program.h"
 
+enum { PATH_BYTES = 4096 };
 enum { DIGITS = 17 }; /* all of a double */
 
 struct cell cell_number(double number)
@@ -59,14 +62,94 @@ static void put_cell(struct json_writer *json, const char *name, struct cell cel
     }
 }
 
-/* The first two lines of a CSV file say what it holds; a run may only resume its own. */
-static void header_text(const struct common *common, const char *command, const char *settings,
-                        char *text, size_t size)
+/* What a run is, in one line: a run may only resume a file of the same. */
+static void identity_text(const struct common *common, const char *command, const char *settings,
+                          char *text, size_t size)
 {
     const struct walker_params *p = &common->params;
-    snprintf(text, size, "# afo study %s M=%.17g m=%.17g l=%.17g k=%.17g g=%.17g %s", command,
+    snprintf(text, size, "afo study %s M=%.17g m=%.17g l=%.17g k=%.17g g=%.17g %s", command,
              p->hip_mass_kg, p->leg_mass_kg, p->leg_length_m, p->ankle_stiffness_N_m,
              p->gravity_m_s2, settings);
+}
+
+/* FILE.json beside the table. 0 where that is longer than a path can be. */
+static int path_beside(const char *table, char *path, size_t size)
+{
+    return (size_t)snprintf(path, size, "%s.json", table) < size;
+}
+
+/* Whether the file beside the table tells of the same run. */
+static int is_of(const char *table, const char *identity)
+{
+    char path[PATH_BYTES], line[4096];
+    int same = 0;
+    FILE *file = path_beside(table, path, sizeof path) ? fopen(path, "r") : NULL;
+    while (file != NULL && !same && fgets(line, sizeof line, file) != NULL) {
+        const char *at = strstr(line, identity);
+        same = at != NULL && at[strlen(identity)] == '"';
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return same;
+}
+
+static void begin_json(struct report *report, const char *command)
+{
+    const struct walker_params *p = &report->common->params;
+    struct json_writer *json = &report->json;
+    json_open_object(json, NULL);
+    json_text(json, "command", command);
+    json_open_object(json, "walker");
+    json_number(json, "M", p->hip_mass_kg, DIGITS);
+    json_number(json, "m", p->leg_mass_kg, DIGITS);
+    json_number(json, "l", p->leg_length_m, DIGITS);
+    json_number(json, "k", p->ankle_stiffness_N_m, DIGITS);
+    json_number(json, "g", p->gravity_m_s2, DIGITS);
+    json_close_object(json);
+}
+
+/* Puts what is known of the run beside its table. 0 behind a complaint. */
+static int write_beside(const struct report *report)
+{
+    char path[PATH_BYTES];
+    FILE *file = path_beside(report->common->out_path, path, sizeof path) ? fopen(path, "w") : NULL;
+    int good = file != NULL && fflush(report->beside) == 0 &&
+               fwrite(report->beside_text, 1, report->beside_bytes, file) == report->beside_bytes;
+    good = file != NULL && fclose(file) == 0 && good;
+    if (!good) {
+        fprintf(stderr, "afo study: cannot write %s.json: %s\n", report->common->out_path,
+                strerror(errno));
+    }
+    return good;
+}
+
+static int is_regular(FILE *file)
+{
+    struct stat status;
+    return fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/* Begins FILE.json, and writes it for the first time, so that a run that is broken off can be resumed. */
+static int begin_beside(struct report *report, const char *command, const char *identity)
+{
+    if (report->common->out_path == NULL || !is_regular(report->file)) {
+        return 1;
+    }
+    report->beside = open_memstream(&report->beside_text, &report->beside_bytes);
+    if (report->beside == NULL) {
+        fprintf(stderr, "afo study: out of memory\n");
+        return 0;
+    }
+    json_begin(&report->json, report->beside);
+    begin_json(report, command);
+    json_text(&report->json, "run", identity);
+    experiment_identity(&report->json, 0, NULL);
+    const long open = ftell(report->beside);
+    fputs("}\n", report->beside);
+    const int good = write_beside(report);
+    fseek(report->beside, open, SEEK_SET);
+    return good;
 }
 
 static void add_to_totals(const char *line, double totals[REPORT_TOTALS])
@@ -79,9 +162,8 @@ static void add_to_totals(const char *line, double totals[REPORT_TOTALS])
     }
 }
 
-/* Counts complete rows of the file and cuts off an unfinished one, and the comments behind the last.
- * 0: not a file of this run. */
-static int find_resume_point(struct report *report, const char *header)
+/* Counts complete rows of the file and cuts off an unfinished one. 0: not a file of this run, by the file beside it. */
+static int find_resume_point(struct report *report, const char *identity)
 {
     char line[4096];
     long keep = 0;
@@ -91,29 +173,22 @@ static int find_resume_point(struct report *report, const char *header)
         if (length == 0 || line[length - 1] != '\n') {
             break;
         }
-        if (number == 0 &&
-            (strncmp(line, header, strlen(header)) != 0 || line[strlen(header)] != '\n')) {
+        if (number == 0 && !is_of(report->common->out_path, identity)) {
             return 0;
         }
-        if (number >= 2 && line[0] == '#') {
-            break;
-        }
-        if (number >= 2) {
+        if (number >= 1) {
             add_to_totals(line, report->resumed_totals);
             rows++;
         }
         number++;
         keep = ftell(report->file);
     }
-    if (number == 1) { /* the line of the column names is missing: begin again behind the first */
-        keep = 0;
-    }
     report->rows_resumed = rows;
     return fflush(report->file) == 0 && ftruncate(fileno(report->file), keep) == 0 &&
            fseek(report->file, keep, SEEK_SET) == 0;
 }
 
-static int open_file(struct report *report, const char *header)
+static int open_file(struct report *report, const char *identity)
 {
     const struct common *common = report->common;
     report->file = stdout;
@@ -127,7 +202,7 @@ static int open_file(struct report *report, const char *header)
     report->file = common->resume ? fopen(common->out_path, "r+") : NULL;
     if (report->file == NULL) {
         report->file = fopen(common->out_path, "w");
-    } else if (!find_resume_point(report, header)) {
+    } else if (!find_resume_point(report, identity)) {
         fprintf(stderr, "afo study: %s holds another run, cannot resume it\n", common->out_path);
         fclose(report->file);
         return 0;
@@ -142,29 +217,23 @@ static int open_file(struct report *report, const char *header)
 int report_open(struct report *report, const struct common *common, const char *command,
                 const char *settings, const char *const *columns)
 {
-    char header[1024];
+    char identity[1024];
     *report = (struct report){.common = common, .columns = columns};
-    header_text(common, command, settings, header, sizeof header);
-    if (!open_file(report, header)) {
+    identity_text(common, command, settings, identity, sizeof identity);
+    if (!open_file(report, identity)) {
         return 0;
     }
     for (report->column_count = 0; columns[report->column_count] != NULL; report->column_count++) {
     }
-    const struct walker_params *p = &common->params;
     if (common->format == FORMAT_JSON) {
-        struct json_writer *json = &report->json;
-        json_begin(json, report->file);
-        json_open_object(json, NULL);
-        json_text(json, "command", command);
-        json_open_object(json, "walker");
-        json_number(json, "M", p->hip_mass_kg, DIGITS);
-        json_number(json, "m", p->leg_mass_kg, DIGITS);
-        json_number(json, "l", p->leg_length_m, DIGITS);
-        json_number(json, "k", p->ankle_stiffness_N_m, DIGITS);
-        json_number(json, "g", p->gravity_m_s2, DIGITS);
-        json_close_object(json);
-    } else if (common->format == FORMAT_CSV && ftell(report->file) <= 0) {
-        fprintf(report->file, "%s\n", header);
+        json_begin(&report->json, report->file);
+        begin_json(report, command);
+        return 1;
+    }
+    if (common->format == FORMAT_CSV && !begin_beside(report, command, identity)) {
+        return 0;
+    }
+    if (common->format == FORMAT_CSV && (common->out_path == NULL || ftell(report->file) <= 0)) {
         for (int i = 0; i < report->column_count; i++) {
             fprintf(report->file, "%s%s", columns[i], i + 1 < report->column_count ? "," : "\n");
         }
@@ -225,16 +294,18 @@ void report_row(struct report *report, const struct cell *cells)
     fflush(report->file); /* a long run writes as it goes */
 }
 
-/* A named field: a line `"name": ...` in JSON, `name: ...` for people, a comment in CSV. True where the
- * value is to be written as JSON. */
+/* A named field: a line `"name": ...` in JSON, `name: ...` for people. Beside a CSV file it stands in FILE.json, beside
+ * one on standard output on standard error: a table is nothing but a table. True where the value is to be
+ * written as JSON. */
 static int open_field(struct report *report, const char *name)
 {
     close_rows(report);
-    if (report->common->format == FORMAT_JSON) {
+    if (report->common->format == FORMAT_JSON || report->beside != NULL) {
         json_break(&report->json, "\n");
         return 1;
     }
-    fprintf(report->file, "%s%s: ", report->common->format == FORMAT_CSV ? "# " : "", name);
+    report->text = report->common->format == FORMAT_CSV ? stderr : report->file;
+    fprintf(report->text, "%s: ", name);
     return 0;
 }
 
@@ -244,8 +315,8 @@ void report_value(struct report *report, const char *name, struct cell value)
         put_cell(&report->json, name, value);
         return;
     }
-    print_cell(report->file, report->common->format, value);
-    fputc('\n', report->file);
+    print_cell(report->text, report->common->format, value);
+    fputc('\n', report->text);
 }
 
 void report_list(struct report *report, const char *name, const double *values, int count)
@@ -259,10 +330,10 @@ void report_list(struct report *report, const char *name, const double *values, 
         return;
     }
     for (int i = 0; i < count; i++) {
-        fputs(i > 0 ? ", " : "", report->file);
-        print_cell(report->file, report->common->format, cell_number(values[i]));
+        fputs(i > 0 ? ", " : "", report->text);
+        print_cell(report->text, report->common->format, cell_number(values[i]));
     }
-    fputc('\n', report->file);
+    fputc('\n', report->text);
 }
 
 void report_pairs(struct report *report, const char *name, const double *values, int pairs)
@@ -280,13 +351,13 @@ void report_pairs(struct report *report, const char *name, const double *values,
         return;
     }
     for (int i = 0; i < pairs; i++) {
-        fprintf(report->file, "%s[", i > 0 ? ", " : "");
-        print_cell(report->file, format, cell_number(values[2 * i]));
-        fputs(", ", report->file);
-        print_cell(report->file, format, cell_number(values[2 * i + 1]));
-        fputs("]", report->file);
+        fprintf(report->text, "%s[", i > 0 ? ", " : "");
+        print_cell(report->text, format, cell_number(values[2 * i]));
+        fputs(", ", report->text);
+        print_cell(report->text, format, cell_number(values[2 * i + 1]));
+        fputs("]", report->text);
     }
-    fputc('\n', report->file);
+    fputc('\n', report->text);
 }
 
 void report_progress(struct report *report, int done, int of)
@@ -304,9 +375,14 @@ void report_progress(struct report *report, int done, int of)
 int report_close(struct report *report)
 {
     close_rows(report);
-    if (report->common->format == FORMAT_JSON) {
+    if (report->common->format == FORMAT_JSON || report->beside != NULL) {
         json_close_object(&report->json);
         json_end(&report->json);
+    }
+    const int beside = report->beside == NULL || write_beside(report);
+    if (report->beside != NULL) {
+        fclose(report->beside);
+        free(report->beside_text);
     }
     if (report->progress_begun) {
         progress_end(&report->progress);
@@ -320,5 +396,5 @@ int report_close(struct report *report)
         fprintf(stderr, "afo study: cannot write %s: %s\n", report->common->out_path,
                 strerror(errno));
     }
-    return good;
+    return good && beside;
 }

@@ -34,7 +34,10 @@ struct cell {
 
 struct report {
     const struct common *common;
-    FILE *file;
+    FILE *file, *text; /* the table; where a named result goes as text */
+    FILE *beside;      /* in memory: FILE.json of a CSV file */
+    char *beside_text;
+    size_t beside_bytes;
     const char *const *columns; /* NULL-terminated */
     int column_count;
     int rows_open, rows_written, fields_written;
@@ -58,7 +61,7 @@ int report_open(struct report *report, const struct common *common, const char *
 /* A line of the table; `cells` has one per column. */
 void report_row(struct report *report, const struct cell *cells);
 
-/* A named result beside the table. */
+/* A named result beside the table; of a CSV file it is put into FILE.json. */
 void report_value(struct report *report, const char *name, struct cell value);
 /* The same for a list, and for a list of pairs (values alternate). */
 void report_list(struct report *report, const char *name, const double *values, int count);

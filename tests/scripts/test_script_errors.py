@@ -9,7 +9,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 STEPS = "step,apex_speed_rad_s,target_speed_rad_s,r0_m\n" + "".join(f"{i},0.4,0.8,0.05\n" for i in range(1, 5))
 TICK_COLUMNS = ("time_s,stance,phase,theta_left_rad,theta_right_rad,rate_left_rad_s,ankle_left_m,ankle_right_m,"
                 "motor_left_m,motor_right_m,supervisor,hip_x_m,hip_y_m")
-TICKS = TICK_COLUMNS + "\n" + "".join(f"{0.001 * i},left,single,0,0,0,0,0,0,0,4,0,1\n" for i in range(50))
+TICKS = TICK_COLUMNS + "\n" + "".join(f"{0.001 * i},left,single,0,0,0,0,0,0,0,walking,0,1\n" for i in range(50))
 OBSERVE_COLUMNS = ("sensor,noise_counts,latency_s,speed_rad_s,fell_after,observer_rms,plain_rms,butterworth_rms,"
                    "observer_spread,observer_falls,plain_spread,plain_falls,butterworth_spread,butterworth_falls")
 OBSERVE = OBSERVE_COLUMNS + "\n" + "".join(

@@ -9,7 +9,7 @@ import pytest
 
 from afo import AFO, ROOT, run
 
-COMMANDS = ("sim", "compare", "study", "faults", "soak", "replay", "view", "report", "import", "walker", "host", "ctl", "commission", "blackbox", "update", "settings", "size", "device", "eds", "pil", "g474", "slcan")
+COMMANDS = ("sim", "compare", "study", "faults", "soak", "replay", "view", "report", "import", "export", "walker", "host", "ctl", "commission", "blackbox", "update", "settings", "size", "device", "eds", "pil", "g474", "slcan")
 STUDIES = ("fixed-point", "continue", "doublings", "bifurcation", "basin", "gain", "noise", "map", "atlas", "laws",
            "latch", "observe", "observer-gains", "table")
 DEVICE_COMMANDS = ("check", "show", "keys", "frames", "import", "convert")

@@ -1,6 +1,7 @@
 """afo import: files of gait laboratories become the recording that was in them, with its events to the sample."""
 import json
 import subprocess
+import sys
 
 import can
 import numpy as np
@@ -277,6 +278,16 @@ def test_a_missing_package_is_named_with_its_command(made, tmp_path):
                           env={"PATH": "/usr/bin", "AFO_PYTHON": "/usr/bin/python3"}, timeout=60)
     assert done.returncode == 2
     assert "the Python package ezc3d is missing" in done.stderr and "-m pip install ezc3d" in done.stderr
+
+
+def test_without_numpy_that_is_said(made, tmp_path):
+    """A Python that has nothing but its own library."""
+    bare = tmp_path / "python"
+    bare.write_text(f"#!/bin/sh\nexec {sys.executable} -I -S \"$@\"\n")
+    bare.chmod(0o755)
+    done = subprocess.run([AFO, "import", walk_files.table(tmp_path / "walk.csv", made)], capture_output=True, text=True,
+                          check=False, env={"PATH": "/usr/bin", "AFO_PYTHON": str(bare)}, timeout=60)
+    assert done.returncode == 2 and "sudo apt-get install python3-numpy" in done.stderr and "Traceback" not in done.stderr
 
 
 @pytest.fixture(scope="module")

@@ -213,5 +213,5 @@ int laws_basin(const struct laws_options *options)
     free(basin.inner);
     free(basin.outer);
     free(basin.chunk);
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

@@ -222,5 +222,5 @@ int laws_ground_limit(const struct laws_options *options)
             study.walks, STEPS_MOST);
         failed = !study_on_grid(&study, 1) || !study_on_grid(&study, 2);
     }
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

@@ -204,5 +204,5 @@ int laws_ground(const struct laws_options *options)
         }
     }
     free(study);
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

@@ -123,5 +123,5 @@ int laws_jumps(const struct laws_options *options)
         }
     }
     free(jumps);
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

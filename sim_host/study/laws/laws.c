@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "sim_host/cli/experiment.h"
 #include "sim_host/cli/progress.h"
 
 const char *const law_case_names[LAW_CASES] = {"proportional", "ramp", "dlqr", "deadbeat",
@@ -79,14 +80,15 @@ FILE *laws_csv(const struct laws_options *options, const char *study, const char
     return file->stream;
 }
 
-int laws_csv_close(struct output_file *file, bool failed)
+int laws_csv_close(const struct laws_options *options, struct output_file *file, bool failed)
 {
     char message[OUTPUT_PATH_MAX + 128];
     if (failed) {
         output_file_discard(file);
         return -1;
     }
-    if (file->stream != NULL && output_file_commit(file, message, sizeof message) != 0) {
+    if (file->stream != NULL &&
+        experiment_commit_table(file, options->argc, options->argv, message, sizeof message) != 0) {
         fprintf(stderr, "afo study laws: %s\n", message);
         return -1;
     }

@@ -36,6 +36,8 @@ struct laws_options {
     int threads;
     uint64_t seed;
     const char *out_directory; /* NULL: none */
+    int argc;                  /* the command line, for the record */
+    char **argv;
     struct subject subject;
     struct law_setup setup; /* of the subject, with eq. (16) */
 };
@@ -73,6 +75,6 @@ double laws_speed_unit(const struct laws_options *options);
 FILE *laws_csv(const struct laws_options *options, const char *study, const char *header,
                struct output_file *file, bool *failed);
 /* Commits it, or throws it away when the study failed. Returns 0, or -1 when either went wrong. */
-int laws_csv_close(struct output_file *file, bool failed);
+int laws_csv_close(const struct laws_options *options, struct output_file *file, bool failed);
 
 #endif

@@ -175,6 +175,8 @@ int laws_main(int argc, char **argv)
     for (int i = 0; i < LAW_CASES; i++) {
         input.options.law_case[i] = true;
     }
+    input.options.argc = argc;
+    input.options.argv = argv;
     subject_default(&input.options.subject);
     option_parse(&parser, argc, argv, &input);
     char message[SUBJECT_MESSAGE_MAX];

@@ -83,5 +83,5 @@ int laws_limits(const struct laws_options *options)
                     range.rates);
         }
     }
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

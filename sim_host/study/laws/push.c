@@ -125,5 +125,5 @@ int laws_push(const struct laws_options *options)
         failed = failed || study->failed[e];
     }
     free(study);
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

@@ -77,5 +77,5 @@ int laws_sensitivity(const struct laws_options *options)
         }
         printf("\n");
     }
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

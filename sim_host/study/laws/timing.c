@@ -104,5 +104,5 @@ int laws_timing(const struct laws_options *options)
         print(timing, csv);
     }
     free(timing);
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(options, &file, failed);
 }

@@ -131,7 +131,7 @@ static int run(struct tracking *tracking, const char *study, const char *what, b
             }
         }
     }
-    return laws_csv_close(&file, failed);
+    return laws_csv_close(tracking->options, &file, failed);
 }
 
 static struct tracking *make(const struct laws_options *options)

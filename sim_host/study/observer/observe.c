@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sim_host/cli/experiment.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/walk_options.h"
 #include "sim_host/study/noisy_map.h"
@@ -182,7 +183,7 @@ int command_observe(int argc, char **argv)
         return 1;
     }
     const int status = print_table(&options, csv.stream);
-    if (status != 0 || output_file_commit(&csv, message, sizeof message) != 0) {
+    if (status != 0 || experiment_commit_table(&csv, argc, argv, message, sizeof message) != 0) {
         output_file_discard(&csv);
         fprintf(stderr, "afo study observe: no CSV file was written\n");
         return 1;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/experiment.h"
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/study/pool.h"
@@ -28,6 +29,8 @@ struct study {
     int trials;
     int only; /* law, or -1 */
     const char *csv_path;
+    int argc; /* the command line, for the record */
+    char **argv;
     struct latch_result result[LAWS][KINDS][TIMES][TRIALS_MAX];
     bool failed;
 };
@@ -200,10 +203,12 @@ static void print(const struct study *study)
 
 static int write_csv(const struct study *study)
 {
-    FILE *file = fopen(study->csv_path, "w");
-    if (file == NULL) {
-        return program_complain("%s cannot be written", study->csv_path);
+    char message[OUTPUT_PATH_MAX + 256];
+    struct output_file table = {0};
+    if (output_file_open(&table, study->csv_path, message, sizeof message) != 0) {
+        return program_complain("%s", message);
     }
+    FILE *file = table.stream;
     fputs("law,kind,declared,ms,trial,steps_asked,steps_walked,speed_rad_s\n", file);
     for (int law = 0; law < LAWS; law++) {
         for (int kind = 0; kind < KINDS; kind++) {
@@ -220,9 +225,8 @@ static int write_csv(const struct study *study)
             }
         }
     }
-    const int failed = ferror(file);
-    return fclose(file) != 0 || failed != 0
-               ? program_complain("%s cannot be written", study->csv_path)
+    return experiment_commit_table(&table, study->argc, study->argv, message, sizeof message) != 0
+               ? program_complain("%s", message)
                : 0;
 }
 
@@ -241,6 +245,8 @@ int latch_main(int argc, char **argv)
         0};
     static struct study study;
     study = (struct study){.speed_rad_s = 0.8, .steps = 200, .trials = 3, .only = -1};
+    study.argc = argc;
+    study.argv = argv;
     option_parse(&parser, argc, argv, &study);
     const int law_count = study.only < 0 ? LAWS : 1;
     const int trials = 2 * (TIMES - 1) * (1 + study.trials) + 1;

@@ -30,8 +30,7 @@ def ask(*arguments, status=0):
 
 def rows(*arguments, status=0):
     text = run(*arguments, "--csv", status=status).stdout
-    return list(csv.DictReader(io.StringIO("".join(
-        line for line in text.splitlines(True) if not line.startswith("#")))))
+    return list(csv.DictReader(io.StringIO(text)))
 
 
 def magnitude(pair):

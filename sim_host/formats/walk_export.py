@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""Turns a table of afo into Parquet, OpenSim's .mot and .sto, or a moving picture, with all that its .json tells; started by `afo export`."""
+import argparse
+import csv
+import json
+import math
+import os
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from walk_source import Refusal, listed  # noqa: E402
+
+EXIT_GOOD, EXIT_USAGE = 0, 2
+# OpenSim's names of what a table of ticks has; its walker goes along x, and the model's along -x.
+TICK_COLUMNS = ("time_s", "theta_left_rad", "theta_right_rad", "ankle_left_m", "ankle_right_m", "hip_x_m", "hip_y_m")
+
+
+def read(path):
+    """(names, columns as text, what FILE.json tells)."""
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+    except OSError as error:
+        raise Refusal(error.strerror) from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise Refusal(f"this is no table: {error}") from error
+    if len(rows) < 2:
+        raise Refusal("it has no rows")
+    ragged = next((i for i, row in enumerate(rows) if len(row) != len(rows[0])), None)
+    if ragged is not None:
+        raise Refusal(f"line {ragged + 1}: {len(rows[ragged])} fields where the header has {len(rows[0])}")
+    beside = path.with_name(path.name + ".json")
+    try:
+        told = json.loads(beside.read_text(encoding="utf-8")) if beside.is_file() else {}
+    except ValueError as error:
+        raise Refusal(f"{beside}: {error}") from error
+    return rows[0], list(zip(*rows[1:])), told
+
+
+def number(text):
+    return float(text) if text else math.nan
+
+
+def typed(column):
+    """Whole numbers, numbers, truth or text; an empty field is None."""
+    kept = [text for text in column if text]
+    for make in (int, float):
+        try:
+            [make(text) for text in kept]
+        except ValueError:
+            continue
+        return [make(text) if text else None for text in column]
+    if kept and all(text in ("true", "false") for text in kept):
+        return [text == "true" if text else None for text in column]
+    return [text or None for text in column]
+
+
+def unit_of(name):
+    """The unit that a column's name ends in, as this project writes names."""
+    for ending, unit in (("_rad_s", "rad/s"), ("_m_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_s", "s"), ("_J", "J"),
+                         ("_Nm", "N m"), ("_W", "W"), ("_A", "A"), ("_V", "V"), ("_degC", "degC"), ("_percent", "%")):
+        if name.endswith(ending):
+            return unit
+    return ""
+
+
+def to_parquet(names, columns, told, path):
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise Refusal(f"the Python package pyarrow is missing ({error}); to install it: {sys.executable} -m pip install "
+                      "pyarrow, or scripts/setup formats in a clone") from None
+    arrays = [pyarrow.array(typed(column)) for column in columns]
+    fields = [pyarrow.field(name, array.type, metadata={"unit": unit_of(name)}) for name, array in zip(names, arrays)]
+    schema = pyarrow.schema(fields, metadata={"experiment": json.dumps(told)})
+    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
+
+
+def to_storage(names, columns, told, path):
+    """An OpenSim motion: the pelvis at the hip, the legs' pitch as hip flexion, straight knees, the ankles' extension.
+
+    pelvis_tx is the way that the hip went; a leg's pitch is positive with the foot ahead, as hip_flexion is."""
+    lacking = [name for name in TICK_COLUMNS if name not in names]
+    if lacking:
+        raise Refusal(f"a motion is made of a table of ticks (afo sim --ticks=FILE), and this one lacks {listed(lacking)}")
+    values = {name: [number(text) for text in columns[names.index(name)]] for name in TICK_COLUMNS}
+    wanted = {"time": values["time_s"], "pelvis_tilt": [0.0] * len(values["time_s"]),
+              "pelvis_tx": [-x for x in values["hip_x_m"]], "pelvis_ty": values["hip_y_m"]}
+    for side, letter in (("left", "l"), ("right", "r")):
+        wanted[f"hip_flexion_{letter}"] = [math.degrees(angle) for angle in values[f"theta_{side}_rad"]]
+        wanted[f"knee_angle_{letter}"] = [0.0] * len(values["time_s"])
+        wanted[f"ankle_extension_{letter}_m"] = values[f"ankle_{side}_m"]
+    lines = ["afo_walk", "version=1", f"nRows={len(values['time_s'])}", f"nColumns={len(wanted)}", "inDegrees=yes",
+             f"experiment={json.dumps(told)}", "endheader", "\t".join(wanted)]
+    lines += ["\t".join(f"{value:.9g}" for value in row) for row in zip(*wanted.values())]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def to_picture(names, columns, told, path):
+    """The walk of a table of ticks, moving."""
+    import walk_picture
+    lacking = [name for name in walk_picture.NEEDED if name not in names]
+    if lacking:
+        raise Refusal(f"a moving picture is made of a table of ticks (afo sim --ticks=FILE), and this one lacks {listed(lacking)}")
+    if told.get("who", {}).get("recording"):
+        raise Refusal("a recorded person has no hip in the table of ticks: the picture is of a simulated walker")
+    kept = {name: columns[names.index(name)] if name in ("stance", "phase") else [number(x) for x in columns[names.index(name)]]
+            for name in walk_picture.NEEDED}
+    rows = [dict(zip(kept, row)) for row in zip(*kept.values())]
+    path.write_text(walk_picture.draw(rows, told), encoding="utf-8")
+
+
+WRITERS = {".parquet": to_parquet, ".mot": to_storage, ".sto": to_storage, ".svg": to_picture}
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(prog="afo export", description=__doc__, allow_abbrev=False)
+    parser.add_argument("table", type=pathlib.Path)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    options = parser.parse_args(arguments)
+    fresh = options.out.with_name(options.out.name + ".new")
+    try:
+        write = WRITERS.get(options.out.suffix.lower())
+        if write is None:
+            raise Refusal(f"--out {options.out}: its ending says in what format, and is one of {listed(WRITERS)}")
+        names, columns, told = read(options.table)
+        write(names, columns, told, fresh)
+        os.replace(fresh, options.out)
+    except (Refusal, OSError) as error:
+        fresh.unlink(missing_ok=True)
+        print(f"afo export: {options.table}: {error}", file=sys.stderr)
+        return EXIT_USAGE
+    except KeyboardInterrupt:
+        fresh.unlink(missing_ok=True)
+        print("afo export: stopped", file=sys.stderr)
+        return 130
+    print(f"{options.out}: {len(columns[0])} rows of {len(names)} columns from {options.table}"
+          + ("" if told else f"; {options.table}.json is not there, so it says not how they were made"))
+    return EXIT_GOOD
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
