@@ -15,7 +15,15 @@
 #include "sim_host/persons/law_name.h"
 #include "sim_host/programs/commands.h"
 
-enum { KEY_LAWS = 0x900, KEY_STEPS, KEY_PLOT, DEFAULT_STEPS = 200, LAST = 20, PANELS = 2 };
+enum {
+    KEY_LAWS = 0x900,
+    KEY_STEPS,
+    KEY_PLOT,
+    DEFAULT_STEPS = 200,
+    LAST = 20,
+    PANELS = 2,
+    SPARE_STEPS = 2
+};
 
 struct options {
     struct sim_options sim;
@@ -201,23 +209,17 @@ static void summarise(const struct sim_session *session, struct result *result)
         count > 0 ? 0.5 * spring_N_m * squares / (weight_N * way_m) : (double)NAN;
 }
 
-static int keep(const struct sim_session *session, struct result *result)
+static void keep(const struct sim_session *session, struct result *result)
 {
     const struct walk_record *record = &session->record;
     result->steps = record->count;
     result->fell = session->outcome.fell;
     snprintf(result->outcome, sizeof result->outcome, "%s", session->outcome.fault);
-    result->speed_rad_s = malloc((record->count + 1) * sizeof *result->speed_rad_s);
-    result->r0_m = malloc((record->count + 1) * sizeof *result->r0_m);
-    if (result->speed_rad_s == NULL || result->r0_m == NULL) {
-        return program_complain("out of memory: ask for fewer --steps");
-    }
     for (uint32_t i = 0; i < record->count; i++) {
         result->speed_rad_s[i] = record->rows[i].apex_speed_rad_s;
         result->r0_m[i] = record->rows[i].measured ? record->rows[i].r0_m : (double)NAN;
     }
     summarise(session, result);
-    return 0;
 }
 
 static int walk_by(const struct options *options, enum law_mode law, struct result *result)
@@ -228,7 +230,7 @@ static int walk_by(const struct options *options, enum law_mode law, struct resu
     int status = choose_law(&session.options, law);
     if (status == 0 && sim_session_configure(&session) == 0 && sim_session_open(&session) == 0) {
         sim_session_walk(&session, &interrupted);
-        status = keep(&session, result);
+        keep(&session, result);
     } else {
         status = -1;
     }
@@ -313,28 +315,42 @@ static int walk_all(const struct options *options, struct result *results, int *
     return status;
 }
 
-int afo_compare(int argc, char **argv)
+/* The rows of all laws lie in `values`, two of so many numbers a law. */
+static int compare(const struct options *options, double *values, size_t row)
 {
-    static struct options options;
-    static struct result results[OVERLAY_LINES_MOST];
+    struct result results[OVERLAY_LINES_MOST] = {{0}};
     struct output_file plot = {0};
-    int done = 0;
-    signal(SIGINT, on_interrupt);
-    signal(SIGTERM, on_interrupt);
-    parse_options(&options, argc, argv);
-    int status = program_open_output(&plot, options.plot_path) == 0
-                     ? walk_all(&options, results, &done)
-                     : EXIT_USAGE;
+    int done = 0, status = EXIT_USAGE;
+    for (size_t i = 0; i < (size_t)options->laws; i++) {
+        results[i].speed_rad_s = &values[2 * i * row];
+        results[i].r0_m = &values[(2 * i + 1) * row];
+    }
+    if (program_open_output(&plot, options->plot_path) == 0) {
+        status = walk_all(options, results, &done);
+    }
     if (status != EXIT_USAGE) {
-        (options.sim.json ? print_json : print_table)(results, done);
+        (options->sim.json ? print_json : print_table)(results, done);
         if (draw(&plot, results, done) != 0 || program_output_done() != 0) {
             status = EXIT_USAGE;
         }
     }
     output_file_discard(&plot);
-    for (int i = 0; i < OVERLAY_LINES_MOST; i++) {
-        free(results[i].speed_rad_s);
-        free(results[i].r0_m);
+    return status;
+}
+
+int afo_compare(int argc, char **argv)
+{
+    static struct options options;
+    signal(SIGINT, on_interrupt);
+    signal(SIGTERM, on_interrupt);
+    parse_options(&options, argc, argv);
+    const size_t row = (size_t)options.sim.steps + SPARE_STEPS;
+    double *values = calloc(2 * row * (size_t)options.laws, sizeof *values);
+    if (values == NULL) {
+        program_complain("out of memory: ask for fewer --steps");
+        return EXIT_USAGE;
     }
+    const int status = compare(&options, values, row);
+    free(values);
     return status;
 }

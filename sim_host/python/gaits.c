@@ -226,7 +226,8 @@ static int try_portion(void *context, size_t number)
 {
     const struct basin *basin = context;
     const size_t first = number * PORTION;
-    const size_t left = basin->count - first, count = left < PORTION ? left : PORTION;
+    const size_t end = first + PORTION < basin->count ? first + PORTION : basin->count;
+    const size_t count = end - first;
     struct portion *portion = calloc(1, sizeof *portion);
     if (portion == NULL) {
         return -1;

@@ -116,7 +116,8 @@ struct afo_walk_settings {
     const char *person, *device; /* files; NULL: the paper's walker, the virtual device */
     const char *law;             /* name; NULL: the person's, or eq. (16) */
     const char *sensors;         /* "ideal", "17bit", "14bit", "12bit"; NULL: 17bit */
-    double speed_rad_s;          /* 0: the prescribed one */
+    double speed_rad_s;          /* at the apex; 0: the prescribed one */
+    double walking_m_s;          /* in the place of speed_rad_s; 0: not given */
     double r0_m;                 /* of the law open-loop; else 0 */
     double start_r0_m;           /* 0: the walker's own */
     double kp;                   /* below 0: the walker's own */
@@ -131,8 +132,9 @@ struct afo_step {
     uint32_t step; /* 1 is the first apex */
     int32_t side;  /* stance leg: 0 left, 1 right */
     double time_s, apex_speed_rad_s, measured_speed_rad_s, target_speed_rad_s, r0_m, step_time_s,
-        step_length_m;     /* NaN where there is none */
-    int32_t used_fallback; /* -1: not known */
+        step_length_m, heel_strike_s, toe_off_s, walking_speed_m_s, push_off_J,
+        margin_of_stability_m; /* NaN where there is none */
+    int32_t used_fallback;     /* -1: not known */
 };
 
 struct afo_tick {

@@ -122,9 +122,9 @@ int afo_strides_run(const struct afo_walker *walker, const struct afo_strides *j
     if (afo_walker_check(walker, text) != 0) {
         return -1;
     }
-    const struct slices slices = {walker, job, slice_size(job)};
+    struct slices slices = {walker, job, slice_size(job)};
     const size_t pieces = (job->count + slices.size - 1) / slices.size;
-    const int error = parallel_for(job->threads, pieces, run_slice, (void *)(uintptr_t)&slices);
+    const int error = parallel_for(job->threads, pieces, run_slice, &slices);
     if (error != BATCH_OK) {
         snprintf(text, AFO_TEXT, "%s", batch_error_name((enum batch_error)error));
         return -1;

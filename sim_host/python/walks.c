@@ -9,7 +9,9 @@
 #include "sim_host/cli/host_report.h"
 #include "sim_host/cli/sensing_options.h"
 #include "sim_host/loop/walk_watch.h"
+#include "sim_host/loop/walking.h"
 #include "sim_host/persons/law_name.h"
+#include "sim_host/plant/walking_units.h"
 #include "sim_host/python/own_law.h"
 
 enum { STEPS_MOST = 10000000, LAST_FRAMES_TICKS = 3, SPARE_ROWS = 2 };
@@ -47,6 +49,7 @@ static int check_numbers(const struct afo_walk_settings *s, char *text)
 {
     return (s->speed_rad_s == 0.0 ||
             is_within(s->speed_rad_s, 1e-3, 20.0, "speed", "rad/s", text)) &&
+           (s->walking_m_s == 0.0 || is_within(s->walking_m_s, 1e-3, 20.0, "speed", "m/s", text)) &&
            (s->r0_m == 0.0 || is_within(s->r0_m, 1e-4, 0.6, "r0", "m", text)) &&
            (s->start_r0_m == 0.0 || is_within(s->start_r0_m, 1e-4, 0.6, "start_r0", "m", text)) &&
            (s->kp < 0.0 || is_within(s->kp, 0.0, 1.0, "kp", "m per rad/s", text)) &&
@@ -86,7 +89,7 @@ static int check_open_loop(const struct afo_walk_settings *s, const struct walk_
                      : "r0 is the constant of the law open-loop; with another law say speed");
         return -1;
     }
-    if (options->open_loop && (s->speed_rad_s > 0.0 || s->kp >= 0.0)) {
+    if (options->open_loop && (s->speed_rad_s > 0.0 || s->walking_m_s > 0.0 || s->kp >= 0.0)) {
         snprintf(text, AFO_TEXT,
                  "the law open-loop has neither speed nor kp: it keeps r0 constant");
         return -1;
@@ -103,7 +106,7 @@ static int configure(const struct afo_walk_settings *s, struct afo_walk *walk, c
     sensing.seed = s->seed;
     options.person_path = s->person;
     options.device_path = s->device;
-    options.speed_rad_s = s->speed_rad_s;
+    options.speed = (struct speed_option){s->speed_rad_s, s->walking_m_s};
     options.r0_m = s->r0_m;
     options.start_r0_m = s->start_r0_m;
     options.kp = s->kp;
@@ -282,6 +285,7 @@ uint32_t afo_walk_steps(const struct afo_walk *walk, struct afo_step *rows, uint
     const double none = (double)NAN;
     for (uint32_t i = 0; i < walk->record.count && i < room; i++) {
         const struct walk_row *row = &walk->record.rows[i];
+        const double length_m = row->step_length_m > 0.0 ? row->step_length_m : none;
         rows[i] = (struct afo_step){
             .step = row->number,
             .side = (int32_t)row->side,
@@ -292,7 +296,12 @@ uint32_t afo_walk_steps(const struct afo_walk *walk, struct afo_step *rows, uint
                 row->measured ? row->command_rad_s : walk->config.desired_speed_rad_s,
             .r0_m = row->measured ? row->r0_m : none,
             .step_time_s = i > 0 ? row->time_s - walk->record.rows[i - 1].time_s : none,
-            .step_length_m = row->step_length_m > 0.0 ? row->step_length_m : none,
+            .step_length_m = length_m,
+            .heel_strike_s = row->heel_strike_s,
+            .toe_off_s = row->toe_off_s,
+            .walking_speed_m_s = walking_speed_m_s(length_m, walking_step_time_s(&walk->record, i)),
+            .push_off_J = row->push_off_J,
+            .margin_of_stability_m = row->margin_m,
             .used_fallback = row->measured ? row->used_fallback : -1,
         };
     }

@@ -19,9 +19,10 @@ SENSORS = ("ideal", "17bit", "14bit", "12bit")
 _TICKS = 2000  # between two looks for Ctrl-C: some tens of milliseconds
 _SIDES = np.array(["left", "right"])
 _PHASES = np.array(["held", "single", "double", "down"])
+_WALKING = ("heel_strike_s", "toe_off_s", "walking_speed_m_s", "push_off_J", "margin_of_stability_m")
 _STEP = np.dtype([("step", "u4"), ("side", "i4"), *((name, "f8") for name in (
-    "time_s", "apex_speed_rad_s", "measured_speed_rad_s", "target_speed_rad_s", "r0_m", "step_time_s", "step_length_m")),
-    ("used_fallback", "i4")], align=True)
+    "time_s", "apex_speed_rad_s", "measured_speed_rad_s", "target_speed_rad_s", "r0_m", "step_time_s", "step_length_m",
+    *_WALKING)), ("used_fallback", "i4")], align=True)
 _TICK = np.dtype([("tick", "u8"), *((name, "f8") for name in (
     "time_s", "theta_left_rad", "theta_right_rad", "rate_left_rad_s", "rate_right_rad_s", "ankle_left_m",
     "ankle_right_m", "motor_left_m", "motor_right_m", "hip_x_m", "hip_y_m")), *((name, "i4") for name in (
@@ -123,7 +124,8 @@ def _frame_of_steps(walk: Any) -> pd.DataFrame:
     frame = pd.DataFrame({name: rows[name] for name in _STEP.names or ()})
     frame["side"] = pd.Categorical.from_codes(frame["side"], _SIDES)
     frame["used_fallback"] = frame["used_fallback"].map({0: False, 1: True}).astype("boolean")
-    return frame[["step", "time_s", "side", *[name for name in frame.columns if name not in ("step", "time_s", "side")]]]
+    first = ["step", "time_s", "side"]
+    return frame[[*first, *(name for name in frame.columns if name not in (*first, *_WALKING)), *_WALKING]]
 
 
 def _frame_of_ticks(parts: list[Any]) -> pd.DataFrame:
@@ -140,8 +142,20 @@ def _frame_of_ticks(parts: list[Any]) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
+def _walking_speed(text: str) -> float:
+    """The m/s of a text such as "0.57m/s"."""
+    value, unit = text.removesuffix("m/s"), text.endswith("m/s")
+    try:
+        found = float(value) if unit else 0.0
+    except ValueError:
+        found = 0.0
+    if not 0.0 < found < math.inf:
+        raise AfoError(f"speed = {text!r}: it must be a number in rad/s, or a text such as '0.57m/s', above 0")
+    return found
+
+
 def sim(person: PathLike | None = None, device: PathLike | None = None, law: str | Law | None = None,
-        speed: float | None = None, *, steps: int = 200, r0: float | None = None, start_r0: float | None = None,
+        speed: float | str | None = None, *, steps: int = 200, r0: float | None = None, start_r0: float | None = None,
         kp: float | None = None, sensors: str = "17bit", seed: int = 1, slope_deg: float = 0.0, terrain_mm: float = 0.0,
         push: tuple[float, float] | None = None, ticks: bool = False) -> Walk:
     """Walks `steps` steps, or until the walker falls, and tells every step.
@@ -149,7 +163,8 @@ def sim(person: PathLike | None = None, device: PathLike | None = None, law: str
     person, device: a name of persons(), devices(), or the path of a file; the paper's walker and the virtual device if
     none is given. law: "proportional" (eq. 16), "dlqr", "deadbeat", "predictive", "open-loop"; or a function, which is
     called once per step with a Step and gives the precompression wanted, m. Its answer has the limits of the other laws
-    behind it: value and change per step. speed: forward apex speed, rad/s. r0: constant of open-loop, m. start_r0: the walk
+    behind it: value and change per step. speed: forward apex speed, rad/s, or a walking
+    speed as a text, "0.57m/s". r0: constant of open-loop, m. start_r0: the walk
     starts from this push-off's steady gait, m. kp: gain of eq. (16), m per rad/s. sensors: one of SENSORS. seed: of all
     noise. slope_deg: uphill positive. terrain_mm: standard deviation of the footholds' heights. push: impulse on the torso
     in N s and its time in s. ticks: also a table by the millisecond.
@@ -165,6 +180,9 @@ def sim(person: PathLike | None = None, device: PathLike | None = None, law: str
 
     def optional(value: float | None, name: str, unit: str, none: float) -> float:
         return none if value is None else number(value, name, unit)
+    walking_m_s = 0.0
+    if isinstance(speed, str):
+        walking_m_s, speed = _walking_speed(speed), None
     if kp is not None and kp < 0.0:
         raise AfoError(f"kp = {kp:g} m per rad/s: it must be 0 to 1; a negative gain makes every gait unstable")
     for value, name in ((speed, "speed"), (r0, "r0"), (start_r0, "start_r0")):
@@ -174,7 +192,7 @@ def sim(person: PathLike | None = None, device: PathLike | None = None, law: str
             for value in (person_file, device_file, law if isinstance(law, str) else None, sensors)]
     settings = ffi.new("struct afo_walk_settings *", {
         "person": kept[0], "device": kept[1], "law": kept[2], "sensors": kept[3],
-        "speed_rad_s": optional(speed, "speed", "rad/s", 0.0), "r0_m": optional(r0, "r0", "m", 0.0),
+        "speed_rad_s": optional(speed, "speed", "rad/s", 0.0), "walking_m_s": walking_m_s, "r0_m": optional(r0, "r0", "m", 0.0),
         "start_r0_m": optional(start_r0, "start_r0", "m", 0.0), "kp": optional(kp, "kp", "m per rad/s", -1.0),
         "seed": whole(seed, "seed", 0, 2**64 - 1), "steps": whole(steps, "steps", 1, 10000000),
         "slope_deg": number(slope_deg, "slope_deg", "deg"), "terrain_mm": number(terrain_mm, "terrain_mm", "mm"),

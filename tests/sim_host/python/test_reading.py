@@ -1,8 +1,11 @@
 """Logs and trials as tables."""
 import json
+import os
+import shutil
 import subprocess
 
 import numpy
+import pandas
 import pytest
 
 from conftest import BUILD
@@ -29,16 +32,23 @@ def test_a_log_is_a_table_by_tick(afo, log):
     assert numpy.allclose(speeds, walk.steps.measured_speed_rad_s[:len(speeds)], atol=1e-3) and len(speeds) >= 3
 
 
-def test_a_trial_is_a_table_by_tick(afo, log, tmp_path):
-    import shutil
+def test_a_trial_is_the_table_of_its_log(afo, log, tmp_path):
+    """A folder as afo view keeps it, with the subject that afo tells its own Python programs."""
+    told = tmp_path / "python"
+    told.write_text('#!/bin/sh\nwhile [ $# -gt 1 ]; do [ "$1" != --subject ] || printf %s "$2"; shift; done\n')
+    told.chmod(0o755)
+    subject = json.loads(subprocess.run([BUILD / "afo", "report", log, "--log", "--export", "csv", "--out", "-"], text=True,
+                                        env={**os.environ, "AFO_PYTHON": str(told)}, capture_output=True, check=True).stdout)
     trial = tmp_path / "trial"
     trial.mkdir()
     shutil.copy(log, trial / "bus.log")
     (trial / "events.jsonl").write_text("")
-    with pytest.raises(afo.AfoError, match="trial.json"):
+    with pytest.raises(afo.AfoError, match="it has no trial.json"):
         afo.read_trial(trial)
-    provenance = afo.read_log(log).attrs["provenance"]
-    assert provenance["person"] and json.dumps(provenance)
+    (trial / "trial.json").write_text(json.dumps({"subject": subject, "parameters": subject["parameters"], "subject_code": "P07"}))
+    frame = afo.read_trial(trial)
+    pandas.testing.assert_frame_equal(frame, afo.read_log(log))
+    assert frame.attrs["provenance"]["subject_code"] == "P07" and frame.attrs["units"]["motor_left"] == "m"
 
 
 @pytest.mark.parametrize("read,path,words", [
