@@ -4,17 +4,19 @@ import pytest
 from afo import AFO, ROOT, run
 
 VARIANTS = ["gcc-O1", "gcc-O3", "clang", "clang-O1", "clang-O3", "asan"]
-STEPS = 25
+WALKER = ("--speed", "0.5", "--steps", 25)
+PERSON = ("--plant", "reflex", "--person", "sim_host/persons/adult70.ini", "--device", "sim_host/devices/virtual-adult.ini",
+          "--steps", 10)
+WALKS = {"ideal": (*WALKER, "--sensors", "ideal"), "17bit": (*WALKER, "--sensors", "17bit"), "reflex person": PERSON}
 
 
-@pytest.fixture(scope="module", params=["ideal", "17bit"])
+@pytest.fixture(scope="module", params=WALKS)
 def expected(request, tmp_path_factory):
-    return request.param, log_of(AFO, request.param, tmp_path_factory.mktemp("log") / "gcc-O2.log")
+    return WALKS[request.param], log_of(AFO, WALKS[request.param], tmp_path_factory.mktemp("log") / "gcc-O2.log")
 
 
-def log_of(program, sensors, path):
-    done = run("--speed", "0.5", "--steps", STEPS, "--sensors", sensors, "--seed", 20, "--quiet",
-               "--log", path, program=program)
+def log_of(program, walk, path):
+    done = run(*walk, "--seed", 20, "--quiet", "--log", path, program=program)
     assert done.returncode in (0, 1), done.stderr
     log = path.read_bytes()
     assert len(log) > 1000000
@@ -23,10 +25,10 @@ def log_of(program, sensors, path):
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_same_log(expected, variant, tmp_path):
-    sensors, log = expected
+    walk, log = expected
     program = ROOT / "build" / variant / "afo"
     assert program.exists(), f"build it with: make {variant}-programs"
-    other = log_of(program, sensors, tmp_path / "other.log")
+    other = log_of(program, walk, tmp_path / "other.log")
     if other != log:
         for number, (a, b) in enumerate(zip(log.splitlines(), other.splitlines()), 1):
             assert a == b, f"the logs part at line {number}"
