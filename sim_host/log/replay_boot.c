@@ -37,11 +37,12 @@ static void take_sync(struct syncs *syncs, const struct place *place, uint64_t t
     syncs->count++;
 }
 
-/* The longest pause shortly before the boot-up, or the boot-up's own cycle where there is none. */
-static bool go_to(FILE *log, const struct syncs *syncs, unsigned long *line)
+/* The longest pause shortly before the boot-up; its own cycle where that is the one right before it, or there is none. */
+static bool go_to(FILE *log, const struct syncs *syncs, uint64_t boot_us, unsigned long *line)
 {
     const struct place *place = &syncs->last;
-    uint64_t longest_us = PAUSE_US;
+    const uint64_t before_us = boot_us > syncs->time_us ? boot_us - syncs->time_us : 0;
+    uint64_t longest_us = before_us > PAUSE_US ? before_us : PAUSE_US;
     for (uint64_t i = 0; i < REPLAY_LATE_BOOT_TICKS && i < syncs->count; i++) {
         if (syncs->period_us[i] > longest_us) {
             longest_us = syncs->period_us[i];
@@ -70,7 +71,7 @@ bool replay_seek_boot(struct replay *replay, FILE *log, unsigned long *line)
         }
         found = replay_is_boot(&record.message);
     }
-    if (place.at < 0 || (found && !go_to(log, &syncs, line))) {
+    if (place.at < 0 || (found && !go_to(log, &syncs, record.time_us, line))) {
         (void)snprintf(replay->message, sizeof replay->message,
                        "a pipe is read only once: --from-boot needs a file");
         return false;

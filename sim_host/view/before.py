@@ -36,7 +36,7 @@ class Before:
         if len(boots):
             at = int(boots[-1])
             self.packer, self.parts, self.bytes = zlib.compressobj(1, wbits=31), [], 0
-            self._pack(self._run(np.concatenate([self.earlier, records[:at]])))
+            self._pack(self._run(np.concatenate([self.earlier, records[:at]]), int(records["time_us"][at])))
             self._pack(records[at:])
         elif self.packer:
             self._pack(records)
@@ -44,7 +44,7 @@ class Before:
         self.synced = self.synced or frames.SYNC in both["id"][:-EARLIER_MAX]
         self.earlier = both[-EARLIER_MAX:]
 
-    def _run(self, earlier):
+    def _run(self, earlier, boot_us):
         """Of what lies before a boot-up: the first ticks of this run, and what others said before those."""
         syncs = np.flatnonzero(earlier["id"] == frames.SYNC)
         if len(syncs) == 0:
@@ -55,7 +55,7 @@ class Before:
         period[0] = 0 if self.synced else longest
         late = max(len(syncs) - LATE_TICKS, 0)
         run = late + int(np.argmax(period[late:]))  # the SYNC behind the longest pause
-        run = run if period[run] > PAUSE_US else len(syncs)
+        run = run if period[run] > max(PAUSE_US, boot_us - int(earlier["time_us"][syncs[-1]])) else len(syncs)
         start = int(syncs[run - 1]) + 1 if run > 0 else 0
         first = int(syncs[run]) if run < len(syncs) else len(earlier)
         return np.concatenate([of_other_nodes(earlier[start:first]), earlier[first:]])

@@ -149,12 +149,39 @@ START_TEST(rubbish_does_not_reach_the_bus)
         struct frame_record record = {.id = ids[i % 9],
                                       .length = (uint8_t)(ids[i % 9] == 0x610 ? 7 : 8)};
         memset(record.data, (int)i, sizeof record.data);
+        if (record.id == 0x601) {
+            record.data[0] = 0x23; /* a drive's object is written by nobody but the controller */
+        }
         ck_assert_int_eq(send(ends[1], &record, sizeof record, 0), 24);
         loop_tick(&loop);
         frame_stream_serve(&stream);
     }
     ck_assert_uint_eq(count.sum, expected.sum);
     ck_assert_uint_eq(stream.refused, TICKS);
+}
+END_TEST
+
+/* 0x1000 of the left drive: what it is. */
+START_TEST(a_nodes_object_is_read)
+{
+    static struct frame_record records[4096];
+    const struct frame_record request = {.id = 0x601, .length = 8, .data = {0x40, 0x00, 0x10}};
+    unsigned answers = 0;
+    for (unsigned i = 0; i < 1400; i++) {
+        if (i == 1200) { /* the controller's own set-up is over */
+            ck_assert_int_eq(send(ends[1], &request, sizeof request, 0), 24);
+        }
+        loop_tick(&loop);
+        frame_stream_serve(&stream);
+        const unsigned n = take(records, 4096);
+        for (unsigned k = 0; k < n; k++) {
+            const bool is_type =
+                records[k].id == 0x581 && records[k].data[1] == 0x00 && records[k].data[2] == 0x10;
+            answers += i >= 1200 && is_type && bytes_get_u32(records[k].data + 4) % 65536 == 402;
+        }
+    }
+    ck_assert_uint_ge(answers, 1);
+    ck_assert_uint_eq(stream.refused, 0);
 }
 END_TEST
 
@@ -238,6 +265,7 @@ int main(void)
     Suite *suite = suite_create("frame_stream");
     TCase *test = tcase_create("all");
     tcase_add_checked_fixture(test, set_up, tear_down);
+    tcase_add_test(test, a_nodes_object_is_read);
     tcase_add_test(test, every_frame_comes_out_as_it_was);
     tcase_add_test(test, a_reader_that_never_reads_changes_nothing);
     tcase_add_test(test, a_reader_that_hangs_up_changes_nothing);
