@@ -35,7 +35,7 @@ static double longest(const struct overlay_panel *panels, size_t count)
 
 static struct scale scale_of(const struct overlay_panel *panel)
 {
-    struct scale scale = {INFINITY, -INFINITY};
+    struct scale scale = {(double)INFINITY, -(double)INFINITY};
     for (size_t i = 0; i < panel->lines; i++) {
         for (size_t k = 0; k < panel->line[i].count; k++) {
             scale.low = fmin(scale.low, panel->line[i].value[k]);

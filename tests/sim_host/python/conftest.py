@@ -1,13 +1,11 @@
 """The assembled package, as build/python holds it; another module of that name may be loaded beside it."""
 import importlib
 import os
-import pathlib
 import sys
 
 import pytest
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
-BUILD = pathlib.Path(os.environ.get("AFO_BUILD", ROOT / "build")).resolve()
+from package_tree import BUILD
 
 
 def own(names):

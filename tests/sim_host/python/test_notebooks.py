@@ -7,7 +7,7 @@ import nbclient
 import nbformat
 import pytest
 
-from conftest import ROOT
+from package_tree import ROOT
 
 NOTEBOOKS = ROOT / "sim_host/python/notebooks"
 

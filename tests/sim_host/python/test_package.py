@@ -9,7 +9,7 @@ import sys
 
 import numpy
 
-from conftest import BUILD, ROOT
+from package_tree import BUILD, ROOT
 
 ROOM = ROOT / "sim_host/python"
 

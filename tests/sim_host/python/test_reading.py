@@ -8,7 +8,7 @@ import numpy
 import pandas
 import pytest
 
-from conftest import BUILD
+from package_tree import BUILD
 
 
 @pytest.fixture(scope="module")

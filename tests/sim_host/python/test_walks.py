@@ -9,7 +9,7 @@ import numpy
 import pandas
 import pytest
 
-from conftest import BUILD
+from package_tree import BUILD
 
 SPEED = 0.6
 
