@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "model/trig.h"
+
 static double over(double a, double b)
 {
     return b != 0.0 ? a / b : (double)NAN;
@@ -38,14 +40,17 @@ double walking_margin_m(const struct walking_pose *pose)
 {
     const double l = pose->leg_length_m, m = pose->leg_mass_kg;
     const double total_kg = pose->hip_mass_kg + 2.0 * m;
-    const double hip_m = -l * sin(pose->stance_rad);
-    const double hip_m_s = -l * cos(pose->stance_rad) * pose->stance_rad_s;
-    const double swing_m = 0.5 * l * sin(pose->swing_rad); /* its mass, ahead of the hip */
-    const double swing_m_s = 0.5 * l * cos(pose->swing_rad) * pose->swing_rad_s;
+    double stance_sin, stance_cos, swing_sin, swing_cos;
+    trig_sincos_f64(pose->stance_rad, &stance_sin, &stance_cos);
+    trig_sincos_f64(pose->swing_rad, &swing_sin, &swing_cos);
+    const double hip_m = -l * stance_sin;
+    const double hip_m_s = -l * stance_cos * pose->stance_rad_s;
+    const double swing_m = 0.5 * l * swing_sin; /* its mass, ahead of the hip */
+    const double swing_m_s = 0.5 * l * swing_cos * pose->swing_rad_s;
     const double com_m =
         (pose->hip_mass_kg * hip_m + m * 0.5 * hip_m + m * (hip_m + swing_m)) / total_kg;
     const double com_m_s =
         (pose->hip_mass_kg * hip_m_s + m * 0.5 * hip_m_s + m * (hip_m_s + swing_m_s)) / total_kg;
-    const double toe_m = hip_m + l * sin(pose->swing_rad);
+    const double toe_m = hip_m + l * swing_sin;
     return toe_m - walking_xcom_m(com_m, com_m_s, l, pose->gravity_m_s2);
 }
