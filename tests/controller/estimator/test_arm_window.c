@@ -137,6 +137,7 @@ START_TEST(without_switches_it_opens_behind_the_strike_or_not_at_all)
     bench.view.slowing = true;
     pass(&bench, 50);
     arm_window_strike(&bench.window, bench.tick, REAL(0.02));
+    ck_assert(!arm_window_is_open(&bench.window, &bench.params, bench.tick));
     const uint32_t strike_tick = bench.tick - 20;
     pass(&bench, 40);
     if (_i == 0) {
