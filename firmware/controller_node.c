@@ -132,7 +132,7 @@ bool controller_node_receive(struct controller_node *node, const struct can_msg 
 static void change(struct controller_node *node, size_t offset, float value)
 {
     struct controller_objects *objects = &node->objects;
-    const float before = *(const float *)((const char *)&objects->params + offset);
+    const float before = *(const float *)(const void *)((const char *)&objects->params + offset);
     params_guard_change(&objects->params, &objects->params_crc, offset, value);
     settings_lock_note(&node->rules.lock, objects, 0x2010, (uint8_t)(offset / sizeof(real) + 1u),
                        before, value);

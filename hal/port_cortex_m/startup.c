@@ -109,7 +109,7 @@ _Noreturn void cortex_m4_reset(void)
 
 const uint32_t *cortex_m4_stack_too_deep(void)
 {
-    static uint32_t *const bottom[] = {thread_stack_bottom, handler_stack_bottom};
+    static const uint32_t *const bottom[] = {thread_stack_bottom, handler_stack_bottom};
 
     for (uint32_t stack = 0; stack < 2u; stack++) {
         const volatile uint32_t *word = bottom[stack] + GUARD_WORDS;

@@ -204,10 +204,10 @@ void iwdg_feed(void)
 static void feed(void *context)
 {
     struct iwdg *iwdg = context;
-    const uint32_t now_us = mmio_read(TIM2_CNT);
+    const uint32_t count_us = mmio_read(TIM2_CNT);
 
-    if (now_us - iwdg->fed_us >= (uint32_t)WATCHDOG_FEED_MS * 1000U) {
-        iwdg->fed_us = now_us;
+    if (count_us - iwdg->fed_us >= (uint32_t)WATCHDOG_FEED_MS * 1000U) {
+        iwdg->fed_us = count_us;
         iwdg_feed();
     }
 }

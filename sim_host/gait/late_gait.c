@@ -178,7 +178,7 @@ enum gait_curve_error late_gait_curve(const struct gait_walker *walker, double d
                                       double r0_min_m, double r0_step_m, int count,
                                       struct gait_point *points, int *reached)
 {
-    int unused;
+    int unused = 0;
     int *const good = reached != NULL ? reached : &unused;
     const struct walker_params params = {walker->hip_mass_kg, walker->leg_mass_kg,
                                          walker->leg_length_m, walker->ankle_stiffness_N_m,

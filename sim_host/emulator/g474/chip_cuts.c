@@ -67,7 +67,6 @@ static void before_operation(void *context)
 const char *chip_cuts_begin(struct chip_cuts *cuts, struct chip *chip)
 {
     struct flash_model *flash = &chip->flash_registers;
-    void *shared = MAP_FAILED;
 
     cuts->chip = chip;
     cuts->first = flash->operations;
@@ -79,8 +78,8 @@ const char *chip_cuts_begin(struct chip_cuts *cuts, struct chip *chip)
         flash->operation_context = cuts;
     }
     if (cuts->every != 0 && cuts->alike) {
-        shared = mmap(NULL, sizeof *cuts->starts, PROT_READ | PROT_WRITE,
-                      MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        void *const shared = mmap(NULL, sizeof *cuts->starts, PROT_READ | PROT_WRITE,
+                                  MAP_SHARED | MAP_ANONYMOUS, -1, 0);
         if (shared == MAP_FAILED) {
             return "out of memory";
         }

@@ -131,8 +131,9 @@ static void tell_features(struct chip_gdb *gdb, const char *text)
     const size_t length = strlen(xml);
     const size_t left = offset < length ? length - offset : 0;
     const size_t room = count < GDB_PACKET_MAX - 2 ? count : GDB_PACKET_MAX - 2;
-    const size_t part = left < room ? left : room;
-    gdb->answer[0] = part < left ? 'm' : 'l';
+    const bool is_last = left <= room;
+    const size_t part = is_last ? left : room;
+    gdb->answer[0] = is_last ? 'l' : 'm';
     memcpy(gdb->answer + 1, xml + (left > 0 ? offset : 0), part);
     gdb->answer[1 + part] = '\0';
     answer(gdb, gdb->answer);
