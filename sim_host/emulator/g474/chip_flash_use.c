@@ -6,7 +6,7 @@
 
 static bool has(const struct chip_word_set *set, uint32_t word)
 {
-    return (set->bit[word / 8] >> word % 8 & 1u) != 0;
+    return ((unsigned)set->bit[word / 8] >> word % 8 & 1u) != 0;
 }
 
 static void add(struct chip_word_set *set, uint32_t word)

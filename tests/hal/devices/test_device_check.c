@@ -219,7 +219,7 @@ START_TEST(a_latch_has_the_keys_of_its_place)
                   {DEVICE_LATCH_DRIVE, true, false},
                   {DEVICE_LATCH_BOARD, false, true}};
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-        left()->latch = places[i].latch;
+        left()->latch = (int32_t)places[i].latch;
         ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_latch_bit), places[i].at_drive);
         ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_latch_node), places[i].on_board);
     }

@@ -121,7 +121,7 @@ START_TEST(whoever_has_no_legs_to_stand_on_falls)
         fell_at = reflex_person_fell(&person) ? i : 0;
     }
     ck_assert_int_gt(fell_at, 0);
-    person.body.q[MULTIBODY_Y] = NAN;
+    person.body.q[MULTIBODY_Y] = (double)NAN;
     ck_assert(reflex_person_fell(&person));
 }
 END_TEST
@@ -132,7 +132,7 @@ START_TEST(what_is_out_of_range_is_named)
         size_t offset;
         double value;
         const char *name;
-    } bad[] = {{offsetof(struct reflex_person_params, mass_kg), NAN, "mass_kg"},
+    } bad[] = {{offsetof(struct reflex_person_params, mass_kg), (double)NAN, "mass_kg"},
                {offsetof(struct reflex_person_params, leg_m), 0.1, "leg_m"},
                {offsetof(struct reflex_person_params, gravity_m_s2), -1.0, "gravity_m_s2"},
                {offsetof(struct reflex_person_params, start_speed_m_s), 9.0, "start_speed_m_s"},
