@@ -2,8 +2,8 @@
  *
  * A frame that comes twice with the same content is CAN's own doing (a repetition that one
  * receiver did not need). Frames that a full bus held up come together in a later cycle, but were
- * missed in their own: so many are owed, DUPLICATE_ID_OWED_MAX at most, since a frame that was
- * lost for good is owed for ever. What is left over is somebody else's.
+ * missed in their own: so many are owed, DUPLICATE_ID_OWED_MAX at most. A stream that was silent
+ * for longer, or has not begun, owes nothing. What is left over is somebody else's.
  *
  * Found after 2 cycles if nothing is owed, after 5 at most. Cost: O(1).
  */
@@ -25,12 +25,17 @@ static inline void duplicate_id_seen(int8_t *duplicate_id_count)
         (int8_t)(*duplicate_id_count < INT8_MAX ? *duplicate_id_count + 1 : *duplicate_id_count);
 }
 
-/* A cycle without a frame. */
-static inline void duplicate_id_missed(int8_t *duplicate_id_count)
+/* A cycle without a frame, the silent_cycles-th in a row (from 1 on). */
+static inline void duplicate_id_missed(int8_t *duplicate_id_count, uint16_t silent_cycles)
 {
-    *duplicate_id_count =
-        (int8_t)(*duplicate_id_count > -DUPLICATE_ID_OWED_MAX ? *duplicate_id_count - 1
-                                                              : -DUPLICATE_ID_OWED_MAX);
+    if (*duplicate_id_count > 0) {
+        *duplicate_id_count = (int8_t)(*duplicate_id_count - 1);
+    } else {
+        *duplicate_id_count =
+            (int8_t)(silent_cycles > DUPLICATE_ID_OWED_MAX          ? 0
+                     : *duplicate_id_count > -DUPLICATE_ID_OWED_MAX ? *duplicate_id_count - 1
+                                                                    : -DUPLICATE_ID_OWED_MAX);
+    }
 }
 
 #endif

@@ -217,7 +217,7 @@ void leg_sensors_age(struct leg_sensors *sensors)
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct leg_sensor_reading *reading = &sensors->reading[leg];
         if (reading->age_ticks > 0) {
-            duplicate_id_missed(&reading->duplicate_id_count);
+            duplicate_id_missed(&reading->duplicate_id_count, reading->age_ticks);
         }
         grow_older(&reading->leg_age_ticks);
         grow_older(&reading->ankle_age_ticks);

@@ -197,7 +197,7 @@ static void age(void *context)
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct cia402_axis *axis = &drives->axis[leg];
         if (axis->age_ticks > 0) {
-            duplicate_id_missed(&axis->duplicate_id_count);
+            duplicate_id_missed(&axis->duplicate_id_count, axis->age_ticks);
         }
         if (axis->age_ticks < UINT16_MAX) {
             axis->age_ticks++;

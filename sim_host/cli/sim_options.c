@@ -55,11 +55,13 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
     if (recording_options_person(&options->recording) && ground_options_given(&options->ground)) {
         argp_error(state,
                    "--slope-deg, --terrain-mm and --push act on the simulated walker, not on "
-                   "a person");
+                   "the person of --recording or --plant reflex");
     }
     if (recording_options_person(&options->recording) && options->walk.law_given &&
         options->walk.law != LAW_PERSON) {
-        argp_error(state, "--law is the walker's: a person's law is \"person\"");
+        argp_error(
+            state,
+            "--law is the walker's, and --recording or --plant reflex a person, whose law is \"person\"");
     }
     if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
         argp_error(state, "--fault-step needs --fault NAME");
@@ -70,7 +72,9 @@ static void check_together(struct argp_state *state, struct sim_options *options
 {
     options->walk.person = recording_options_person(&options->recording);
     if (recording_options_person(&options->recording) && walk_options_speed_given(&options->walk)) {
-        argp_error(state, "--speed is the walker's: a person chooses their speed");
+        argp_error(
+            state,
+            "--speed is the walker's: the person of --recording or --plant reflex chooses their own");
     }
     if (options->ticks && options->csv_path == NULL) {
         argp_error(state, "--ticks needs --csv FILE, or a file of its own: --ticks=FILE");

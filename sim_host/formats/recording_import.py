@@ -250,6 +250,7 @@ def import_log(options):
 
 
 def import_walk(options):
+    need("numpy")
     import gaps
     import checks
     source = read(options.file, options)
