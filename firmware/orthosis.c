@@ -238,8 +238,8 @@ void orthosis_start_cycle(struct orthosis *orthosis)
             orthosis->in_quiet_ticks();
         }
     }
-    if (orthosis->wearer !=
-        NULL) { /* in every tick: nothing that keeps the device busy may put it off */
+    /* In every tick: nothing that keeps the device busy may put the wearer off. */
+    if (orthosis->wearer != NULL) {
         look_after_wearer(orthosis);
     }
     bus_recovery_update(&orthosis->recovery, control_task_start_cycle(&orthosis->task),

@@ -29,12 +29,11 @@ static inline void duplicate_id_seen(int8_t *duplicate_id_count)
 static inline void duplicate_id_missed(int8_t *duplicate_id_count, uint16_t silent_cycles)
 {
     if (*duplicate_id_count > 0) {
-        *duplicate_id_count = (int8_t)(*duplicate_id_count - 1);
-    } else {
-        *duplicate_id_count =
-            (int8_t)(silent_cycles > DUPLICATE_ID_OWED_MAX          ? 0
-                     : *duplicate_id_count > -DUPLICATE_ID_OWED_MAX ? *duplicate_id_count - 1
-                                                                    : -DUPLICATE_ID_OWED_MAX);
+        (*duplicate_id_count)--;
+    } else if (silent_cycles > DUPLICATE_ID_OWED_MAX) {
+        *duplicate_id_count = 0;
+    } else if (*duplicate_id_count > -DUPLICATE_ID_OWED_MAX) {
+        (*duplicate_id_count)--;
     }
 }
 

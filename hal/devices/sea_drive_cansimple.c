@@ -141,6 +141,15 @@ static void watch_arming(struct cansimple_axis *axis, const struct sea_drive_com
     }
 }
 
+/* Repeated after REPEAT_TICKS, and in the next tick where the bus did not take it. */
+static enum can_result send_state(struct cansimple_axis *axis, enum cansimple_axis_state state,
+                                  const struct can_bus *bus)
+{
+    const enum can_result result = send(axis, CANSIMPLE_SET_AXIS_STATE, 4, (uint32_t)state, 0, bus);
+    axis->repeat_wait = result == CAN_OK ? REPEAT_TICKS : 0;
+    return result;
+}
+
 /* The way to closed loop: the mode, then the state, a request a tick. */
 static enum can_result send_start(struct cansimple_axis *axis, const struct can_bus *bus)
 {
@@ -151,9 +160,9 @@ static enum can_result send_start(struct cansimple_axis *axis, const struct can_
         axis->mode_is_told = result == CAN_OK;
         return result;
     }
-    axis->mode_is_told = false;
-    axis->repeat_wait = REPEAT_TICKS;
-    return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_CLOSED_LOOP, 0, bus);
+    const enum can_result result = send_state(axis, CANSIMPLE_STATE_CLOSED_LOOP, bus);
+    axis->mode_is_told = result != CAN_OK;
+    return result;
 }
 
 /* Requests that change the drive's state: sent, then given time, then repeated. Those to start are
@@ -181,8 +190,7 @@ static enum can_result send_requests(struct cansimple_axis *axis,
     }
     if ((!command->enable || axis->leaving) &&
         (state == DRIVE_ENABLED || state == DRIVE_STARTING)) {
-        axis->repeat_wait = REPEAT_TICKS;
-        return send(axis, CANSIMPLE_SET_AXIS_STATE, 4, CANSIMPLE_STATE_IDLE, 0, bus);
+        return send_state(axis, CANSIMPLE_STATE_IDLE, bus);
     }
     return CAN_OK;
 }

@@ -171,7 +171,7 @@ static enum can_result send_axis_command(struct mit_axis *axis,
     if (may_enter && !axis->entered && axis->enter_wait == 0) {
         const enum can_result result = send_special(axis, MIT_ENTER, bus);
         axis->entered = result == CAN_OK;
-        axis->enter_wait = ENTER_REPEAT_TICKS;
+        axis->enter_wait = axis->entered ? ENTER_REPEAT_TICKS : 0; /* refused: in the next tick */
         return result;
     }
     if (axis->entered && (!command->enable || axis->error != 0)) {

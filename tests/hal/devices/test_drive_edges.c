@@ -144,6 +144,33 @@ START_TEST(cansimple_says_what_the_bus_refused)
 }
 END_TEST
 
+/* What the bus did not take goes out in the next tick: above all the request to leave closed loop. */
+START_TEST(cansimple_what_was_refused_is_sent_in_the_next_tick)
+{
+    ck_assert(give(0x021, idle, 8, 0));
+    ck_assert(give(0x029, at_1_turn, 8, 0));
+    command[SIDE_LEFT].enable = true;
+    for (int k = 0; k < 2; k++) { /* the mode, then the state */
+        const uint32_t id = k == 0 ? 0x02B : 0x027;
+        fake.verdict = CAN_FULL;
+        ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_FULL);
+        ck_assert_uint_eq(fake_bus_count(&fake, id), 0);
+        fake.verdict = CAN_OK;
+        send_commands();
+        ck_assert_uint_eq(fake_bus_count(&fake, id), 1);
+    }
+    setup_odrive();
+    ck_assert(give(0x021, closed_loop, 8, 0));
+    ck_assert(give(0x029, at_1_turn, 8, 0));
+    fake.verdict = CAN_FULL;
+    ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_FULL);
+    fake.verdict = CAN_OK;
+    send_commands();
+    ck_assert_uint_eq(fake_bus_count(&fake, 0x027), 1);
+    ck_assert_uint_eq(fake_bus_last(&fake, 0x027)->data[0], CANSIMPLE_STATE_IDLE);
+}
+END_TEST
+
 START_TEST(cansimple_ages_stay_at_never)
 {
     for (int i = 0; i < 70000; i++) {
@@ -281,9 +308,8 @@ START_TEST(mit_says_what_the_bus_refused)
     ck_assert_int_eq(sea_drives_command(&drives, command, &bus), CAN_FULL);
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_DISABLED); /* it never heard of it */
     fake.verdict = CAN_OK;
-    for (int i = 0; i < 101; i++) {
-        send_commands();
-    }
+    send_commands();
+    ck_assert_uint_eq(special(), MIT_ENTER); /* in the next tick, not after a wait for an answer */
     ck_assert_int_eq(read_leg(SIDE_LEFT).state, DRIVE_ENABLED);
     command[SIDE_LEFT].enable = false;
     fake.verdict = CAN_FULL;
@@ -353,6 +379,7 @@ int main(void)
     tcase_add_test(one, cansimple_errors_are_cleared_when_asked);
     tcase_add_test(one, cansimple_enters_at_a_fresh_position);
     tcase_add_test(one, cansimple_says_what_the_bus_refused);
+    tcase_add_test(one, cansimple_what_was_refused_is_sent_in_the_next_tick);
     tcase_add_test(one, cansimple_ages_stay_at_never);
     tcase_add_checked_fixture(other, setup_mit, NULL);
     tcase_add_test(other, mit_takes_no_frame_that_is_none);
