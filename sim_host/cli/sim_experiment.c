@@ -13,6 +13,7 @@ static void who(struct json_writer *json, const struct sim_options *options,
     json_text(json, "person_file", options->walk.person_path);
     json_text(json, "device_file", options->walk.device_path);
     json_text(json, "recording", options->recording.path);
+    json_text(json, "plant", options->recording.by_reflexes ? "reflex" : NULL);
     json_number(json, "torso_mass_kg", (double)params->torso_mass_kg, DIGITS);
     json_number(json, "leg_mass_kg", (double)params->leg_mass_kg, DIGITS);
     json_number(json, "leg_length_m", (double)params->leg_length_m, DIGITS);

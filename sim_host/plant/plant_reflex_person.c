@@ -99,6 +99,25 @@ static void run_period(struct plant *plant, double now_s)
     }
 }
 
+/* Which way it lies: the hip against the middle of the feet. */
+static enum walk_fault fall_of(const struct reflex_person *reflex)
+{
+    double ahead_m = 0.0;
+    if (!reflex_person_fell(reflex)) {
+        return WALK_FAULT_NONE;
+    }
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        struct vector2 ball, speed;
+        multibody_foot_point(&reflex->params.segments, &reflex->body, (enum side)k,
+                             reflex->params.segments.ball_m, &ball, &speed);
+        ahead_m += reflex->body.q[MULTIBODY_X] - ball.x;
+    }
+    if (!(ahead_m - ahead_m == 0.0)) {
+        return WALK_FAULT_NOT_FINITE;
+    }
+    return ahead_m > 0.0 ? WALK_FAULT_FALLEN_FORWARD : WALK_FAULT_FALLEN_BACKWARD;
+}
+
 void plant_advance_reflex_person(struct plant *plant)
 {
     const double period_s = plant->config.sea[SIDE_LEFT].drive_period_s;
@@ -110,8 +129,8 @@ void plant_advance_reflex_person(struct plant *plant)
     }
     look(plant, &plant->person);
     post_events(plant, &before);
-    if (reflex_person_fell(&plant->reflex) && plant->walk.fault == WALK_FAULT_NONE) {
-        plant->walk.fault = WALK_FAULT_FALLEN_FORWARD;
+    if (plant->walk.fault == WALK_FAULT_NONE) {
+        plant->walk.fault = fall_of(&plant->reflex);
     }
 }
 

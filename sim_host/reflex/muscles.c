@@ -8,8 +8,6 @@
 #define RAD(degrees) ((degrees)*PI / 180.0)
 #define REFERENCE_MASS_KG 80.0
 
-const char *const muscle_names[MUSCLE_COUNT] = {"sol", "ta", "gas", "vas", "ham", "glu", "hfl"};
-
 /* Table I of Geyer & Herr (2010): N, lo/s, m, m. */
 static const struct muscle published[MUSCLE_COUNT] = {
     [MUSCLE_SOL] = {4000.0, 6.0, 0.04, 0.26},  [MUSCLE_TA] = {800.0, 12.0, 0.06, 0.24},

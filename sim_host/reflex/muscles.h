@@ -26,8 +26,6 @@ struct joint_angles {
     double angle_rad[JOINT_COUNT], rate_rad_s[JOINT_COUNT];
 };
 
-extern const char *const muscle_names[MUSCLE_COUNT]; /* sol .. hfl */
-
 /* Their muscles at full strength, for a person of 80 kg: forces grow with the mass, lengths with the leg. */
 void muscles_default(double mass_kg, double leg_m, struct muscle muscle[MUSCLE_COUNT]);
 

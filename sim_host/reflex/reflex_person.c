@@ -22,6 +22,7 @@
 #define BALL_M 0.16
 #define FELL_SHARE 0.6
 #define SENSE_PERIOD_S 0.001
+#define GAIN_MOST 100.0
 
 void reflex_person_default(double mass_kg, double leg_m, struct reflex_person_params *params)
 {
@@ -55,7 +56,7 @@ void reflex_person_default(double mass_kg, double leg_m, struct reflex_person_pa
     reflex_gains_healthy(&params->gains);
 }
 
-static int is_within(double value, double low, double high)
+static bool is_within(double value, double low, double high)
 {
     return value >= low && value <= high; /* false for a NaN */
 }
@@ -85,11 +86,13 @@ const char *reflex_person_check(const struct reflex_person_params *params)
                 !is_within(muscle->optimal_m, 0.005, 0.5) ||
                 !is_within(muscle->slack_m, 0.01, 1.0) ||
                 !is_within(muscle->speed_max_per_s, 1.0, 30.0)) {
-                return muscle_names[i];
+                return "a muscle's force, speed or lengths are out of range";
             }
         }
     }
-    return NULL;
+#define GAIN_IS_FINITE(name, published, unit) &&is_within(params->gains.name, -GAIN_MOST, GAIN_MOST)
+    return true REFLEX_GAINS(GAIN_IS_FINITE) ? NULL : "a reflex's gain is out of range";
+#undef GAIN_IS_FINITE
 }
 
 static struct vector2 point_of(const struct segments *segments, int point)
@@ -308,7 +311,7 @@ void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns)
     }
 }
 
-int reflex_person_fell(const struct reflex_person *person)
+bool reflex_person_fell(const struct reflex_person *person)
 {
     double check = 0.0;
     for (int i = 0; i < MULTIBODY_DOF; i++) {

@@ -6,6 +6,7 @@
 #ifndef SIM_HOST_REFLEX_REFLEX_PERSON_H
 #define SIM_HOST_REFLEX_REFLEX_PERSON_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "sim_host/reflex/contact.h"
@@ -64,6 +65,6 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
 void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns);
 
 /* Whether the hip is below 0.6 legs, or something is not finite. */
-int reflex_person_fell(const struct reflex_person *person);
+bool reflex_person_fell(const struct reflex_person *person);
 
 #endif

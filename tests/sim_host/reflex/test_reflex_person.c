@@ -108,6 +108,35 @@ START_TEST(a_push_gives_its_momentum)
 }
 END_TEST
 
+/* A device's torque extends the ankle, and what it does there is what the body gains. In the air, so that nothing else
+ * takes it. */
+START_TEST(a_device_plantarflexes_and_gives_its_work)
+{
+    struct reflex_person with, without;
+    struct joint_angles before, after;
+    const struct reflex_person_loads loads = {.ankle_Nm = {[SIDE_LEFT] = 40.0}};
+    begin(&with, 0.00025);
+    (void)walk(&with, 0.0, 2.0);
+    with.params.step_s =
+        1e-6; /* what muscles and joint ends do of the change vanishes with its square */
+    with.body.q[MULTIBODY_Y] += 0.5;
+    with.body.dq[MULTIBODY_LEFT + PART_FOOT] -=
+        6.0; /* the foot turns down already: there is power */
+    without = with;
+    muscles_joint_angles(&with.body, SIDE_LEFT, &before);
+    reflex_person_step(&with, &loads);
+    reflex_person_step(&without, &alone);
+    muscles_joint_angles(&with.body, SIDE_LEFT, &after);
+    const double turned_rad = after.angle_rad[JOINT_ANKLE] - before.angle_rad[JOINT_ANKLE];
+    ck_assert(after.rate_rad_s[JOINT_ANKLE] > before.rate_rad_s[JOINT_ANKLE]);
+    ck_assert(with.body.dq[MULTIBODY_LEFT + PART_FOOT] <
+              without.body.dq[MULTIBODY_LEFT + PART_FOOT]);
+    const double gained_J = multibody_energy_J(&with.params.segments, &with.body) -
+                            multibody_energy_J(&without.params.segments, &without.body);
+    assert_close(gained_J, 40.0 * turned_rad, 0.0, 0.02);
+}
+END_TEST
+
 START_TEST(whoever_has_no_legs_to_stand_on_falls)
 {
     struct reflex_person person;
@@ -132,11 +161,15 @@ START_TEST(what_is_out_of_range_is_named)
         size_t offset;
         double value;
         const char *name;
-    } bad[] = {{offsetof(struct reflex_person_params, mass_kg), (double)NAN, "mass_kg"},
-               {offsetof(struct reflex_person_params, leg_m), 0.1, "leg_m"},
-               {offsetof(struct reflex_person_params, gravity_m_s2), -1.0, "gravity_m_s2"},
-               {offsetof(struct reflex_person_params, start_speed_m_s), 9.0, "start_speed_m_s"},
-               {offsetof(struct reflex_person_params, step_s), 0.0003, "step_s"}};
+    } bad[] = {
+        {offsetof(struct reflex_person_params, mass_kg), (double)NAN, "mass_kg"},
+        {offsetof(struct reflex_person_params, leg_m), 0.1, "leg_m"},
+        {offsetof(struct reflex_person_params, gravity_m_s2), -1.0, "gravity_m_s2"},
+        {offsetof(struct reflex_person_params, start_speed_m_s), 9.0, "start_speed_m_s"},
+        {offsetof(struct reflex_person_params, step_s), 0.0003, "step_s"},
+        {offsetof(struct reflex_person_params, gains.load), (double)NAN, "gain"},
+        {offsetof(struct reflex_person_params, gains.glu_force), 1e9, "gain"},
+        {offsetof(struct reflex_person_params, muscle[1][MUSCLE_TA].slack_m), -1.0, "muscle"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct reflex_person_params params;
         reflex_person_default(80.0, 1.0, &params);
@@ -157,6 +190,7 @@ int main(void)
     tcase_add_test(tests, half_the_step_walks_alike);
     tcase_add_test(tests, a_copy_is_a_snapshot);
     tcase_add_test(tests, a_push_gives_its_momentum);
+    tcase_add_test(tests, a_device_plantarflexes_and_gives_its_work);
     tcase_add_test(tests, whoever_has_no_legs_to_stand_on_falls);
     tcase_add_test(tests, what_is_out_of_range_is_named);
     suite_add_tcase(suite, tests);

@@ -1,0 +1,243 @@
+/* A person who walks by reflexes as a plant: signs and sides as everybody's, forces that carry the body, and springs
+ * that do to the ankle what they are there for. Held against statics, energy and what walking is. */
+#include "sim_host/plant/plant.h"
+#include "tests/support/assert_close.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { START_TICK = 100, EVENTS = 12 };
+
+static struct plant plant;
+static struct plant_config config;
+static char message[PLANT_ERROR_MAX];
+
+static void configure(void)
+{
+    const struct walker3_params adult = {65.0, 2.5, 0.93, 9.80665};
+    plant_config_for(&adult, 7000.0, SEA_REAL, SENSORS_IDEAL, &config);
+    config.kind = PLANT_REFLEX_PERSON;
+    config.recording_start_tick = START_TICK;
+    reflex_person_default(70.0, 0.93, &config.reflex);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        foot_switch_preset(FOOT_SWITCH_EXACT, 1, (uint64_t)side, &config.foot_switch[side]);
+        config.sea[side].release_on = SEA_RELEASE_CONTACT;
+    }
+}
+
+static void begin(void)
+{
+    ck_assert_msg(plant_init(&plant, &config, message) == PLANT_OK, "%s", message);
+}
+
+/* A tick in which both motors hold at the precompression where they may be loaded. */
+static void tick(double precompression_m)
+{
+    struct plant_truth truth;
+    struct sensor_sample sample;
+    plant_truth(&plant, &truth);
+    for (int i = 0; i < SIDE_COUNT; i++) {
+        const enum side side = (enum side)i;
+        const bool late = truth.contact[side] && truth.leg_angle_rad[side] < 0.0;
+        const bool pushes = plant.sea[side].latch == SEA_LATCH_RELEASED;
+        const struct sea_command command = {SEA_POSITION, late || pushes ? precompression_m : 0.0,
+                                            late && precompression_m > 0.0};
+        plant_set_command(&plant, side, &command);
+        plant_sample(&plant, side, &sample);
+    }
+    plant_advance(&plant);
+}
+
+START_TEST(it_stands_until_it_may_walk)
+{
+    struct plant_truth before, after;
+    configure();
+    begin();
+    plant_truth(&plant, &before);
+    ck_assert(before.leg_angle_rad[SIDE_LEFT] > 0.1); /* ahead of the hip, as it is of a walker */
+    ck_assert(before.leg_angle_rad[SIDE_RIGHT] < -0.1);
+    for (int i = 0; i < START_TICK; i++) {
+        tick(0.0);
+    }
+    plant_truth(&plant, &after);
+    ck_assert_mem_eq(before.leg_angle_rad, after.leg_angle_rad, sizeof before.leg_angle_rad);
+    ck_assert(before.hip_m[0] == after.hip_m[0]);
+}
+END_TEST
+
+START_TEST(it_walks_towards_minus_x_and_its_feet_carry_it)
+{
+    struct walk_event event;
+    struct plant_truth truth;
+    int count[EVENTS] = {0};
+    double carried_Ns = 0.0, start_m = 0.0, highest_m = 0.0;
+    enum side last = SIDE_RIGHT;
+    configure();
+    begin();
+    for (int i = 0; i < 10000; i++) {
+        tick(0.0);
+        plant_truth(&plant, &truth);
+        start_m = i == 4000 ? truth.hip_m[0] : start_m;
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            carried_Ns += i >= 4000 ? 0.001 * truth.ground_force_N[side][1] : 0.0;
+            ck_assert(truth.contact[side] == (truth.ground_force_N[side][1] > 20.0));
+            highest_m = truth.toe_m[side][1] > highest_m ? truth.toe_m[side][1] : highest_m;
+        }
+        while (plant_next_event(&plant, &event)) {
+            count[event.kind]++;
+            if (event.kind == WALK_EVENT_HEEL_STRIKE && count[event.kind] > 2) {
+                ck_assert(event.value > 0.1 &&
+                          event.side != last); /* ahead, left and right in turn */
+            }
+            last = event.kind == WALK_EVENT_HEEL_STRIKE ? event.side : last;
+            ck_assert(event.kind != WALK_EVENT_TOE_OFF || event.value < 0.0);
+            ck_assert(event.kind != WALK_EVENT_APEX || event.value > 0.5);
+        }
+    }
+    ck_assert_int_eq(plant_fault(&plant), WALK_FAULT_NONE);
+    assert_close(truth.hip_m[0] - start_m, -6.0 * 1.23, 0.0, 0.05);
+    assert_close(carried_Ns / 6.0, 70.0 * 9.80665, 0.0,
+                 0.02); /* what it weighs, over its strides */
+    ck_assert_int_ge(count[WALK_EVENT_HEEL_STRIKE], 13);
+    ck_assert_int_ge(count[WALK_EVENT_APEX], count[WALK_EVENT_HEEL_STRIKE] - 2);
+    ck_assert(highest_m > 0.02 && highest_m < 0.4); /* the foot that swings */
+}
+END_TEST
+
+/* A loaded spring that is let go presses the foot down: its energy goes into the person, not out of them. */
+START_TEST(a_spring_pushes_the_person_off)
+{
+    struct plant_energy energy;
+    struct walk_event event;
+    const double precompression_m = 0.02;
+    int releases = 0;
+    configure();
+    begin();
+    for (int i = 0; i < 4000; i++) {
+        tick(i < 1500 ? 0.0 : precompression_m);
+        while (plant_next_event(&plant, &event)) {
+            releases += event.kind == WALK_EVENT_RELEASE;
+        }
+    }
+    plant_energy(&plant, &energy);
+    const double stored_J = 0.5 * 7000.0 * precompression_m * precompression_m * releases;
+    const double given_J = energy.device_work_J[SIDE_LEFT] + energy.device_work_J[SIDE_RIGHT];
+    ck_assert_int_ge(releases, 3);
+    ck_assert_msg(given_J > 0.3 * stored_J && given_J < 1.1 * stored_J, "%g of %g J", given_J,
+                  stored_J);
+}
+END_TEST
+
+static double ankle_rad(enum side side)
+{
+    struct joint_angles joints;
+    muscles_joint_angles(&plant.reflex.body, side, &joints);
+    return joints.angle_rad[JOINT_ANKLE];
+}
+
+/* The same moment of a push twice, once with a spring that breaks: with it whole the ankle extends further. */
+START_TEST(the_spring_extends_the_ankle)
+{
+    static struct plant copy;
+    double extended_rad[2];
+    configure();
+    begin();
+    int i = 0;
+    while (plant.sea[SIDE_LEFT].latch != SEA_LATCH_RELEASED && i < 5000) {
+        tick(i++ < 1500 ? 0.0 : 0.03);
+    }
+    ck_assert_int_eq(plant.sea[SIDE_LEFT].latch, SEA_LATCH_RELEASED);
+    memcpy(&copy, &plant, sizeof plant);
+    for (int broken = 0; broken < 2; broken++) {
+        memcpy(&plant, &copy, sizeof plant);
+        plant_set_spring_scale(&plant, SIDE_LEFT, broken ? 0.0 : 1.0);
+        for (int k = 0; k < 20; k++) {
+            tick(0.03);
+        }
+        extended_rad[broken] = ankle_rad(SIDE_LEFT);
+    }
+    ck_assert_msg(extended_rad[0] > extended_rad[1] + 0.01, "%g rad, without %g", extended_rad[0],
+                  extended_rad[1]);
+}
+END_TEST
+
+/* Pushed backwards (+x) and forwards, alike. */
+START_TEST(a_push_is_the_worlds)
+{
+    configure();
+    begin();
+    for (int i = 0; i < 2000; i++) {
+        tick(0.0);
+    }
+    const double before_m_s = plant.reflex.body.dq[MULTIBODY_X];
+    plant_push(&plant, 10.0, 0.0);
+    ck_assert(plant.reflex.body.dq[MULTIBODY_X] < before_m_s); /* its own x is ahead */
+    plant_push(&plant, -10.0, 0.0);
+    assert_close(plant.reflex.body.dq[MULTIBODY_X], before_m_s, 1e-12, 0.0);
+}
+END_TEST
+
+/* A knock against the walk and one with it: it goes down on the side it was knocked to. */
+START_TEST(a_fall_has_its_direction)
+{
+    configure();
+    begin();
+    for (int i = 0; i < 2000; i++) {
+        tick(0.0);
+    }
+    plant_push(&plant, _i == 0 ? 250.0 : -250.0, 0.0);
+    for (int i = 0; i < 5000 && plant_fault(&plant) == WALK_FAULT_NONE; i++) {
+        tick(0.0);
+    }
+    ck_assert_int_eq(plant_fault(&plant),
+                     _i == 0 ? WALK_FAULT_FALLEN_BACKWARD : WALK_FAULT_FALLEN_FORWARD);
+}
+END_TEST
+
+START_TEST(a_copy_has_the_same_future)
+{
+    static struct plant copy;
+    configure();
+    begin();
+    for (int i = 0; i < 1500; i++) {
+        tick(0.02);
+    }
+    memcpy(&copy, &plant, sizeof plant);
+    for (int i = 0; i < 500; i++) {
+        tick(0.02);
+    }
+    const struct reflex_person one = plant.reflex;
+    memcpy(&plant, &copy, sizeof plant);
+    for (int i = 0; i < 500; i++) {
+        tick(0.02);
+    }
+    ck_assert_mem_eq(&one.body, &plant.reflex.body, sizeof one.body);
+    ck_assert_mem_eq(&one.muscle, &plant.reflex.muscle, sizeof one.muscle);
+}
+END_TEST
+
+START_TEST(a_person_out_of_range_is_refused_by_name)
+{
+    configure();
+    config.reflex.mass_kg = (double)NAN;
+    ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_BAD_PERSON);
+    ck_assert_ptr_nonnull(strstr(message, "mass_kg"));
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("reflex_plant");
+    TCase *tests = tcase_create("all");
+    tcase_set_timeout(tests, 240);
+    tcase_add_test(tests, it_stands_until_it_may_walk);
+    tcase_add_test(tests, it_walks_towards_minus_x_and_its_feet_carry_it);
+    tcase_add_test(tests, a_spring_pushes_the_person_off);
+    tcase_add_test(tests, the_spring_extends_the_ankle);
+    tcase_add_test(tests, a_push_is_the_worlds);
+    tcase_add_loop_test(tests, a_fall_has_its_direction, 0, 2);
+    tcase_add_test(tests, a_copy_has_the_same_future);
+    tcase_add_test(tests, a_person_out_of_range_is_refused_by_name);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
