@@ -107,10 +107,7 @@ static enum walk_fault fall_of(const struct reflex_person *reflex)
         return WALK_FAULT_NONE;
     }
     for (int k = 0; k < SIDE_COUNT; k++) {
-        struct vector2 ball, speed;
-        multibody_foot_point(&reflex->params.segments, &reflex->body, (enum side)k,
-                             reflex->params.segments.ball_m, &ball, &speed);
-        ahead_m += reflex->body.q[MULTIBODY_X] - ball.x;
+        ahead_m += reflex->body.q[MULTIBODY_X] - reflex_person_ball(reflex, (enum side)k).x;
     }
     if (!(ahead_m - ahead_m == 0.0)) {
         return WALK_FAULT_NOT_FINITE;
@@ -140,11 +137,9 @@ void plant_reflex_truth(const struct plant *plant, struct plant_truth *truth)
     truth->hip_m[0] = -reflex->body.q[MULTIBODY_X];
     truth->hip_m[1] = reflex->body.q[MULTIBODY_Y];
     for (int k = 0; k < SIDE_COUNT; k++) {
-        struct vector2 at, speed;
-        multibody_foot_point(&reflex->params.segments, &reflex->body, (enum side)k,
-                             reflex->params.segments.ball_m, &at, &speed);
-        truth->toe_m[k][0] = -at.x;
-        truth->toe_m[k][1] = at.y;
+        const struct vector2 ball = reflex_person_ball(reflex, (enum side)k);
+        truth->toe_m[k][0] = -ball.x;
+        truth->toe_m[k][1] = ball.y;
         truth->ground_force_N[k][0] = -reflex->ground_N[k].x;
         truth->ground_force_N[k][1] = reflex->ground_N[k].y;
     }

@@ -12,43 +12,50 @@ struct chain {
     struct vector2 r[LEG_PARTS];
 };
 
-/* Everything that trigonometry is needed for. */
-struct pose {
-    struct vector2 trunk;
+/* Of every segment. */
+struct chains {
+    struct chain trunk;
     struct chain part[SIDE_COUNT][LEG_PARTS]; /* up to the centre of mass of each */
 };
 
-static struct vector2 turned(struct vector2 vector, double sine, double cosine)
+void multibody_pose(const struct multibody_state *state, struct multibody_pose *pose)
 {
+    for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
+        trig_sincos_f64(state->q[i], &pose->sine[i], &pose->cosine[i]);
+    }
+}
+
+/* A vector of the segment with this coordinate. */
+static struct vector2 turned(struct vector2 vector, const struct multibody_pose *pose,
+                             int coordinate)
+{
+    const double sine = pose->sine[coordinate], cosine = pose->cosine[coordinate];
     return (struct vector2){cosine * vector.x - sine * vector.y,
                             sine * vector.x + cosine * vector.y};
 }
 
-static void leg_pose(const struct segments *segments, const double *angle,
-                     struct chain part[LEG_PARTS])
+static void chain_leg(const struct segments *segments, const struct multibody_pose *pose, int first,
+                      struct chain part[LEG_PARTS])
 {
     struct vector2 joint[LEG_PARTS]; /* the whole of each part, joint to joint */
     for (int i = 0; i < LEG_PARTS; i++) {
-        double sine, cosine;
-        trig_sincos_f64(angle[i], &sine, &cosine);
         const struct segment *segment = &segments->part[i];
-        joint[i] = turned((struct vector2){0.0, -segment->length_m}, sine, cosine);
+        joint[i] = turned((struct vector2){0.0, -segment->length_m}, pose, first + i);
         part[i].count = i + 1;
         for (int j = 0; j < i; j++) {
             part[i].r[j] = joint[j];
         }
-        part[i].r[i] = turned(segment->centre_m, sine, cosine);
+        part[i].r[i] = turned(segment->centre_m, pose, first + i);
     }
 }
 
-static void whole_pose(const struct segments *segments, const struct multibody_state *state,
-                       struct pose *pose)
+static void chain_all(const struct segments *segments, const struct multibody_pose *pose,
+                      struct chains *chains)
 {
-    double sine, cosine;
-    trig_sincos_f64(state->q[MULTIBODY_TRUNK], &sine, &cosine);
-    pose->trunk = turned(segments->trunk.centre_m, sine, cosine);
+    chains->trunk.count = 1;
+    chains->trunk.r[0] = turned(segments->trunk.centre_m, pose, MULTIBODY_TRUNK);
     for (int side = 0; side < SIDE_COUNT; side++) {
-        leg_pose(segments, state->q + multibody_leg((enum side)side), pose->part[side]);
+        chain_leg(segments, pose, multibody_leg((enum side)side), chains->part[side]);
     }
 }
 
@@ -144,16 +151,16 @@ static void solve_limb(const struct limb *limb, const double hip[HIP_AXES], doub
 }
 
 void multibody_accelerations(const struct segments *segments, const struct multibody_state *state,
-                             const double force[MULTIBODY_DOF], double acceleration[MULTIBODY_DOF])
+                             const struct multibody_pose *pose, const double force[MULTIBODY_DOF],
+                             double acceleration[MULTIBODY_DOF])
 {
-    struct pose pose;
-    whole_pose(segments, state, &pose);
+    struct chains chains;
+    chain_all(segments, pose, &chains);
     struct limb trunk = {.count = 1, .force = {force[MULTIBODY_TRUNK]}};
     struct limb leg[SIDE_COUNT];
     struct trunk_sum sum = {.force = {force[MULTIBODY_X], force[MULTIBODY_Y]}};
-    const struct chain trunk_chain = {1, {pose.trunk}};
-    add_segment(&segments->trunk, &trunk_chain, state->dq + MULTIBODY_TRUNK, segments->gravity_m_s2,
-                &trunk, &sum);
+    add_segment(&segments->trunk, &chains.trunk, state->dq + MULTIBODY_TRUNK,
+                segments->gravity_m_s2, &trunk, &sum);
     eliminate(&trunk, &sum);
     for (int side = 0; side < SIDE_COUNT; side++) {
         const int first = multibody_leg((enum side)side);
@@ -162,7 +169,7 @@ void multibody_accelerations(const struct segments *segments, const struct multi
             leg[side].force[i] = force[first + i];
         }
         for (int i = 0; i < LEG_PARTS; i++) {
-            add_segment(&segments->part[i], &pose.part[side][i], state->dq + first,
+            add_segment(&segments->part[i], &chains.part[side][i], state->dq + first,
                         segments->gravity_m_s2, &leg[side], &sum);
         }
         eliminate(&leg[side], &sum);
@@ -178,53 +185,9 @@ void multibody_accelerations(const struct segments *segments, const struct multi
     solve_limb(&leg[SIDE_RIGHT], hip, acceleration + MULTIBODY_RIGHT);
 }
 
-/* The vectors from the hip to a point of a foot. */
-static void foot_chain(const struct segments *segments, const struct multibody_state *state,
-                       enum side side, struct vector2 at_m, struct vector2 r[LEG_PARTS])
-{
-    const double *angle = state->q + multibody_leg(side);
-    for (int i = 0; i < LEG_PARTS; i++) {
-        double sine, cosine;
-        trig_sincos_f64(angle[i], &sine, &cosine);
-        r[i] = turned(i == PART_FOOT ? at_m : (struct vector2){0.0, -segments->part[i].length_m},
-                      sine, cosine);
-    }
-}
-
-void multibody_foot_point(const struct segments *segments, const struct multibody_state *state,
-                          enum side side, struct vector2 at_m, struct vector2 *position_m,
-                          struct vector2 *velocity_m_s)
-{
-    struct vector2 r[LEG_PARTS];
-    const double *rate = state->dq + multibody_leg(side);
-    foot_chain(segments, state, side, at_m, r);
-    *position_m = (struct vector2){state->q[MULTIBODY_X], state->q[MULTIBODY_Y]};
-    *velocity_m_s = (struct vector2){state->dq[MULTIBODY_X], state->dq[MULTIBODY_Y]};
-    for (int i = 0; i < LEG_PARTS; i++) {
-        position_m->x += r[i].x;
-        position_m->y += r[i].y;
-        velocity_m_s->x -= rate[i] * r[i].y;
-        velocity_m_s->y += rate[i] * r[i].x;
-    }
-}
-
-void multibody_add_force(const struct segments *segments, const struct multibody_state *state,
-                         enum side side, struct vector2 at_m, struct vector2 force_N,
-                         double force[MULTIBODY_DOF])
-{
-    struct vector2 r[LEG_PARTS];
-    double *leg = force + multibody_leg(side);
-    foot_chain(segments, state, side, at_m, r);
-    force[MULTIBODY_X] += force_N.x;
-    force[MULTIBODY_Y] += force_N.y;
-    for (int i = 0; i < LEG_PARTS; i++) {
-        leg[i] += r[i].x * force_N.y - r[i].y * force_N.x;
-    }
-}
-
-/* Position and velocity of a centre of mass, from the hip on. */
-static void centre_of(const struct multibody_state *state, const struct chain *chain,
-                      const double *rate, struct vector2 *position_m, struct vector2 *velocity_m_s)
+/* Position and velocity of where a chain ends. */
+static void follow(const struct multibody_state *state, const struct chain *chain,
+                   const double *rate, struct vector2 *position_m, struct vector2 *velocity_m_s)
 {
     *position_m = (struct vector2){state->q[MULTIBODY_X], state->q[MULTIBODY_Y]};
     *velocity_m_s = (struct vector2){state->dq[MULTIBODY_X], state->dq[MULTIBODY_Y]};
@@ -233,6 +196,40 @@ static void centre_of(const struct multibody_state *state, const struct chain *c
         position_m->y += chain->r[j].y;
         velocity_m_s->x -= rate[j] * chain->r[j].y;
         velocity_m_s->y += rate[j] * chain->r[j].x;
+    }
+}
+
+/* The vectors from the hip to a point of a foot. */
+static void foot_chain(const struct segments *segments, const struct multibody_pose *pose,
+                       enum side side, struct vector2 at_m, struct vector2 r[LEG_PARTS])
+{
+    const int first = multibody_leg(side);
+    for (int i = 0; i < PART_FOOT; i++) {
+        r[i] = turned((struct vector2){0.0, -segments->part[i].length_m}, pose, first + i);
+    }
+    r[PART_FOOT] = turned(at_m, pose, first + PART_FOOT);
+}
+
+void multibody_foot_point(const struct segments *segments, const struct multibody_state *state,
+                          const struct multibody_pose *pose, enum side side, struct vector2 at_m,
+                          struct vector2 *position_m, struct vector2 *velocity_m_s)
+{
+    struct chain chain = {.count = LEG_PARTS};
+    foot_chain(segments, pose, side, at_m, chain.r);
+    follow(state, &chain, state->dq + multibody_leg(side), position_m, velocity_m_s);
+}
+
+void multibody_add_force(const struct segments *segments, const struct multibody_pose *pose,
+                         enum side side, struct vector2 at_m, struct vector2 force_N,
+                         double force[MULTIBODY_DOF])
+{
+    struct vector2 r[LEG_PARTS];
+    double *leg = force + multibody_leg(side);
+    foot_chain(segments, pose, side, at_m, r);
+    force[MULTIBODY_X] += force_N.x;
+    force[MULTIBODY_Y] += force_N.y;
+    for (int i = 0; i < LEG_PARTS; i++) {
+        leg[i] += r[i].x * force_N.y - r[i].y * force_N.x;
     }
 }
 
@@ -247,7 +244,7 @@ static void sum_segment(const struct segments *segments, const struct multibody_
                         const double *rate, struct body_sum *sum)
 {
     struct vector2 at, speed;
-    centre_of(state, chain, rate, &at, &speed);
+    follow(state, chain, rate, &at, &speed);
     const double mass = segment->mass_kg, own_rate = rate[chain->count - 1];
     sum->mass_kg += mass;
     sum->energy_J += 0.5 * mass * (speed.x * speed.x + speed.y * speed.y) +
@@ -262,13 +259,15 @@ static void sum_segment(const struct segments *segments, const struct multibody_
 static struct body_sum sum_of(const struct segments *segments, const struct multibody_state *state)
 {
     struct body_sum sum = {0};
-    struct pose pose;
-    whole_pose(segments, state, &pose);
-    const struct chain trunk = {1, {pose.trunk}};
-    sum_segment(segments, state, &segments->trunk, &trunk, state->dq + MULTIBODY_TRUNK, &sum);
+    struct multibody_pose pose;
+    struct chains chains;
+    multibody_pose(state, &pose);
+    chain_all(segments, &pose, &chains);
+    sum_segment(segments, state, &segments->trunk, &chains.trunk, state->dq + MULTIBODY_TRUNK,
+                &sum);
     for (int side = 0; side < SIDE_COUNT; side++) {
         for (int i = 0; i < LEG_PARTS; i++) {
-            sum_segment(segments, state, &segments->part[i], &pose.part[side][i],
+            sum_segment(segments, state, &segments->part[i], &chains.part[side][i],
                         state->dq + multibody_leg((enum side)side), &sum);
         }
     }

@@ -50,23 +50,31 @@ struct multibody_state {
     double dq[MULTIBODY_DOF]; /* m/s, m/s, rad/s */
 };
 
+/* Sine and cosine of every angle: worked out once for a state, and used by all that is asked of it. */
+struct multibody_pose {
+    double sine[MULTIBODY_DOF], cosine[MULTIBODY_DOF]; /* from MULTIBODY_TRUNK on */
+};
+
 /* Where a leg's coordinates begin. */
 static inline int multibody_leg(enum side side)
 {
     return side == SIDE_LEFT ? MULTIBODY_LEFT : MULTIBODY_RIGHT;
 }
 
+void multibody_pose(const struct multibody_state *state, struct multibody_pose *pose);
+
 /* The accelerations under gravity and generalised forces (N, N, then N m in the sense of each angle). */
 void multibody_accelerations(const struct segments *segments, const struct multibody_state *state,
-                             const double force[MULTIBODY_DOF], double acceleration[MULTIBODY_DOF]);
+                             const struct multibody_pose *pose, const double force[MULTIBODY_DOF],
+                             double acceleration[MULTIBODY_DOF]);
 
 /* A point of a foot, given from the ankle at angle 0: where it is and how fast it moves. */
 void multibody_foot_point(const struct segments *segments, const struct multibody_state *state,
-                          enum side side, struct vector2 at_m, struct vector2 *position_m,
-                          struct vector2 *velocity_m_s);
+                          const struct multibody_pose *pose, enum side side, struct vector2 at_m,
+                          struct vector2 *position_m, struct vector2 *velocity_m_s);
 
 /* Adds what a force (N) at such a point does to every coordinate. */
-void multibody_add_force(const struct segments *segments, const struct multibody_state *state,
+void multibody_add_force(const struct segments *segments, const struct multibody_pose *pose,
                          enum side side, struct vector2 at_m, struct vector2 force_N,
                          double force[MULTIBODY_DOF]);
 

@@ -121,6 +121,16 @@ static void sense(const struct reflex_person *person, struct reflex_moment *mome
     moment->lean_rate_rad_s = -person->body.dq[MULTIBODY_TRUNK];
 }
 
+struct vector2 reflex_person_ball(const struct reflex_person *person, enum side side)
+{
+    struct multibody_pose pose;
+    struct vector2 position_m, velocity_m_s;
+    multibody_pose(&person->body, &pose);
+    multibody_foot_point(&person->params.segments, &person->body, &pose, side,
+                         person->params.segments.ball_m, &position_m, &velocity_m_s);
+    return position_m;
+}
+
 /* ---- the start ------------------------------------------------------------------------------------------------ */
 
 /* Late single support: the right foot flat on the ground behind the hip, the left leg ahead, bent. */
@@ -138,12 +148,9 @@ static void start_pose(struct reflex_person *person)
         body->q[first + PART_SHANK] = shank[side];
         body->q[first + PART_FOOT] = foot[side];
     }
-    struct vector2 position, velocity;
-    multibody_foot_point(&params->segments, body, SIDE_RIGHT, params->segments.ball_m, &position,
-                         &velocity);
     const double sink_m =
         0.5 * params->mass_kg * params->gravity_m_s2 / params->contact.stiffness_N_m;
-    body->q[MULTIBODY_Y] = -position.y - sink_m;
+    body->q[MULTIBODY_Y] = -reflex_person_ball(person, SIDE_RIGHT).y - sink_m;
     body->dq[MULTIBODY_X] = params->start_speed_m_s;
     /* The stance leg turns about its ankle, the other one goes ahead. */
     const double turn_rad_s = params->start_speed_m_s / params->leg_m;
@@ -186,6 +193,8 @@ static void accelerate(const struct reflex_person *person, const struct held *he
 {
     const struct reflex_person_params *params = &person->params;
     double force[MULTIBODY_DOF] = {held->loads->push_N.x, held->loads->push_N.y};
+    struct multibody_pose pose;
+    multibody_pose(body, &pose);
     for (int side = 0; side < SIDE_COUNT; side++) {
         double torque[JOINT_COUNT];
         struct joint_angles joints;
@@ -197,19 +206,19 @@ static void accelerate(const struct reflex_person *person, const struct held *he
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;
             const struct vector2 at = point_of(&params->segments, point);
-            multibody_foot_point(&params->segments, body, (enum side)side, at, &position,
+            multibody_foot_point(&params->segments, body, &pose, (enum side)side, at, &position,
                                  &velocity);
             const struct vector2 push =
                 contact_force(&params->contact, &person->contact[side][point], position, velocity,
                               held->loads->ground_m[side], NULL);
             if (push.y > 0.0) {
-                multibody_add_force(&params->segments, body, (enum side)side, at, push, force);
+                multibody_add_force(&params->segments, &pose, (enum side)side, at, push, force);
                 ground_N[side].x += push.x;
                 ground_N[side].y += push.y;
             }
         }
     }
-    multibody_accelerations(&params->segments, body, force, acceleration);
+    multibody_accelerations(&params->segments, body, &pose, force, acceleration);
 }
 
 /* Runge and Kutta's fourth order; the contacts' holds stay where they are meanwhile. */
@@ -284,10 +293,12 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
         pull(person, loads, (enum side)side, held.torque_Nm[side]);
     }
     advance_body(person, &held);
+    struct multibody_pose pose;
+    multibody_pose(&person->body, &pose);
     for (int side = 0; side < SIDE_COUNT; side++) {
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;
-            multibody_foot_point(&params->segments, &person->body, (enum side)side,
+            multibody_foot_point(&params->segments, &person->body, &pose, (enum side)side,
                                  point_of(&params->segments, point), &position, &velocity);
             contact_update(&params->contact, &person->contact[side][point], position, velocity,
                            loads->ground_m[side]);
@@ -302,10 +313,12 @@ void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns)
     struct segments segments = person->params.segments;
     struct multibody_state rest = person->body;
     const double force[MULTIBODY_DOF] = {impulse_Ns.x, impulse_Ns.y};
+    struct multibody_pose pose;
     double change[MULTIBODY_DOF];
     segments.gravity_m_s2 = 0.0;
     memset(rest.dq, 0, sizeof rest.dq);
-    multibody_accelerations(&segments, &rest, force, change);
+    multibody_pose(&rest, &pose);
+    multibody_accelerations(&segments, &rest, &pose, force, change);
     for (int i = 0; i < MULTIBODY_DOF; i++) {
         person->body.dq[i] += change[i];
     }

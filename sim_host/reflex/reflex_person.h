@@ -61,6 +61,9 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
 /* One step of params.step_s. */
 void reflex_person_step(struct reflex_person *person, const struct reflex_person_loads *loads);
 
+/* Where the ball of a foot is, m. */
+struct vector2 reflex_person_ball(const struct reflex_person *person, enum side side);
+
 /* An impulse at the hip, N s. */
 void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns);
 

@@ -17,6 +17,14 @@ static const struct segments segments = {
 static const struct multibody_state moving = {{0.3, 0.9, -0.12, 0.4, -0.2, 0.15, -0.3, -0.7, -0.5},
                                               {1.2, -0.3, 0.6, 2.5, -3.5, 1.8, -1.1, -2.0, -4.0}};
 
+static void accelerate(const struct multibody_state *state, const double force[MULTIBODY_DOF],
+                       double acceleration[MULTIBODY_DOF])
+{
+    struct multibody_pose pose;
+    multibody_pose(state, &pose);
+    multibody_accelerations(&segments, state, &pose, force, acceleration);
+}
+
 START_TEST(accelerations_are_those_of_lagrange)
 {
     static const double force[MULTIBODY_DOF] = {12.0, -35.0, 8.0, -6.0, 4.0, 1.5, 9.0, -3.0, -2.5};
@@ -25,7 +33,7 @@ START_TEST(accelerations_are_those_of_lagrange)
         -22.511832273234692, 31.52156799829299,   127.73250522007768,
         14.305082202649325,  -18.292010451619582, -277.2291099567003};
     double found[MULTIBODY_DOF];
-    multibody_accelerations(&segments, &moving, force, found);
+    accelerate(&moving, force, found);
     for (int i = 0; i < MULTIBODY_DOF; i++) {
         assert_close(found[i], expected[i], 1e-12, 1e-12);
     }
@@ -45,7 +53,7 @@ static void advance(struct multibody_state *state, const double force[MULTIBODY_
             here.q[i] = start.q[i] + at[stage] * step_s * slope.q[i];
             here.dq[i] = start.dq[i] + at[stage] * step_s * slope.dq[i];
         }
-        multibody_accelerations(&segments, &here, force, slope.dq);
+        accelerate(&here, force, slope.dq);
         for (int i = 0; i < MULTIBODY_DOF; i++) {
             slope.q[i] = here.dq[i];
             state->q[i] += step_s * weight[stage] / 6.0 * slope.q[i];
@@ -77,9 +85,11 @@ END_TEST
 START_TEST(a_force_at_a_foot_moves_the_whole_body)
 {
     const struct vector2 push = {30.0, 700.0};
+    struct multibody_pose pose;
     double force[MULTIBODY_DOF] = {0.0}, acceleration[MULTIBODY_DOF];
-    multibody_add_force(&segments, &moving, SIDE_RIGHT, segments.ball_m, push, force);
-    multibody_accelerations(&segments, &moving, force, acceleration);
+    multibody_pose(&moving, &pose);
+    multibody_add_force(&segments, &pose, SIDE_RIGHT, segments.ball_m, push, force);
+    accelerate(&moving, force, acceleration);
     const double step_s = 1e-6, mass_kg = 50.0 + 2.0 * (8.0 + 3.4 + 1.2);
     struct multibody_state later = moving;
     for (int i = 0; i < MULTIBODY_DOF; i++) {
@@ -91,7 +101,8 @@ START_TEST(a_force_at_a_foot_moves_the_whole_body)
     multibody_centre(&segments, &later, &at, &after);
     assert_close((after.x - before.x) / step_s, push.x / mass_kg, 1e-3, 0.0);
     assert_close((after.y - before.y) / step_s, push.y / mass_kg - 9.80665, 1e-3, 0.0);
-    multibody_foot_point(&segments, &moving, SIDE_RIGHT, segments.ball_m, &foot, &foot_speed);
+    multibody_foot_point(&segments, &moving, &pose, SIDE_RIGHT, segments.ball_m, &foot,
+                         &foot_speed);
     const double power_W = push.x * foot_speed.x + push.y * foot_speed.y;
     const double change_J =
         multibody_energy_J(&segments, &later) - multibody_energy_J(&segments, &moving);
@@ -102,16 +113,19 @@ END_TEST
 START_TEST(the_feet_are_where_geometry_puts_them)
 {
     struct multibody_state state = {{0}, {0}};
+    struct multibody_pose pose;
     struct vector2 at, speed;
     state.q[MULTIBODY_Y] = 1.0;
     state.dq[MULTIBODY_LEFT + PART_THIGH] = 1.0; /* the straight leg's thigh alone swings forward */
-    multibody_foot_point(&segments, &state, SIDE_LEFT, segments.heel_m, &at, &speed);
+    multibody_pose(&state, &pose);
+    multibody_foot_point(&segments, &state, &pose, SIDE_LEFT, segments.heel_m, &at, &speed);
     assert_close(at.x, -0.05, 1e-15, 0.0);
     assert_close(at.y, 1.0 - 0.86 - 0.07, 1e-15, 0.0);
     assert_close(speed.x, 0.42, 1e-15, 0.0);
     assert_close(speed.y, 0.0, 1e-15, 0.0);
     state.q[MULTIBODY_RIGHT + PART_THIGH] = asin(0.6); /* forward, the shank down */
-    multibody_foot_point(&segments, &state, SIDE_RIGHT, segments.ball_m, &at, &speed);
+    multibody_pose(&state, &pose);
+    multibody_foot_point(&segments, &state, &pose, SIDE_RIGHT, segments.ball_m, &at, &speed);
     assert_close(at.x, 0.42 * 0.6 + 0.14, 1e-12, 0.0);
     assert_close(at.y, 1.0 - 0.42 * 0.8 - 0.44 - 0.07, 1e-12, 0.0);
 }
