@@ -50,12 +50,25 @@ static void take_toe_off(struct walk_record *record, const struct walk_event *ev
     }
 }
 
-static void take_strike(struct walk_record *record, const struct walk_event *event, bool walker)
+/* The event has a walker's step length; of a person it has the leg's angle. */
+static double step_length_m(const struct plant *plant, const struct walk_event *event)
+{
+    struct plant_truth truth;
+    if (plant->config.kind == PLANT_WALKER) {
+        return event->value;
+    }
+    plant_truth(plant, &truth);
+    return walking_step_length_m(plant->config.walk.body.leg_length_m, event->value,
+                                 truth.leg_angle_rad[side_other(event->side)]);
+}
+
+static void take_strike(struct walk_record *record, const struct walk_event *event,
+                        const struct plant *plant)
 {
     struct walk_row *row = &record->rows[record->count - 1];
-    row->step_length_m = event->value;
+    row->step_length_m = step_length_m(plant, event);
     row->heel_strike_s = event->time_s;
-    if (walker && record->pose.leg_length_m > 0.0) {
+    if (plant->config.kind == PLANT_WALKER && record->pose.leg_length_m > 0.0) {
         struct walking_pose pose = record->pose; /* and on to the very moment */
         pose.stance_rad += pose.stance_rad_s * (event->time_s - record->pose_s);
         pose.swing_rad += pose.swing_rad_s * (event->time_s - record->pose_s);
@@ -131,7 +144,7 @@ int walk_record_take(struct walk_record *record, struct loop *loop)
         if (event.kind == WALK_EVENT_APEX) {
             add_row(record, &event);
         } else if (event.kind == WALK_EVENT_HEEL_STRIKE && record->count > 0) {
-            take_strike(record, &event, walker);
+            take_strike(record, &event, &loop->nodes.plant);
         } else if (event.kind == (walker ? WALK_EVENT_LIFT_OFF : WALK_EVENT_TOE_OFF)) {
             take_toe_off(record, &event);
         }

@@ -15,7 +15,8 @@ struct walk_row {
     enum side side;          /* stance leg */
     double time_s;           /* of the apex */
     double apex_speed_rad_s; /* the plant's truth */
-    double step_length_m; /* toe to toe at the heel strike that ends this stance; 0 = not reached */
+    double
+        step_length_m; /* toe to toe at the heel strike that ends this stance, of a person as a compass; 0 = not reached */
     double heel_strike_s; /* that ends this stance's single support; NaN: not reached, as below */
     double toe_off_s;     /* of the stance leg, behind it */
     double push_off_J; /* of the device on the walker behind this apex; NaN of a recorded person */

@@ -86,6 +86,6 @@ void walking_of(const struct walk_record *record, const struct loop *loop, uint3
         .cost_of_transport =
             walking_cost_of_transport(work_J, mass_kg, body->gravity_m_s2, length_m),
         .margin_of_stability_m = of(&sums.margin_m),
-        .by_compass = loop->nodes.plant.config.kind == PLANT_RECORDED_PERSON,
+        .by_compass = loop->nodes.plant.config.kind != PLANT_WALKER,
     };
 }

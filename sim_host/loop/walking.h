@@ -20,8 +20,7 @@ struct walking {
     double push_off_J, push_off_J_per_kg; /* the device's on the walker, a step */
     double cost_of_transport;             /* of that work */
     double margin_of_stability_m;         /* just before heel strike */
-    bool
-        by_compass; /* a recorded person's: way and speed are those of a compass of this leg length */
+    bool by_compass; /* a person's: way and speed are those of a compass of this leg length */
 };
 
 /* Over the last `over` steps that are whole. Cost O(over). */

@@ -14,6 +14,14 @@ double walking_speed_m_s(double step_length_m, double step_time_s)
     return over(step_length_m, step_time_s);
 }
 
+double walking_step_length_m(double leg_length_m, double landing_rad, double other_rad)
+{
+    double landing_sin, other_sin, cosine;
+    trig_sincos_f64(landing_rad, &landing_sin, &cosine);
+    trig_sincos_f64(other_rad, &other_sin, &cosine);
+    return leg_length_m * (landing_sin - other_sin);
+}
+
 double walking_cadence_per_min(double step_time_s)
 {
     return over(60.0, step_time_s);

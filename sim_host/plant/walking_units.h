@@ -8,6 +8,10 @@
 /* Walking speed, m/s: way of a step over its time, both from heel strike to heel strike. */
 double walking_speed_m_s(double step_length_m, double step_time_s);
 
+/* From foot to foot on level ground, m, of two legs of one length: its angles from the vertical, positive where the foot
+ * is ahead of the hip, as the landing foot comes down. */
+double walking_step_length_m(double leg_length_m, double landing_rad, double other_rad);
+
 /* Steps of both feet a minute. */
 double walking_cadence_per_min(double step_time_s);
 

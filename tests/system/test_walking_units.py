@@ -86,6 +86,17 @@ def shares(own, other):
     return np.array(found)
 
 
+def compass_step_m(person):
+    """From foot to foot of a compass with legs of 1 m that stands as the recorded ones do when a foot comes down."""
+    walked = columns(read(person))
+    leg = {side: np.radians(walked[f"thigh_{side}_deg"] + walked[f"shank_{side}_deg"]) / 2 for side in "lr"}
+    ways = []
+    for side, other in ("lr", "rl"):
+        down = 1 + np.flatnonzero(np.diff(walked[f"contact_{side}"]) > 0)
+        ways.append(np.sin(leg[side][down]) - np.sin(leg[other][down]))
+    return np.concatenate(ways).mean()
+
+
 def test_a_persons_walk_has_the_shares_of_its_contacts(person):
     told = walk("--recording", person)[1]["walking"]
     legs = strides_of(person)
@@ -98,6 +109,7 @@ def test_a_persons_walk_has_the_shares_of_its_contacts(person):
     steps = {side: [b - a for a, b in zip(strikes, strikes[1:]) if side_of[b] == side] for side in "lr"}
     left, right = (np.mean(steps[side]) for side in "lr")
     assert told["step_time_symmetry_percent"] == pytest.approx(200 * (left - right) / (left + right), abs=0.3)
+    assert told["step_length_m"] == pytest.approx(compass_step_m(person), rel=0.02)
     assert told["way_by_compass"] is True and told["margin_of_stability_m"] is None and told["push_off_J"] is None
 
 
