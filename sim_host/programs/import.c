@@ -1,5 +1,6 @@
 /* afo import: a file of a gait laboratory as the recording that afo sim --recording plays; a log of another CAN tool as
  * one that afo replay reads. The files are read in Python (sim_host/formats). */
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "firmware/version.h"
@@ -91,82 +92,66 @@ static void pass(struct options *options, struct argp_state *state, const char *
     options->word[options->count++] = text;
 }
 
-static void pass_number(struct options *options, struct argp_state *state, const char *name,
-                        const char *text, double low, double high)
-{
-    (void)option_number(state, name, text, low, high);
-    pass(options, state, name, text);
-}
+static const char *const kinds[] = {"c3d", "trc", "mot", "table", "log"};
+static const char *const units[] = {"deg", "rad"};
+static const char *const clocks[] = {"s", "ms", "us"};
+static const char *const parts[] = {"thigh", "shank", "ankle", "contact"};
 
-static void pass_choice(struct options *options, struct argp_state *state, const char *name,
-                        const char *text, const char *const *names, size_t count)
-{
-    (void)option_choice(state, name, text, names, count, sizeof names[0]);
-    pass(options, state, name, text);
-}
+#define NAMES(list) (list), sizeof(list) / sizeof(list)[0]
 
-static error_t take_number(int key, const char *text, struct argp_state *state,
-                           struct options *options)
+/* What is handed on to the importer, and what it has to be: one of the names, a number between low and high, or any
+ * text (neither). */
+static const struct handed {
+    int key;
+    const char *name;
+    const char *const *names;
+    size_t count;
+    double low, high;
+} handed[] = {
+    {'o', "--out", NULL, 0, 0.0, 0.0},
+    {KEY_FROM, "--from", NAMES(kinds), 0.0, 0.0},
+    {KEY_FORCES, "--forces", NULL, 0, 0.0, 0.0},
+    {KEY_COLUMN, "--column", NULL, 0, 0.0, 0.0},
+    {KEY_MARKER, "--marker", NULL, 0, 0.0, 0.0},
+    {KEY_ANGLES, "--angles", NAMES(units), 0.0, 0.0},
+    {KEY_TIME, "--time", NAMES(clocks), 0.0, 0.0},
+    {KEY_REVERSE, "--reverse", NULL, 0, 0.0, 0.0},
+    {KEY_SWAP, "--swap", NAMES(parts), 0.0, 0.0},
+    {KEY_INTERFACE, "--interface", NULL, 0, 0.0, 0.0},
+    {KEY_RATE, "--rate", NULL, 0, 1.0, 1e5},
+    {KEY_CONTACT_OVER, "--contact-over", NULL, 0, -1e6, 1e6},
+    {KEY_ANKLE_NEUTRAL, "--ankle-neutral", NULL, 0, -90.0, 90.0},
+    {KEY_LONGEST_GAP, "--longest-gap", NULL, 0, 0.0, 10.0},
+};
+
+static bool hand_on(struct options *options, int key, const char *text, struct argp_state *state)
 {
-    switch (key) {
-    case KEY_RATE:
-        pass_number(options, state, "--rate", text, 1.0, 1e5);
-        return 0;
-    case KEY_CONTACT_OVER:
-        pass_number(options, state, "--contact-over", text, -1e6, 1e6);
-        return 0;
-    case KEY_ANKLE_NEUTRAL:
-        pass_number(options, state, "--ankle-neutral", text, -90.0, 90.0);
-        return 0;
-    case KEY_LONGEST_GAP:
-        pass_number(options, state, "--longest-gap", text, 0.0, 10.0);
-        return 0;
-    case KEY_PART:
-        (void)option_whole(state, "--part", text, 1, 1000000);
-        pass(options, state, "--part", text);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    for (size_t i = 0; i < sizeof handed / sizeof handed[0]; i++) {
+        const struct handed *one = &handed[i];
+        if (one->key == key) {
+            if (one->names != NULL) {
+                (void)option_choice(state, one->name, text, one->names, one->count,
+                                    sizeof one->names[0]);
+            } else if (one->low < one->high) {
+                (void)option_number(state, one->name, text, one->low, one->high);
+            }
+            pass(options, state, one->name, text);
+            return true;
+        }
     }
+    return false;
 }
 
 static error_t take(int key, char *text, struct argp_state *state)
 {
-    static const char *const kinds[] = {"c3d", "trc", "mot", "table", "log"};
-    static const char *const units[] = {"deg", "rad"};
-    static const char *const clocks[] = {"s", "ms", "us"};
-    static const char *const parts[] = {"thigh", "shank", "ankle", "contact"};
     struct options *options = (struct options *)state->input;
+    if (hand_on(options, key, text, state)) {
+        return 0;
+    }
     switch (key) {
-    case 'o':
-        pass(options, state, "--out", text);
-        return 0;
-    case KEY_FROM:
-        pass_choice(options, state, "--from", text, kinds, sizeof kinds / sizeof kinds[0]);
-        return 0;
-    case KEY_FORCES:
-        pass(options, state, "--forces", text);
-        return 0;
-    case KEY_COLUMN:
-        pass(options, state, "--column", text);
-        return 0;
-    case KEY_MARKER:
-        pass(options, state, "--marker", text);
-        return 0;
-    case KEY_ANGLES:
-        pass_choice(options, state, "--angles", text, units, sizeof units / sizeof units[0]);
-        return 0;
-    case KEY_TIME:
-        pass_choice(options, state, "--time", text, clocks, sizeof clocks / sizeof clocks[0]);
-        return 0;
-    case KEY_REVERSE:
-        pass(options, state, "--reverse", text);
-        return 0;
-    case KEY_SWAP:
-        pass_choice(options, state, "--swap", text, parts, sizeof parts / sizeof parts[0]);
-        return 0;
-    case KEY_INTERFACE:
-        pass(options, state, "--interface", text);
+    case KEY_PART:
+        (void)option_whole(state, "--part", text, 1, 1000000);
+        pass(options, state, "--part", text);
         return 0;
     case ARGP_KEY_ARG:
         if (options->file != NULL) {
@@ -181,7 +166,7 @@ static error_t take(int key, char *text, struct argp_state *state)
         }
         return 0;
     default:
-        return take_number(key, text, state, options);
+        return ARGP_ERR_UNKNOWN;
     }
 }
 
