@@ -19,41 +19,35 @@ void experiment_identity(struct json_writer *json, int argc, char *const *argv)
     json_close_list(json);
 }
 
-int experiment_begin(struct experiment *experiment, const struct output_file *table, int argc,
-                     char *const *argv, char *message, size_t size)
+int experiment_write(const struct output_file *table, int argc, char *const *argv,
+                     void (*tell)(struct json_writer *json, const void *context),
+                     const void *context, char *message, size_t size)
 {
     char path[OUTPUT_PATH_MAX + 8];
-    experiment->file.stream = NULL;
+    struct output_file file;
+    struct json_writer json;
     if (table->direct) {
         return 0;
     }
     (void)snprintf(path, sizeof path, "%s.json", table->path);
-    if (output_file_open(&experiment->file, path, message, size) != 0) {
+    if (output_file_open(&file, path, message, size) != 0) {
         return -1;
     }
-    json_begin(&experiment->json, experiment->file.stream);
-    json_open_object(&experiment->json, NULL);
-    experiment_identity(&experiment->json, argc, argv);
-    return 0;
-}
-
-int experiment_commit(struct experiment *experiment, char *message, size_t size)
-{
-    if (experiment->file.stream == NULL) {
-        return 0;
+    json_begin(&json, file.stream);
+    json_open_object(&json, NULL);
+    experiment_identity(&json, argc, argv);
+    if (tell != NULL) {
+        tell(&json, context);
     }
-    json_close_object(&experiment->json);
-    json_end(&experiment->json);
-    return output_file_commit(&experiment->file, message, size);
+    json_close_object(&json);
+    json_end(&json);
+    return output_file_commit(&file, message, size);
 }
 
 int experiment_commit_table(struct output_file *table, int argc, char *const *argv, char *message,
                             size_t size)
 {
-    struct experiment experiment;
-    if (output_file_commit(table, message, size) != 0 ||
-        experiment_begin(&experiment, table, argc, argv, message, size) != 0) {
-        return -1;
-    }
-    return experiment_commit(&experiment, message, size);
+    return output_file_commit(table, message, size) != 0
+               ? -1
+               : experiment_write(table, argc, argv, NULL, NULL, message, size);
 }

@@ -20,3 +20,17 @@ int program_commit_output(struct output_file *file)
                ? 0
                : program_complain("%s", message);
 }
+
+int program_commit_table(struct output_file *table, int argc, char *const *argv,
+                         void (*tell)(struct json_writer *json, const void *context),
+                         const void *context)
+{
+    char message[MESSAGE_BYTES];
+    if (table->stream == NULL) {
+        return 0;
+    }
+    return output_file_commit(table, message, sizeof message) == 0 &&
+                   experiment_write(table, argc, argv, tell, context, message, sizeof message) == 0
+               ? 0
+               : program_complain("%s", message);
+}

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "sim_host/cli/exit_status.h"
-#include "sim_host/cli/experiment.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/program_output.h"
 #include "sim_host/faults/fault_shot.h"
@@ -101,37 +100,29 @@ static int run_many(const struct fault_options *options, struct people_campaign 
     return status;
 }
 
-enum { NAME_BYTES = 160, MESSAGE_BYTES = OUTPUT_PATH_MAX + 256 };
+enum { NAME_BYTES = 160 };
 
 /* What the table of --csv is a table of. */
-static int write_experiment(const struct fault_options *options,
-                            const struct people_campaign *campaign, const struct people_plan *plan,
-                            const struct output_file *table)
+struct alone {
+    const struct fault_options *options;
+    const struct people_campaign *campaign;
+    const struct people_plan *plan;
+};
+
+static void tell_alone(struct json_writer *json, const void *context)
 {
-    struct experiment experiment;
-    char message[MESSAGE_BYTES], name[NAME_BYTES];
-    if (options->ticks == NULL) {
-        return 0;
-    }
-    if (experiment_begin(&experiment, table, options->argc, options->argv, message,
-                         sizeof message) != 0) {
-        return program_complain("%s", message);
-    }
-    if (experiment.file.stream != NULL) {
-        struct json_writer *json = &experiment.json;
-        people_campaign_name(campaign, &plan->scene, name, sizeof name);
-        json_text(json, "who", name);
-        json_text(json, "device", options->device[plan->scene.device]);
-        json_text(json, "switches", foot_switch_preset_names[plan->scene.switches]);
-        json_unsigned(json, "recordings", people_campaign_recordings(campaign));
-        json_unsigned(json, "seed", options->seed);
-        json_unsigned(json, "run", plan->index);
-        json_bool(json, "from_power_on", plan->from_power_on);
-        fault_shots_describe(json, plan->shot, plan->count);
-    }
-    return experiment_commit(&experiment, message, sizeof message) == 0
-               ? 0
-               : program_complain("%s", message);
+    const struct alone *alone = (const struct alone *)context;
+    const struct people_scene_plan *scene = &alone->plan->scene;
+    char name[NAME_BYTES];
+    people_campaign_name(alone->campaign, scene, name, sizeof name);
+    json_text(json, "who", name);
+    json_text(json, "device", alone->options->device[scene->device]);
+    json_text(json, "switches", foot_switch_preset_names[scene->switches]);
+    json_unsigned(json, "recordings", people_campaign_recordings(alone->campaign));
+    json_unsigned(json, "seed", alone->options->seed);
+    json_unsigned(json, "run", alone->plan->index);
+    json_bool(json, "from_power_on", alone->plan->from_power_on);
+    fault_shots_describe(json, alone->plan->shot, alone->plan->count);
 }
 
 static int run_alone(const struct fault_options *options, struct people_campaign *campaign)
@@ -149,8 +140,9 @@ static int run_alone(const struct fault_options *options, struct people_campaign
     }
     (void)people_campaign_run(campaign, &plan, log.stream, ticks.stream, &result);
     const bool log_kept = program_commit_output(&log) == 0;
-    const bool ticks_kept = program_commit_output(&ticks) == 0 &&
-                            write_experiment(options, campaign, &plan, &ticks) == 0;
+    const struct alone alone = {options, campaign, &plan};
+    const bool ticks_kept =
+        program_commit_table(&ticks, options->argc, options->argv, tell_alone, &alone) == 0;
     people_summary_tell(stdout, campaign, &result);
     return !log_kept || !ticks_kept                          ? EXIT_USAGE
            : result.unsafe == 0 && result.unsafe_device == 0 ? EXIT_GOOD

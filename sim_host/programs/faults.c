@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "sim_host/cli/exit_status.h"
-#include "sim_host/cli/experiment.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/program_output.h"
 #include "sim_host/faults/campaign.h"
@@ -19,34 +18,21 @@
 
 /* ---- one run alone ------------------------------------------------------------------- */
 
-enum { MESSAGE_BYTES = OUTPUT_PATH_MAX + 256 };
-
 /* What the table of --csv is a table of. */
-static int write_experiment(const struct fault_options *options, const struct campaign_plan *plan,
-                            const struct output_file *table)
+struct alone {
+    const struct fault_options *options;
+    const struct campaign_plan *plan;
+};
+
+static void tell_alone(struct json_writer *json, const void *context)
 {
-    struct experiment experiment;
-    char message[MESSAGE_BYTES];
-    if (options->ticks == NULL) {
-        return 0;
-    }
-    if (experiment_begin(&experiment, table, options->argc, options->argv, message,
-                         sizeof message) != 0) {
-        return program_complain("%s", message);
-    }
-    if (experiment.file.stream != NULL) {
-        struct json_writer *json = &experiment.json;
-        json_text(json, "who",
-                  options->walker.person_path != NULL ? options->walker.person_path
-                                                      : "the paper's walker");
-        json_unsigned(json, "seed", options->seed);
-        json_unsigned(json, "run", plan->index);
-        json_text(json, "scene", campaign_scene_name(plan->scene));
-        fault_shots_describe(json, plan->shot, plan->count);
-    }
-    return experiment_commit(&experiment, message, sizeof message) == 0
-               ? 0
-               : program_complain("%s", message);
+    const struct alone *alone = (const struct alone *)context;
+    const char *person = alone->options->walker.person_path;
+    json_text(json, "who", person != NULL ? person : "the paper's walker");
+    json_unsigned(json, "seed", alone->options->seed);
+    json_unsigned(json, "run", alone->plan->index);
+    json_text(json, "scene", campaign_scene_name(alone->plan->scene));
+    fault_shots_describe(json, alone->plan->shot, alone->plan->count);
 }
 
 static int run_alone(const struct fault_options *options)
@@ -68,8 +54,9 @@ static int run_alone(const struct fault_options *options)
     campaign_run(campaign, &plan, log.stream, ticks.stream, &result);
     campaign_destroy(campaign);
     const bool log_kept = program_commit_output(&log) == 0;
+    const struct alone alone = {options, &plan};
     const bool ticks_kept =
-        program_commit_output(&ticks) == 0 && write_experiment(options, &plan, &ticks) == 0;
+        program_commit_table(&ticks, options->argc, options->argv, tell_alone, &alone) == 0;
     summary_tell(stdout, &result);
     return !log_kept || !ticks_kept ? EXIT_USAGE : result.unsafe == 0 ? EXIT_GOOD : EXIT_BAD;
 }

@@ -53,10 +53,15 @@ static int complete_output(const struct sim_session *session, struct output_file
     return 0;
 }
 
+static void tell_experiment(struct json_writer *json, const void *context)
+{
+    const struct sim_session *session = (const struct sim_session *)context;
+    sim_experiment_json(json, &session->options, &session->config);
+}
+
 /* The table, and behind it the file that says what it is a table of. */
 static int complete_table(struct sim_session *session, struct output_file *table)
 {
-    struct experiment experiment;
     char message[MESSAGE_MAX];
     if (table->stream == NULL) {
         return 0;
@@ -67,14 +72,8 @@ static int complete_table(struct sim_session *session, struct output_file *table
     if (interrupted) {
         return 0;
     }
-    if (experiment_begin(&experiment, table, session->options.argc, session->options.argv, message,
-                         sizeof message) != 0) {
-        return program_complain("%s", message);
-    }
-    if (experiment.file.stream != NULL) {
-        sim_experiment_json(&experiment.json, &session->options, &session->config);
-    }
-    return experiment_commit(&experiment, message, sizeof message) == 0
+    return experiment_write(table, session->options.argc, session->options.argv, tell_experiment,
+                            session, message, sizeof message) == 0
                ? 0
                : program_complain("%s", message);
 }
