@@ -1,7 +1,5 @@
 #include "sim_host/emulator/g474/unicorn_core.h"
 
-#include <dlfcn.h>
-#include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,101 +37,12 @@ enum {
     REGISTER_R0 = 66,
 };
 
-struct core_functions {
-    int (*open)(int arch, int mode, void **engine);
-    int (*close)(void *engine);
-    int (*control)(void *engine, int what, ...);
-    int (*map_memory)(void *engine, uint64_t address, uint64_t size, uint32_t permits,
-                      void *memory);
-    int (*map_registers)(void *engine, uint64_t address, uint64_t size,
-                         uint64_t (*read)(void *, uint64_t, unsigned, void *), void *read_context,
-                         void (*write)(void *, uint64_t, unsigned, uint64_t, void *),
-                         void *write_context);
-    int (*protect_memory)(void *engine, uint64_t address, uint64_t size, uint32_t permits);
-    int (*write_memory)(void *engine, uint64_t address, const void *bytes, uint64_t size);
-    int (*read_register)(void *engine, int which, void *value);
-    int (*write_register)(void *engine, int which, const void *value);
-    int (*add_hook)(void *engine, size_t *handle, int kind, void *function, void *context,
-                    uint64_t begin, uint64_t end, ...);
-    int (*remove_hook)(void *engine, size_t handle);
-    int (*start)(void *engine, uint64_t from, uint64_t until, uint64_t timeout, size_t count);
-    int (*stop)(void *engine);
-    const char *(*error_text)(int error);
-};
-
 static const int register_numbers[CORE_REGISTERS] = {
     [CORE_R0] = 66,       [CORE_R1] = 67,       [CORE_R2] = 68,         [CORE_R3] = 69,
     [CORE_R12] = 78,      [CORE_LR] = 10,       [CORE_PC] = 11,         [CORE_XPSR] = 120,
     [CORE_SP] = 12,       [CORE_MSP] = 115,     [CORE_PSP] = 116,       [CORE_CONTROL] = 117,
     [CORE_PRIMASK] = 123, [CORE_BASEPRI] = 124, [CORE_FAULTMASK] = 126, [CORE_FPSCR] = 6,
 };
-
-/* ---- Opening ----------------------------------------------------------------------- */
-
-static const char default_place[] =
-    "build/venv/lib/python3*/site-packages/unicorn/lib/libunicorn.so.2";
-
-static void *open_library(struct core *core, const char *path)
-{
-    void *library = NULL;
-    glob_t found;
-
-    if (path == NULL) {
-        path = getenv("AFO_UNICORN");
-    }
-    if (path != NULL) {
-        library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    } else if (glob(default_place, 0, NULL, &found) == 0) {
-        library = dlopen(found.gl_pathv[0], RTLD_NOW | RTLD_LOCAL);
-        globfree(&found);
-    } else {
-        snprintf(core->message, sizeof core->message,
-                 "the Unicorn engine is not at %s: scripts/setup test installs it", default_place);
-        return NULL;
-    }
-    if (library == NULL) {
-        snprintf(core->message, sizeof core->message, "%s", dlerror());
-    }
-    return library;
-}
-
-static struct core_functions functions;
-
-/* Where each function goes; POSIX lets dlsym's result be stored through a void pointer. */
-static int find_functions(struct core *core)
-{
-    const struct {
-        const char *name;
-        void *place;
-    } wanted[] = {
-        {"uc_open", &functions.open},
-        {"uc_close", &functions.close},
-        {"uc_ctl", &functions.control},
-        {"uc_mem_map_ptr", &functions.map_memory},
-        {"uc_mmio_map", &functions.map_registers},
-        {"uc_mem_protect", &functions.protect_memory},
-        {"uc_mem_write", &functions.write_memory},
-        {"uc_reg_read", &functions.read_register},
-        {"uc_reg_write", &functions.write_register},
-        {"uc_hook_add", &functions.add_hook},
-        {"uc_hook_del", &functions.remove_hook},
-        {"uc_emu_start", &functions.start},
-        {"uc_emu_stop", &functions.stop},
-        {"uc_strerror", &functions.error_text},
-    };
-
-    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
-        void *symbol = dlsym(core->library, wanted[i].name);
-        if (symbol == NULL) {
-            snprintf(core->message, sizeof core->message, "the Unicorn library has no %s",
-                     wanted[i].name);
-            return -1;
-        }
-        memcpy(wanted[i].place, &symbol, sizeof symbol);
-    }
-    core->functions = &functions;
-    return 0;
-}
 
 /* ---- Callbacks ----------------------------------------------------------------------- */
 
@@ -149,7 +58,7 @@ static void on_interrupt(void *engine, uint32_t number, void *context)
     struct core *core = context;
     (void)engine;
     core->exception = number;
-    (void)functions.stop(core->engine);
+    (void)core->library.stop(core->engine);
 }
 
 static bool on_bad_memory(void *engine, int kind, uint64_t address, int bytes, int64_t value,
@@ -196,7 +105,8 @@ static void on_write(void *engine, uint64_t offset, unsigned bytes, uint64_t val
 static int check(struct core *core, int error)
 {
     if (error != ERROR_NONE) {
-        snprintf(core->message, sizeof core->message, "Unicorn: %s", functions.error_text(error));
+        snprintf(core->message, sizeof core->message, "Unicorn: %s",
+                 core->library.error_text(error));
         return -1;
     }
     return 0;
@@ -209,7 +119,7 @@ static int hook(struct core *core, int kind, const void *place_of_function)
     void *function;
 
     memcpy(&function, place_of_function, sizeof function);
-    return check(core, functions.add_hook(core->engine, &handle, kind, function, core, 1, 0));
+    return check(core, core->library.add_hook(core->engine, &handle, kind, function, core, 1, 0));
 }
 
 int core_open(struct core *core, const char *path, const struct core_callbacks *callbacks)
@@ -222,10 +132,9 @@ int core_open(struct core *core, const char *path, const struct core_callbacks *
     memset(core, 0, sizeof *core);
     core->callbacks = *callbacks;
     core->passed = 1;
-    core->library = open_library(core, path);
-    if (core->library == NULL || find_functions(core) != 0 ||
-        check(core, functions.open(ARCH_ARM, MODE_THUMB | MODE_M_CLASS, &core->engine)) != 0 ||
-        check(core, functions.control(core->engine, CONTROL_CPU_MODEL, MODEL_CORTEX_M4)) != 0) {
+    if (unicorn_library_open(&core->library, path, core->message, sizeof core->message) != 0 ||
+        check(core, core->library.open(ARCH_ARM, MODE_THUMB | MODE_M_CLASS, &core->engine)) != 0 ||
+        check(core, core->library.control(core->engine, CONTROL_CPU_MODEL, MODEL_CORTEX_M4)) != 0) {
         return -1;
     }
     return hook(core, HOOK_BLOCK, &block) == 0 && hook(core, HOOK_INTERRUPT, &interrupt) == 0 &&
@@ -238,20 +147,17 @@ int core_open(struct core *core, const char *path, const struct core_callbacks *
 void core_close(struct core *core)
 {
     if (core->engine != NULL) {
-        (void)functions.close(core->engine);
+        (void)core->library.close(core->engine);
         core->engine = NULL;
     }
-    if (core->library != NULL) {
-        (void)dlclose(core->library);
-        core->library = NULL;
-    }
+    unicorn_library_close(&core->library);
 }
 
 int core_map_memory(struct core *core, uint32_t base, uint32_t bytes, void *memory, bool writable)
 {
     const uint32_t permits =
         (uint32_t)PERMIT_READ | (uint32_t)(writable ? PERMIT_WRITE : PERMIT_EXECUTE);
-    return check(core, functions.map_memory(core->engine, base, bytes, permits, memory));
+    return check(core, core->library.map_memory(core->engine, base, bytes, permits, memory));
 }
 
 /* A hook on every store would make the engine slow: the memory is closed, and a store into it stops. */
@@ -264,20 +170,20 @@ int core_map_watched(struct core *core, uint32_t base, uint32_t bytes, void *mem
 
 void core_close_pages(struct core *core)
 {
-    (void)check(core, functions.protect_memory(core->engine, core->watched_base,
-                                               core->watched_bytes, PERMIT_EXECUTE));
+    (void)check(core, core->library.protect_memory(core->engine, core->watched_base,
+                                                   core->watched_bytes, PERMIT_EXECUTE));
 }
 
 void core_open_page(struct core *core, uint32_t address)
 {
-    (void)check(core, functions.protect_memory(
+    (void)check(core, core->library.protect_memory(
                           core->engine, address & ~(uint32_t)(CORE_PAGE_BYTES - 1), CORE_PAGE_BYTES,
                           (uint32_t)PERMIT_READ | (uint32_t)PERMIT_EXECUTE));
 }
 
 void core_write(struct core *core, uint32_t address, const void *bytes, uint32_t count)
 {
-    (void)check(core, functions.write_memory(core->engine, address, bytes, count));
+    (void)check(core, core->library.write_memory(core->engine, address, bytes, count));
 }
 
 int core_map_registers(struct core *core, uint32_t base, uint32_t bytes)
@@ -290,8 +196,8 @@ int core_map_registers(struct core *core, uint32_t base, uint32_t bytes)
     }
     core->windows++;
     *window = (struct core_window){core, base};
-    return check(core, functions.map_registers(core->engine, base, bytes, on_read, window, on_write,
-                                               window));
+    return check(core, core->library.map_registers(core->engine, base, bytes, on_read, window,
+                                                   on_write, window));
 }
 
 /* ---- Registers and running ------------------------------------------------------------- */
@@ -299,20 +205,20 @@ int core_map_registers(struct core *core, uint32_t base, uint32_t bytes)
 uint32_t core_get(struct core *core, enum core_register which)
 {
     uint32_t value = 0;
-    (void)functions.read_register(core->engine, register_numbers[which], &value);
+    (void)core->library.read_register(core->engine, register_numbers[which], &value);
     return value;
 }
 
 void core_set(struct core *core, enum core_register which, uint32_t value)
 {
-    (void)functions.write_register(core->engine, register_numbers[which], &value);
+    (void)core->library.write_register(core->engine, register_numbers[which], &value);
 }
 
 void core_get_float(struct core *core, uint32_t s[16])
 {
     for (int i = 0; i < 8; i++) {
         uint64_t d = 0;
-        (void)functions.read_register(core->engine, REGISTER_D0 + i, &d);
+        (void)core->library.read_register(core->engine, REGISTER_D0 + i, &d);
         s[2 * i] = (uint32_t)d;
         s[2 * i + 1] = (uint32_t)(d >> 32);
     }
@@ -322,7 +228,7 @@ void core_set_float(struct core *core, const uint32_t s[16])
 {
     for (int i = 0; i < 8; i++) {
         const uint64_t d = (uint64_t)s[2 * i + 1] << 32 | s[2 * i];
-        (void)functions.write_register(core->engine, REGISTER_D0 + i, &d);
+        (void)core->library.write_register(core->engine, REGISTER_D0 + i, &d);
     }
 }
 
@@ -333,9 +239,9 @@ void core_stick(struct core *core, uint32_t number, uint32_t bits)
     const uint32_t s = number - (uint32_t)CORE_STICK_S0;
     const int which = is_float ? REGISTER_D0 + (int)(s / 2) : REGISTER_R0 + (int)number;
 
-    (void)functions.read_register(core->engine, which, &value);
+    (void)core->library.read_register(core->engine, which, &value);
     value |= is_float && s % 2 == 1 ? (uint64_t)bits << 32 : bits;
-    (void)functions.write_register(core->engine, which, &value);
+    (void)core->library.write_register(core->engine, which, &value);
 }
 
 static void on_watched_read(void *engine, int kind, uint64_t address, int bytes, int64_t value,
@@ -358,13 +264,13 @@ void core_watch_reads(struct core *core, uint32_t address, void (*function)(void
 
     core->watched_read = function;
     if (function == NULL) {
-        (void)functions.remove_hook(core->engine, core->read_hook);
+        (void)core->library.remove_hook(core->engine, core->read_hook);
     } else {
         memcpy(&hooked, &read, sizeof hooked);
-        (void)functions.add_hook(core->engine, &core->read_hook, HOOK_READ, hooked, core, address,
-                                 (uint64_t)address + 3);
+        (void)core->library.add_hook(core->engine, &core->read_hook, HOOK_READ, hooked, core,
+                                     address, (uint64_t)address + 3);
     }
-    (void)functions.control(core->engine, CONTROL_FORGET);
+    (void)core->library.control(core->engine, CONTROL_FORGET);
 }
 
 /* ---- For a debugger ---------------------------------------------------------------------- */
@@ -372,25 +278,25 @@ void core_watch_reads(struct core *core, uint32_t address, void (*function)(void
 uint32_t core_get_general(struct core *core, unsigned number)
 {
     uint32_t value = 0;
-    (void)functions.read_register(core->engine, REGISTER_R0 + (int)number, &value);
+    (void)core->library.read_register(core->engine, REGISTER_R0 + (int)number, &value);
     return value;
 }
 
 void core_set_general(struct core *core, unsigned number, uint32_t value)
 {
-    (void)functions.write_register(core->engine, REGISTER_R0 + (int)number, &value);
+    (void)core->library.write_register(core->engine, REGISTER_R0 + (int)number, &value);
 }
 
 uint64_t core_get_double(struct core *core, unsigned number)
 {
     uint64_t value = 0;
-    (void)functions.read_register(core->engine, REGISTER_D0 + (int)number, &value);
+    (void)core->library.read_register(core->engine, REGISTER_D0 + (int)number, &value);
     return value;
 }
 
 void core_set_double(struct core *core, unsigned number, uint64_t value)
 {
-    (void)functions.write_register(core->engine, REGISTER_D0 + (int)number, &value);
+    (void)core->library.write_register(core->engine, REGISTER_D0 + (int)number, &value);
 }
 
 static void on_breakpoint(void *engine, uint64_t address, uint32_t bytes, void *context)
@@ -402,14 +308,14 @@ static void on_breakpoint(void *engine, uint64_t address, uint32_t bytes, void *
         return;
     }
     core->broke = true;
-    (void)functions.stop(engine);
+    (void)core->library.stop(engine);
 }
 
 static void forget_break(struct core *core, unsigned place)
 {
-    (void)functions.remove_hook(core->engine, core->breaks[place].hook);
+    (void)core->library.remove_hook(core->engine, core->breaks[place].hook);
     core->breaks[place] = core->breaks[--core->break_count];
-    (void)functions.control(core->engine, CONTROL_FORGET);
+    (void)core->library.control(core->engine, CONTROL_FORGET);
 }
 
 int core_break(struct core *core, uint32_t address, bool on)
@@ -434,12 +340,12 @@ int core_break(struct core *core, uint32_t address, bool on)
     }
     memcpy(&hooked, &code, sizeof hooked);
     core->breaks[core->break_count].address = address;
-    if (functions.add_hook(core->engine, &core->breaks[core->break_count].hook, HOOK_CODE, hooked,
-                           core, address, address) != ERROR_NONE) {
+    if (core->library.add_hook(core->engine, &core->breaks[core->break_count].hook, HOOK_CODE,
+                               hooked, core, address, address) != ERROR_NONE) {
         return -1;
     }
     core->break_count++;
-    (void)functions.control(core->engine, CONTROL_FORGET);
+    (void)core->library.control(core->engine, CONTROL_FORGET);
     return 0;
 }
 
@@ -494,7 +400,7 @@ static void change_pace(struct core *core, bool stepping)
 {
     if (core->stepping != stepping) {
         core->stepping = stepping;
-        (void)functions.control(core->engine, CONTROL_FORGET);
+        (void)core->library.control(core->engine, CONTROL_FORGET);
     }
 }
 
@@ -503,7 +409,7 @@ enum core_stop core_run(struct core *core, uint32_t pc)
     change_pace(core, false);
     core->exception = 0;
     core->asked = core->broke = false;
-    return stop_of(core, functions.start(core->engine, pc | 1u, UINT32_MAX - 1u, 0, 0));
+    return stop_of(core, core->library.start(core->engine, pc | 1u, UINT32_MAX - 1u, 0, 0));
 }
 
 enum core_stop core_step(struct core *core, uint32_t pc)
@@ -512,12 +418,12 @@ enum core_stop core_step(struct core *core, uint32_t pc)
     core->exception = 0;
     core->asked = core->broke = false;
     const enum core_stop stop =
-        stop_of(core, functions.start(core->engine, pc | 1u, UINT32_MAX - 1u, 0, 1));
+        stop_of(core, core->library.start(core->engine, pc | 1u, UINT32_MAX - 1u, 0, 1));
     return stop == CORE_WAITS ? CORE_STEPPED : stop;
 }
 
 void core_stop(struct core *core)
 {
     core->asked = true;
-    (void)functions.stop(core->engine);
+    (void)core->library.stop(core->engine);
 }

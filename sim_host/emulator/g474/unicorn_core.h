@@ -3,7 +3,7 @@
  * Unicorn is under the GNU GPL version 2, this project under the MIT licence: nothing of it
  * is copied or linked. Its shared library (of the Python package that scripts/setup test
  * installs) is opened when a chip is started; the few functions and numbers used are
- * declared in unicorn_core.c from its public documentation. Nothing else needs it.
+ * declared in unicorn_library.h and unicorn_core.c from its public documentation. Nothing else needs it.
  *
  * It executes instructions and no more: exceptions, interrupts, time and peripherals are
  * the caller's, who hears of each block of instructions before it runs.
@@ -14,6 +14,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include "sim_host/emulator/g474/unicorn_library.h"
 
 /* Registers, in the order of an exception frame as far as that goes. */
 enum core_register {
@@ -74,9 +76,8 @@ struct core_window {
 };
 
 struct core {
-    void *library;
+    struct unicorn_library library;
     void *engine;
-    const struct core_functions *functions;
     struct core_callbacks callbacks;
     struct core_window window[CORE_MAP_MAX];
     unsigned windows;
