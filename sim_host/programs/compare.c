@@ -257,7 +257,9 @@ static void print_table(const struct result *results, int count)
                                      : "STOPPED: ",
                r->outcome);
     }
-    printf("\n  All figures but the number of steps are of the last %d steps.\n", LAST);
+    printf(
+        "\n  All figures but the number of steps are of the last %d steps, or of all where there are fewer.\n",
+        LAST);
 }
 
 static void print_json(const struct result *results, int count)
