@@ -52,8 +52,8 @@ static void chain_leg(const struct segments *segments, const struct multibody_po
 static void chain_all(const struct segments *segments, const struct multibody_pose *pose,
                       struct chains *chains)
 {
-    chains->trunk.count = 1;
-    chains->trunk.r[0] = turned(segments->trunk.centre_m, pose, MULTIBODY_TRUNK);
+    chains->trunk =
+        (struct chain){.count = 1, .r = {turned(segments->trunk.centre_m, pose, MULTIBODY_TRUNK)}};
     for (int side = 0; side < SIDE_COUNT; side++) {
         chain_leg(segments, pose, multibody_leg((enum side)side), chains->part[side]);
     }
