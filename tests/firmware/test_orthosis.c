@@ -268,6 +268,47 @@ START_TEST(a_crash_is_shown_until_it_was_seen)
 }
 END_TEST
 
+static unsigned looks;
+
+static void look(void)
+{
+    looks++;
+}
+
+/* Whatever else a tick may do, it does where there is little to do. */
+START_TEST(it_looks_after_itself_in_quiet_ticks_only)
+{
+    const struct can_msg sync = {.id = 0x080, .flags = CAN_FRAME_OWN};
+    const struct can_msg frame = {.id = 0x181, .length = 6};
+    unsigned quiet = 0, full = 0;
+    deliver();
+    power_up();
+    device.task.config.configure_nodes = false; /* it would ask the silent ones all the time */
+    stand();
+    device.in_quiet_ticks = look;
+    for (unsigned i = 0; i < 200; i++) {
+        const unsigned frames = i % (2 * ORTHOSIS_QUIET_FRAMES);
+        fake_bus_clear(&fake);
+        fake_bus_put(&fake, &sync);
+        for (unsigned k = 0; k < frames; k++) {
+            fake_bus_put(&fake, &frame);
+        }
+        (void)orthosis_poll(&device);
+        const bool works =
+            control_task_was_busy(&device.task) || device.seen_block != box.header.next_sequence;
+        const bool is_full = device.recorder.frames > ORTHOSIS_QUIET_FRAMES;
+        ck_assert(is_full || frames <= ORTHOSIS_QUIET_FRAMES);
+        looks = 0;
+        orthosis_start_cycle(&device);
+        ck_assert_uint_eq(looks, works || is_full ? 0 : 1);
+        quiet += looks;
+        full += !works && is_full;
+    }
+    ck_assert_uint_ge(quiet, 10);
+    ck_assert_uint_ge(full, 10);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("orthosis");
@@ -279,6 +320,7 @@ int main(void)
     tcase_add_test(tests, forgotten_settings_leave_a_device_that_does_not_walk);
     tcase_add_test(tests, power_may_fail_at_any_word);
     tcase_add_test(tests, a_crash_is_shown_until_it_was_seen);
+    tcase_add_test(tests, it_looks_after_itself_in_quiet_ticks_only);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

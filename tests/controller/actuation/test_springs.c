@@ -306,6 +306,39 @@ START_TEST(a_leg_s_first_push_is_harmless)
 }
 END_TEST
 
+/* A latch that has opened and closed without a toe-off tells nothing of how long pushes last. */
+START_TEST(an_opening_without_a_toe_off_widens_no_reach)
+{
+    event(GAIT_HEEL_STRIKE, SIDE_LEFT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.03f;
+    ticks(500);
+    input.sea[SIDE_LEFT].latch = LATCH_CLOSED;
+    input.leg[SIDE_LEFT].ankle_extension_m = 0.0f;
+    ticks(50);
+    load_left();
+    ck_assert(request[SIDE_LEFT].latch_armed);
+    ck_assert_double_le((double)request[SIDE_LEFT].precompression_m, 0.0064);
+}
+END_TEST
+
+/* The ankle of a compass holds its motor's place: short pushes shorten nothing. */
+START_TEST(a_compass_s_pushes_limit_none)
+{
+    params.body = (float)BODY_COMPASS;
+    springs_begin(&springs, &params, &input);
+    for (int i = 0; i < 2; i++) {
+        load_left();
+        event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+        input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+        ticks(60);
+        swing_left();
+    }
+    load_left();
+    assert_close(request[SIDE_LEFT].precompression_m, 0.04, 1e-6, 0.0);
+}
+END_TEST
+
 START_TEST(a_motor_that_has_run_past_its_target_is_not_let_go)
 {
     know_long_pushes();
@@ -407,6 +440,8 @@ int main(void)
     tcase_add_test(tests, a_shorter_push_counts_at_once);
     tcase_add_test(tests, the_own_switch_ends_the_push);
     tcase_add_test(tests, a_leg_s_first_push_is_harmless);
+    tcase_add_test(tests, an_opening_without_a_toe_off_widens_no_reach);
+    tcase_add_test(tests, a_compass_s_pushes_limit_none);
     tcase_add_test(tests, a_motor_that_has_run_past_its_target_is_not_let_go);
     tcase_add_test(tests, a_push_that_drags_is_seen);
     tcase_add_test(tests, an_ankle_that_comes_back_or_has_it_all_ends_the_push);

@@ -46,14 +46,19 @@ END_TEST
 START_TEST(the_committed_table_is_the_computed_one)
 {
     const struct gain_assumptions a = gain_assumptions_default();
-    double since[OBSERVER_GAIN_KNOTS], stance[OBSERVER_GAIN_KNOTS][2];
+    double since[OBSERVER_GAIN_KNOTS], stance[OBSERVER_GAIN_KNOTS][2],
+        swing[OBSERVER_GAIN_KNOTS][2];
     for (int i = 0; i < OBSERVER_GAIN_KNOTS; i++) {
-        since[i] = (double)observer_gains[i].since;
+        since[i] = i == 0 ? 0.0 : 0.01 * pow(2.0, 0.5 * (i - 1)); /* two knots an octave */
+        assert_close(observer_gains[i].since, since[i], 1e-6, 0.0);
     }
     gain_schedule(&a, 1.0, a.stance_density, since, OBSERVER_GAIN_KNOTS, stance);
+    gain_schedule(&a, -2.0, a.swing_density, since, OBSERVER_GAIN_KNOTS, swing);
     for (int i = 0; i < OBSERVER_GAIN_KNOTS; i++) {
-        assert_close(observer_gains[i].stance[0], stance[i][0], 1e-4, 1e-5);
-        assert_close(observer_gains[i].stance[1], stance[i][1], 1e-3, 1e-5);
+        for (int k = 0; k < 2; k++) {
+            assert_close(observer_gains[i].stance[k], stance[i][k], 1e-5, 1e-5);
+            assert_close(observer_gains[i].swing[k], swing[i][k], 1e-5, 1e-5);
+        }
     }
 }
 END_TEST
