@@ -4,13 +4,17 @@
 #define SLEW_RATIO REAL(1.25)
 /* And this much at commissioning: its fastest oscillation takes half of that limit. */
 #define MOTION_SLEW_RATIO REAL(0.6)
-/* No command is further than so much of the leg's length beyond the largest r0. */
-#define COMMAND_LIMIT_RATIO REAL(0.1)
+
+/* The largest r0 of this walk: raised while walking, at most to the person's ceiling. */
+static real largest_r0_m(const struct control_params *params)
+{
+    return params->r0_ceiling_m > params->r0_max_m ? params->r0_ceiling_m : params->r0_max_m;
+}
 
 void command_guard_begin(struct command_guard *guard, const struct control_params *params)
 {
     guard->slew_limit_m = SLEW_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S;
-    guard->command_limit_m = params->r0_max_m + COMMAND_LIMIT_RATIO * params->leg_length_m;
+    guard->command_limit_m = largest_r0_m(params) + params->sea_tolerance_m;
 }
 
 void command_guard_begin_motions(struct command_guard *guard, const struct control_params *params,
@@ -30,6 +34,11 @@ static void limit(const struct command_guard *guard, const struct sea_request *l
     const real highest_m = last->precompression_m + guard->slew_limit_m;
     if (last->enable && request->precompression_m > highest_m) {
         request->precompression_m = highest_m;
+    }
+    /* Switched off, a drive would let its loaded spring go. */
+    if (last->enable && request->precompression_m > guard->command_limit_m) {
+        request->precompression_m = guard->command_limit_m;
+        request->latch_armed = false;
     }
     /* Outside, or not a number. */
     if (!real_is_within(request->precompression_m, lowest_m, guard->command_limit_m)) {

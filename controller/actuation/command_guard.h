@@ -21,16 +21,18 @@ struct command_guard {
     struct sea_request last[SIDE_COUNT]; /* the requests of the last tick */
 };
 
-/* A walk begins: the limits by the parameters of now. */
+/* A walk begins: the limits by the parameters of now. No command lies further than the largest r0, r0_max_m
+ * or the ceiling to which it may be raised, and sea_tolerance_m, where a slack spring may begin. */
 void command_guard_begin(struct command_guard *guard, const struct control_params *params);
 
 /* Commissioning: commands up to this share of r0_max_m, and slower than a step's. */
 void command_guard_begin_motions(struct command_guard *guard, const struct control_params *params,
                                  real share);
 
-/* Once a tick, on both requests. Where powered, limits their rise against those of the last tick;
- * a request that is not finite or beyond command_limit_m becomes zero, disabled and disarmed. Where
- * not powered, each request becomes that. Remembers both for the next tick. Constant cost. */
+/* Once a tick, on both requests. Where powered, limits their rise against those of the last tick. What
+ * has risen to command_limit_m is held there and disarmed. A request that is not finite, below
+ * -command_limit_m, or beyond the limit in the first tick becomes zero, disabled and disarmed. Where not
+ * powered, each request becomes that. Remembers both for the next tick. Constant cost. */
 void command_guard_limit(struct command_guard *guard, bool powered,
                          struct sea_request request[SIDE_COUNT]);
 

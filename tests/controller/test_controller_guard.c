@@ -73,16 +73,26 @@ START_TEST(a_reference_that_jumps_is_not_followed_at_once)
 }
 END_TEST
 
-/* A tenth of the leg beyond the largest push-off, either way: nothing is commanded there. */
+/* The largest push-off of this walk, and what counts as slack. */
+static float reach_m(void)
+{
+    return fmaxf(params.r0_max_m, params.r0_ceiling_m) + params.sea_tolerance_m;
+}
+
+static enum side refer_to(float there_m)
+{
+    const enum side side = controller()->last_step.side;
+    controller()->guard.last[side].precompression_m = there_m;
+    controller()->springs.sea[side] =
+        (struct sea_reference){.phase = SEA_TRIMMED, .position_m = there_m, .target_m = there_m};
+    return side;
+}
+
 START_TEST(a_reference_out_of_reach_is_none)
 {
-    static const float shares[] = {1.02f, -1.02f};
     walk(4);
-    const enum side side = controller()->last_step.side;
-    const float reach = params.r0_max_m + 0.1f * params.leg_length_m;
-    controller()->guard.last[side].precompression_m = shares[_i] * reach;
-    controller()->springs.sea[side] = (struct sea_reference){
-        .phase = SEA_TRIMMED, .position_m = shares[_i] * reach, .target_m = shares[_i] * reach};
+    const enum side side = refer_to((_i == 0 ? 1.02f : -1.02f) * reach_m());
+    controller()->guard.last[side].enable = _i != 0;
     loop_tick(loop);
     ck_assert(!loop->rig.task.output.sea[side].enable);
     ck_assert(!loop->rig.task.output.sea[side].latch_armed);
@@ -90,16 +100,26 @@ START_TEST(a_reference_out_of_reach_is_none)
 }
 END_TEST
 
+START_TEST(a_reference_that_leaves_its_reach_is_held_at_its_end)
+{
+    walk(4);
+    const enum side side = refer_to(1.02f * reach_m());
+    loop_tick(loop);
+    ck_assert(loop->rig.task.output.sea[side].enable);
+    ck_assert(!loop->rig.task.output.sea[side].latch_armed);
+    assert_close((double)loop->rig.task.output.sea[side].precompression_m, (double)reach_m(), 1e-6,
+                 0.0);
+}
+END_TEST
+
 START_TEST(a_reference_within_reach_is_one)
 {
     walk(4);
-    const enum side side = controller()->last_step.side;
-    const float there = 0.98f * (params.r0_max_m + 0.1f * params.leg_length_m);
-    controller()->guard.last[side].precompression_m = there;
-    controller()->springs.sea[side] =
-        (struct sea_reference){.phase = SEA_TRIMMED, .position_m = there, .target_m = there};
+    const enum side side = refer_to(0.98f * reach_m());
     loop_tick(loop);
     ck_assert(loop->rig.task.output.sea[side].enable);
+    assert_close((double)loop->rig.task.output.sea[side].precompression_m, 0.98 * (double)reach_m(),
+                 1e-6, 0.0);
 }
 END_TEST
 
@@ -142,6 +162,7 @@ int main(void)
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_test(tests, a_reference_that_jumps_is_not_followed_at_once);
     tcase_add_loop_test(tests, a_reference_out_of_reach_is_none, 0, 2);
+    tcase_add_test(tests, a_reference_that_leaves_its_reach_is_held_at_its_end);
     tcase_add_test(tests, a_reference_within_reach_is_one);
     tcase_add_test(tests, armed_too_early_is_not_armed);
     suite_add_tcase(suite, tests);
