@@ -72,6 +72,9 @@ START_TEST(what_climbs_past_the_largest_push_off_is_held_there)
     }
     assert_close((double)request[SIDE_LEFT].precompression_m, 0.301, 1e-6, 0.0);
     ck_assert(!request[SIDE_LEFT].latch_armed);
+    request[SIDE_LEFT] = (struct sea_request){guard.command_limit_m, true, true};
+    command_guard_limit(&guard, true, request);
+    ck_assert(request[SIDE_LEFT].latch_armed); /* there, and not beyond it */
     request[SIDE_LEFT].precompression_m = (real)NAN;
     command_guard_limit(&guard, true, request);
     ck_assert(!request[SIDE_LEFT].enable);

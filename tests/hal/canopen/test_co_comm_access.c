@@ -90,6 +90,8 @@ static uint32_t sdo(uint8_t command, uint16_t index, uint8_t sub, uint32_t data)
 START_TEST(the_profile_answers_for_its_own_objects)
 {
     static const uint16_t indices[] = {0x1010, 0x1011, 0x1F50, 0x1F51, 0x2000};
+    const uint32_t *const kept[] = {&values.store, &values.restore, &values.program,
+                                    &values.selection, &values.number};
     for (unsigned i = 0; i < sizeof indices / sizeof indices[0]; i++) {
         verdict = 0;
         ck_assert_uint_eq(sdo(0x23, indices[i], 0, i), 0);
@@ -98,7 +100,9 @@ START_TEST(the_profile_answers_for_its_own_objects)
         ck_assert_uint_eq(told_written, i + 1);
         ck_assert_uint_eq(asked_reading, 2 * i + 1);
         verdict = PROFILE_REFUSES;
-        ck_assert_uint_eq(sdo(0x23, indices[i], 0, i), PROFILE_REFUSES);
+        ck_assert_uint_eq(*kept[i], i);
+        ck_assert_uint_eq(sdo(0x23, indices[i], 0, i + 1), PROFILE_REFUSES);
+        ck_assert_uint_eq(*kept[i], i);
         ck_assert_uint_eq(sdo(0x40, indices[i], 0, 0), PROFILE_REFUSES);
         ck_assert_uint_eq(told_written, i + 1);
     }
