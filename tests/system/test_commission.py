@@ -57,14 +57,15 @@ def in_stand(script):
 HANDS = ["--skip", "latch=no foot is mounted", "--skip", "zero=nobody stands", "--skip", "sensors=nobody swings",
          "--skip", "stop=there is no button"]
 
+LATER = [word for step in ("spring", "bandwidth", "link") for word in ("--skip", f"{step}=tomorrow; in <the> lab")]
+
 
 def verdicts(page):
     return {row[0]: row[2] for row in page.rows if len(row) == 5}
 
 
 def test_a_device_in_a_stand_is_moved_and_the_page_tells_what_is_left(tmp_path):
-    later = [word for step in ("spring", "bandwidth", "link") for word in ("--skip", f"{step}=tomorrow; in <the> lab")]
-    out = in_stand(commission(tmp_path, *HANDS, *later) + commission(tmp_path, "--step", "rest"))
+    out = in_stand(commission(tmp_path, *HANDS, *LATER) + commission(tmp_path, "--step", "rest"))
     assert out.count("status 0") == 2, out
     page = read_page(tmp_path / "page.html")
     verdict = verdicts(page)
@@ -118,6 +119,38 @@ def test_ctrl_c_and_kill_in_the_middle_of_a_motion_do_no_harm(tmp_path):
         assert abs(float(found)) < 1e-3, out
     assert len(re.findall("measured.left_motor", out)) == 2
     assert re.search(r"moves +passed", out), out
+
+
+# Those that move a motor are struck when it is under way; the others wait for hands or for quiet.
+INTERRUPTED = ("zero", "sensors", "latch", "spring", "bandwidth", "link")
+MOVING = ("latch", "spring", "bandwidth", "link")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("step", INTERRUPTED)
+def test_ctrl_c_and_kill_do_no_harm_in_any_step(tmp_path, step):
+    """It ends at once, the springs are slack, the record is whole, and the next step can be done."""
+    files = f"--out {tmp_path}/out.ini --page {tmp_path}/page.html --record {tmp_path}/record.ini"
+    struck = "until candump -n 1 vcan0,290:7FF | grep -q '\\]  07 '; do :; done" if step in MOVING else "sleep 0.4"
+    out = in_stand(f"""
+        {commission(tmp_path, *HANDS, *LATER)}
+        for signal in INT KILL; do
+            mkfifo {tmp_path}/hands_$signal; exec 3<>{tmp_path}/hands_$signal; echo y >&3   # they answer once
+            {BUILD}/afo commission --can vcan0 --device {DEVICE} {files} --step {step} <&3 >{tmp_path}/$signal 2>&1 & tool=$!
+            {struck}
+            kill -$signal $tool; wait $tool; echo "$signal $?"
+            for _ in {{1..100}}; do
+                {BUILD}/afo ctl --can vcan0 get supervisor_state | grep -q standby && break; sleep 0.1; done
+            {BUILD}/afo ctl --can vcan0 get supervisor_state measured.left_motor measured.right_motor
+        done
+        {BUILD}/afo commission --list --can vcan0 --device {DEVICE} {files}
+        {commission(tmp_path, "--step", "moves")}""")
+    assert "INT 1\n" in out and "KILL 137\n" in out, out
+    assert out.count("standby") == 2, out
+    motors = re.findall(r"measured.(?:left|right)_motor = (\S+) m", out)
+    assert len(motors) == 4 and all(abs(float(found)) < 1e-3 for found in motors), out
+    assert re.search(r"moves +passed", out), out
+    assert run("check", tmp_path / "out.ini", command="device").returncode == 0
 
 
 def test_wrong_usage():
