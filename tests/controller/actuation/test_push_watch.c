@@ -178,6 +178,18 @@ START_TEST(only_what_should_have_opened_it_counts)
 }
 END_TEST
 
+/* The other foot's first landing counts: what is loaded by its second was late. */
+START_TEST(a_second_strike_makes_nothing_loaded)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, false, false, false, LATCH_CLOSED);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    tick(SIDE_LEFT, true, false, false, LATCH_CLOSED);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_LOADED);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("push_watch");
@@ -192,6 +204,7 @@ int main(void)
     tcase_add_loop_test(tests, a_report_that_does_not_change_in_three_releases_is_stuck, 0,
                         (int)(sizeof reports / sizeof reports[0]));
     tcase_add_test(tests, only_what_should_have_opened_it_counts);
+    tcase_add_test(tests, a_second_strike_makes_nothing_loaded);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

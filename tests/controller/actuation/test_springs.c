@@ -421,6 +421,57 @@ START_TEST(a_push_that_drags_is_seen)
 }
 END_TEST
 
+/* A compass' spring is still in its foot behind toe-off: nothing drags. */
+START_TEST(a_compass_drags_nothing)
+{
+    params.body = (float)BODY_COMPASS;
+    springs_begin(&springs, &params, &input);
+    load_left();
+    event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+    input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+    ticks(60);
+    event(GAIT_LIFT_OFF, SIDE_LEFT);
+    outcome = PUSH_NONE;
+    for (int i = 0; i < 200; i++) {
+        tick();
+        input.sea[SIDE_LEFT].precompression_m = 0.035f;
+    }
+    ck_assert_int_eq(outcome, PUSH_NONE);
+    ck_assert_uint_eq(springs.watch.leg[SIDE_LEFT].count[PUSH_DRAGS], 0);
+}
+END_TEST
+
+/* Of the two signs of a toe-off, the own switch and the one that is found, the earlier ends the push. */
+START_TEST(the_earlier_sign_tells_how_long_a_push_lasts)
+{
+    static const int switch_ticks[] = {100, 0}; /* behind the latch; 0: there is none */
+    for (size_t i = 0; i < 2; i++) {
+        setup();
+        load_left();
+        event(GAIT_HEEL_STRIKE, SIDE_RIGHT);
+        input.sea[SIDE_LEFT].latch = LATCH_OPEN;
+        tick();
+        for (int now = 1; now < 160; now++) {
+            input.leg[SIDE_LEFT].foot = now == switch_ticks[i] ? FOOT_UP : FOOT_UNKNOWN;
+            tick();
+        }
+        event(GAIT_LIFT_OFF, SIDE_LEFT);
+        assert_close(springs.push_s[SIDE_LEFT], switch_ticks[i] > 0 ? 0.1 : 0.16, 1e-6, 0.0);
+    }
+}
+END_TEST
+
+/* As far as the ankle is extended when the foot usually leaves: 0.1 mm a tick, and a fifth for each push. */
+START_TEST(the_extension_at_toe_off_is_learned_then)
+{
+    push_left(120);
+    const double before_m = (double)springs.left_m[SIDE_LEFT];
+    push_left(120);
+    const double learned_m = (double)springs.left_m[SIDE_LEFT];
+    assert_close(learned_m, before_m + 0.2 * (0.0119 - before_m), 1e-4, 0.0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("springs");
@@ -445,6 +496,9 @@ int main(void)
     tcase_add_test(tests, a_motor_that_has_run_past_its_target_is_not_let_go);
     tcase_add_test(tests, a_push_that_drags_is_seen);
     tcase_add_test(tests, an_ankle_that_comes_back_or_has_it_all_ends_the_push);
+    tcase_add_test(tests, a_compass_drags_nothing);
+    tcase_add_test(tests, the_earlier_sign_tells_how_long_a_push_lasts);
+    tcase_add_test(tests, the_extension_at_toe_off_is_learned_then);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

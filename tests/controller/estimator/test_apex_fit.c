@@ -56,6 +56,21 @@ START_TEST(any_window)
 }
 END_TEST
 
+/* A curve whose slope changes threefold in the window: the crossing is found within its three steps all the same. */
+START_TEST(a_bent_curve)
+{
+    const double late_s = 0.045, w = 1e-3 * WINDOW;
+    for (int n = -WINDOW; n <= WINDOW; n++) {
+        const double t = late_s + 1e-3 * n;
+        stance[(CENTRE + n) % SIZE] = (real)(-0.8 * (t - 0.25 * t * t * t / (w * w)));
+    }
+    const struct apex_sums sums = add_up(stance, WINDOW);
+    const struct apex_fit fit = apex_fit_solve(&sums, WINDOW);
+    assert_close((double)fit.before_tick_s, late_s, 2e-6, 0.0);
+    assert_close((double)fit.speed_rad_s, 0.8, 2e-4, 0.0);
+}
+END_TEST
+
 START_TEST(a_leg_that_does_not_fall_gives_no_apex)
 {
     for (int i = 0; i < SIZE; i++) {
@@ -72,6 +87,7 @@ int main(void)
     TCase *tcase = tcase_create("fit");
     tcase_add_loop_test(tcase, both_legs_of_a_cubic, 0, 10);
     tcase_add_loop_test(tcase, any_window, 0, WINDOW - 1);
+    tcase_add_test(tcase, a_bent_curve);
     tcase_add_test(tcase, a_leg_that_does_not_fall_gives_no_apex);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);

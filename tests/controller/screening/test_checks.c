@@ -282,6 +282,18 @@ START_TEST(force_against_spring)
 }
 END_TEST
 
+/* Commissioning has bounds of its own, and what it did says nothing of a walk. */
+START_TEST(force_against_spring_is_not_judged_at_commissioning)
+{
+    struct rig rig;
+    start(&rig, SUPERVISOR_COMMISSIONING);
+    load(&rig, REAL(0.1), REAL(0.0));
+    ck_assert_int_eq(two_force_samples(&rig), SUPERVISOR_FAULT_NONE);
+    rig.state = SUPERVISOR_UNLOADING;
+    ck_assert_int_eq(tick(&rig), SUPERVISOR_FAULT_NONE);
+}
+END_TEST
+
 /* At a person's ankle there is less room above: 15 %, and 4 mm of spring a metre of leg. Below it is as ever. */
 START_TEST(a_person_s_spring_may_be_little_stronger_than_it_should)
 {
@@ -551,6 +563,7 @@ int main(void)
     tcase_add_test(tests, a_fall_counts_while_powered);
     tcase_add_test(tests, a_lasting_jump_is_a_fault_while_walking);
     tcase_add_test(tests, a_stuck_angle);
+    tcase_add_test(tests, force_against_spring_is_not_judged_at_commissioning);
     tcase_add_test(tests, force_against_spring);
     tcase_add_test(tests, a_person_s_spring_may_be_little_stronger_than_it_should);
     tcase_add_test(tests, a_wrong_force_is_never_forgotten);

@@ -164,7 +164,8 @@ START_TEST(no_drive_is_enabled_at_a_person_who_is_not_on_their_feet)
     person.checks.standstill_ticks = TICKS_OF_MS(500); /* lies, or stands */
     ck_assert(!may_walk(&person, SUPERVISOR_STANDBY));
     ck_assert(!may_walk(&person, SUPERVISOR_ENGAGING));
-    person.checks.standstill_ticks = 0; /* moves */
+    ck_assert(may_walk(&person, SUPERVISOR_WALKING)); /* whose steps end are seen to otherwise */
+    person.checks.standstill_ticks = 0;               /* moves */
     person.checks.tilted_ticks = TICKS_OF_MS(200);
     ck_assert(!may_walk(&person, SUPERVISOR_STANDBY));
     ck_assert(!may_walk(&person, SUPERVISOR_WALKING));

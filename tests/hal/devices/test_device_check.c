@@ -371,6 +371,8 @@ END_TEST
 /* A limit has a counterpart, and room between them; the margins are those that device_keys.h names. */
 START_TEST(limits_leave_room_between_them)
 {
+    left()->temperature_stop_degC = 0.5f;
+    REFUSED(DEVICE_BAD_LIMIT_ORDER, SIDE_LEFT, temperature_stop_degC);
     left()->temperature_stop_degC = 100.0f;
     REFUSED(DEVICE_BAD_LIMIT_ORDER, SIDE_LEFT, temperature_stop_degC);
     left()->temperature_warn_degC = 100.0f;

@@ -127,6 +127,36 @@ START_TEST(cansimple_enters_at_a_fresh_position)
 }
 END_TEST
 
+/* Somebody may have set another mode meanwhile: each start begins with it. */
+START_TEST(cansimple_a_start_that_was_broken_off_begins_anew)
+{
+    ck_assert(give(0x021, idle, 8, 0));
+    ck_assert(give(0x029, at_1_turn, 8, 0));
+    for (int start = 0; start < 2; start++) {
+        command[SIDE_LEFT].enable = true;
+        fake_bus_clear(&fake);
+        send_commands();
+        ck_assert_uint_eq(fake_bus_count(&fake, 0x02B), 1);
+        ck_assert_uint_eq(fake_bus_count(&fake, 0x027), 0);
+        command[SIDE_LEFT].enable = false;
+        send_commands();
+    }
+}
+END_TEST
+
+/* A drive in fault has left closed loop by itself. */
+START_TEST(cansimple_a_fault_is_not_asked_to_leave)
+{
+    static const uint8_t watchdog[8] = {0x00, 0x08, 0, 0, 1};
+    ck_assert(give(0x029, at_1_turn, 8, 0));
+    ck_assert(give(0x021, watchdog, 8, 0));
+    send_commands();
+    ck_assert_ptr_null(fake_bus_last(&fake, 0x027));
+    ck_assert(give(0x021, closed_loop, 8, 0));
+    send_commands();
+}
+END_TEST
+
 START_TEST(cansimple_says_what_the_bus_refused)
 {
     ck_assert(give(0x021, idle, 8, 0));
@@ -390,6 +420,8 @@ int main(void)
     tcase_add_test(other, mit_says_what_the_bus_refused);
     tcase_add_test(other, mit_gives_no_torque_that_nobody_watches);
     tcase_add_test(other, mit_that_fell_silent_is_asked_without_torque);
+    tcase_add_test(one, cansimple_a_start_that_was_broken_off_begins_anew);
+    tcase_add_test(one, cansimple_a_fault_is_not_asked_to_leave);
     suite_add_tcase(suite, one);
     suite_add_tcase(suite, other);
     return run_suite(suite);

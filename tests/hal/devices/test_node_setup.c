@@ -1,10 +1,12 @@
 /* The master configures a drive that others' rules define (sim_host/nodes), and
  * refuses one that is not what the device file says. */
 #include "hal/bus/frame_table.h"
+#include "hal/devices/device_keys.h"
 #include "hal/devices/node_setup.h"
 #include "sim_host/bus/sim_bus.h"
 #include "sim_host/nodes/drive_node.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
 
 #include <string.h>
 
@@ -380,6 +382,13 @@ START_TEST(another_rated_torque_is_refused_with_both_values)
     b.drive.objects.rated_torque_mNm = 42;
     b.config.rated_force_N[SIDE_LEFT] = 0.0f; /* no force is made of it: not compared */
     ck_assert_int_eq(finish(true), SETUP_DONE);
+    for (uint32_t told_mNm = 0; told_mNm <= 40; told_mNm += 40) {
+        start(); /* without scaling the device's file tells it, or nobody does */
+        b.drive.objects.rated_torque_mNm = 42;
+        b.config.lacks[SIDE_LEFT] = 1u << (unsigned)DEVICE_LACKS_SCALING;
+        b.config.rated_torque_mNm[SIDE_LEFT] = told_mNm;
+        ck_assert_int_eq(finish(true), told_mNm == 0 ? SETUP_DONE : SETUP_DIFFERS);
+    }
 }
 END_TEST
 
@@ -470,6 +479,20 @@ START_TEST(nothing_is_sent_after_a_refusal)
 }
 END_TEST
 
+START_TEST(what_was_not_answered_is_asked_again_at_once)
+{
+    static struct fake_bus fake;
+    const struct can_bus bus = fake_bus_interface(&fake);
+    fake_bus_init(&fake);
+    start();
+    for (uint64_t ms = 0; ms <= SETUP_TIMEOUT_MS + 1; ms++) {
+        ck_assert_int_eq(node_setup_poll(&b.setup, &bus, ms * 1000000), SETUP_BUSY);
+        ck_assert_uint_eq(fake_bus_count(&fake, 0x601), ms <= SETUP_TIMEOUT_MS ? 1 : 3);
+    }
+    ck_assert_uint_eq(fake_bus_last(&fake, 0x601)->data[0], 0x40); /* behind the abort */
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("node_setup");
@@ -490,6 +513,7 @@ int main(void)
     tcase_add_test(tests, a_drive_that_knows_no_bit_30_is_asked_without_it);
     tcase_add_loop_test(tests, a_value_that_comes_late_is_waited_for, 0, 4);
     tcase_add_test(tests, a_drive_that_is_too_slow_is_refused);
+    tcase_add_test(tests, what_was_not_answered_is_asked_again_at_once);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -403,6 +403,28 @@ START_TEST(temperature_supply_and_warning_are_read)
 }
 END_TEST
 
+/* Two states in one cycle come from two nodes, whichever way they differ. */
+START_TEST(a_second_state_in_a_cycle_is_counted)
+{
+    struct bench b;
+    start(&b);
+    const int8_t *count = &b.cia402.axis[SIDE_LEFT].duplicate_id_count;
+    answer(&b, 0x181, 0x0027, 500);
+    ck_assert_int_eq(*count, 0);
+    answer(&b, 0x181, 0x0027, 500); /* the same once more is a frame that was sent twice */
+    ck_assert_int_eq(*count, 0);
+    answer(&b, 0x181, 0x0027, 400);
+    ck_assert_int_eq(*count, 1);
+    answer(&b, 0x181, 0x0027, 600);
+    ck_assert_int_eq(*count, 2);
+    answer(&b, 0x181, 0x0023, 600);
+    ck_assert_int_eq(*count, 3);
+    sea_drives_age(&b.drives);
+    answer(&b, 0x181, 0x0027, 700);
+    ck_assert_int_eq(*count, 3);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sea_drive_cia402");
@@ -422,6 +444,7 @@ int main(void)
                         LATE_TICKS_MAX);
     tcase_add_test(tests, a_drive_that_is_not_set_up_gets_no_command);
     tcase_add_test(tests, temperature_supply_and_warning_are_read);
+    tcase_add_test(tests, a_second_state_in_a_cycle_is_counted);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }
