@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 #include "model/foot_contact.h"
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 
 enum foot_switch_fault {
     FOOT_SWITCH_WELL = 0,

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "sim_host/plant/range.h"
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 
 static const double DEG = 0.017453292519943295;
 static const double USUAL_TOE_OFF = 0.62;

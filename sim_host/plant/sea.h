@@ -23,8 +23,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "sim_host/plant/rng.h"
 #include "sim_host/plant/sea_built.h"
+#include "sim_host/random/rng.h"
 
 enum sea_latch { SEA_LATCH_CLOSED = 0, SEA_LATCH_RELEASED = 1, SEA_LATCH_SLACK = 2 };
 

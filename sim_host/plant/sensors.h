@@ -14,8 +14,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "sim_host/plant/rng.h"
 #include "sim_host/plant/sea_config.h"
+#include "sim_host/random/rng.h"
 
 struct sensor_params {
     double angle_resolution_rad; /* > 0 */

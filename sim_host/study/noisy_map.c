@@ -6,7 +6,7 @@
 
 #include "sim_host/batch/batch.h"
 #include "sim_host/gait/gait_curve.h"
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 
 enum { SECANT_STEPS = 12, SETTLE_STRIDES = 20 };
 #define LEAST_R0_SHARE 0.002 /* of the leg */

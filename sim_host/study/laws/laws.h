@@ -11,8 +11,8 @@
 #include <stdio.h>
 
 #include "sim_host/cli/output_file.h"
-#include "sim_host/plant/rng.h"
 #include "sim_host/plant/sensors.h"
+#include "sim_host/random/rng.h"
 #include "sim_host/study/laws/setup.h"
 #include "sim_host/study/map/viability_kernel.h"
 

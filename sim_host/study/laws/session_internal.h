@@ -2,7 +2,7 @@
 #ifndef SIM_HOST_STUDY_LAWS_SESSION_INTERNAL_H
 #define SIM_HOST_STUDY_LAWS_SESSION_INTERNAL_H
 
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 #include "sim_host/study/laws/session.h"
 
 /* Ground between two footholds, drawn per step: an incline, or the foothold's height. */

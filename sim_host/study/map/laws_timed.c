@@ -4,7 +4,7 @@
 
 #include "model/timed_stride.h"
 #include "sim_host/gait/linear.h"
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 #include "sim_host/study/study_walker.h"
 
 #define DIFFERENCE 1e-6

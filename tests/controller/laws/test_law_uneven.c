@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 #include "tests/support/assert_close.h"
 
 enum { WALKS = 20, STEPS_MOST = 500 };

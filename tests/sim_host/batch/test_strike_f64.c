@@ -5,7 +5,7 @@
 #include "model/stride.h"
 #include "sim_host/batch/batch.h"
 #include "sim_host/gait/gait_curve.h"
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 #include "tests/support/assert_close.h"
 
 #define COUNT 3000

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 #include "sim_host/subjects/subject.h"
 #include "tests/support/assert_close.h"
 

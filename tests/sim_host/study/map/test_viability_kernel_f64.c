@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "model/stride.h"
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 #include "tests/support/assert_close.h"
 
 static const struct viability_range RANGE = {.legs_low_rad = 0.03,

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "sim_host/gait/branch.h"
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 #include "sim_host/study/noisy_map.h"
 #include "sim_host/study/paper/basin_walks.h"
 #include "sim_host/study/paper/long_runs.h"

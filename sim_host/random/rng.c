@@ -1,4 +1,4 @@
-#include "sim_host/plant/rng.h"
+#include "sim_host/random/rng.h"
 
 static uint64_t splitmix(uint64_t *state)
 {

@@ -5,8 +5,8 @@
  * exceeds 6 sigma (a true normal does once in 5e8).
  * No heap, no globals; O(1).
  */
-#ifndef SIM_HOST_PLANT_RNG_H
-#define SIM_HOST_PLANT_RNG_H
+#ifndef SIM_HOST_RANDOM_RNG_H
+#define SIM_HOST_RANDOM_RNG_H
 
 #include <stdint.h>
 
