@@ -44,6 +44,7 @@ void plant_init_reflex_person(struct plant *plant)
 {
     struct reflex_person_params params = plant->config.reflex;
     params.step_s = plant->config.sea[SIDE_LEFT].drive_period_s;
+    params.noise_seed = plant->config.seed;
     reflex_person_init(&plant->reflex, &params);
     look(plant, &plant->person);
 }

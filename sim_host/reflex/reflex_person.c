@@ -22,7 +22,6 @@
 #define BALL_M 0.16
 #define FELL_SHARE 0.6
 #define SENSE_PERIOD_S 0.001
-#define GAIN_MOST 100.0
 
 void reflex_person_default(double mass_kg, double leg_m, struct reflex_person_params *params)
 {
@@ -31,6 +30,7 @@ void reflex_person_default(double mass_kg, double leg_m, struct reflex_person_pa
         .mass_kg = mass_kg,
         .leg_m = leg_m,
         .gravity_m_s2 = 9.80665,
+        .noise_share = REFLEX_NOISE_NONE,
         .start_speed_m_s = 1.144,
         .start_lean_rad = 0.0755,
         .step_s = 0.00025,
@@ -76,6 +76,12 @@ const char *reflex_person_check(const struct reflex_person_params *params)
     if (!is_within(params->start_speed_m_s, 0.0, 3.0)) {
         return "start_speed_m_s: allowed is 0 to 3";
     }
+    if (!is_within(params->start_lean_rad, -0.5, 0.5)) {
+        return "start_lean_rad: allowed is -0.5 to 0.5";
+    }
+    if (!is_within(params->noise_share, REFLEX_NOISE_NONE, REFLEX_NOISE_MOST)) {
+        return "noise_share: allowed is 0 to 0.2";
+    }
     if (!is_within(a_sense, 1.0, 100.0) || fabs(a_sense - floor(a_sense + 0.5)) > 1e-9) {
         return "step_s: a millisecond is a whole number of steps, 100 at most";
     }
@@ -90,7 +96,8 @@ const char *reflex_person_check(const struct reflex_person_params *params)
             }
         }
     }
-#define GAIN_IS_FINITE(name, published, unit) &&is_within(params->gains.name, -GAIN_MOST, GAIN_MOST)
+#define GAIN_IS_FINITE(name, published, unit, meaning) \
+    &&is_within(params->gains.name, -REFLEX_GAIN_MOST, REFLEX_GAIN_MOST)
     return true REFLEX_GAINS(GAIN_IS_FINITE) ? NULL : "a reflex's gain is out of range";
 #undef GAIN_IS_FINITE
 }
@@ -177,6 +184,7 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
     struct reflex_moment moment;
     sense(person, &moment);
     reflexes_init(&person->reflexes, &moment);
+    reflex_noise_init(&person->noise, params->noise_seed);
 }
 
 /* ---- a step --------------------------------------------------------------------------------------------------- */
@@ -287,6 +295,10 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
         for (int side = 0; side < SIDE_COUNT; side++) {
             reflexes_stimulate(&person->reflexes, &params->gains, (enum side)side,
                                person->stimulation[side]);
+            if (params->noise_share > REFLEX_NOISE_NONE) {
+                reflex_noise_add(&person->noise, params->noise_share, (enum side)side,
+                                 person->stimulation[side]);
+            }
         }
     }
     for (int side = 0; side < SIDE_COUNT; side++) {

@@ -11,6 +11,7 @@
 
 #include "sim_host/reflex/contact.h"
 #include "sim_host/reflex/muscles.h"
+#include "sim_host/reflex/reflex_noise.h"
 #include "sim_host/reflex/reflexes.h"
 
 enum foot_point { FOOT_HEEL = 0, FOOT_BALL = 1, FOOT_POINTS = 2 };
@@ -22,6 +23,8 @@ struct reflex_person_params {
     struct contact_params contact;
     struct muscle muscle[SIDE_COUNT][MUSCLE_COUNT];
     struct reflex_gains gains;
+    double noise_share; /* of every stimulation: reflex_noise.h */
+    uint64_t noise_seed;
     /* At the start: hip's speed, and how far the legs are apart. The left leg is ahead and swings. */
     double start_speed_m_s, start_lean_rad;
     double step_s; /* a whole part of a millisecond */
@@ -40,6 +43,7 @@ struct reflex_person {
     struct muscle_state muscle[SIDE_COUNT][MUSCLE_COUNT];
     struct contact_point contact[SIDE_COUNT][FOOT_POINTS];
     struct reflexes reflexes;
+    struct reflex_noise noise; /* unused where params.noise_share is REFLEX_NOISE_NONE */
     double stimulation[SIDE_COUNT][MUSCLE_COUNT];
     struct vector2
         ground_N[SIDE_COUNT]; /* the ground's force on each foot, at the last step's begin */
@@ -49,8 +53,8 @@ struct reflex_person {
     uint64_t steps;
 };
 
-/* A healthy person, new to the device: Geyer & Herr's, scaled from their 80 kg and 1 m, with softer feet and the gains
- * that suit these. */
+/* A healthy person, new to the device: Geyer & Herr's, scaled from their 80 kg and 1 m, with softer feet, the gains
+ * that suit these, and the preset REFLEX_NOISE_NONE. */
 void reflex_person_default(double mass_kg, double leg_m, struct reflex_person_params *params);
 
 /* NULL, or which number is out of its range. */

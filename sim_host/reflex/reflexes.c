@@ -6,7 +6,7 @@ enum { HIP_MS = 5, KNEE_MS = 10, ANKLE_MS = 20 };
 
 void reflex_gains_published(struct reflex_gains *gains)
 {
-#define REFLEX_GAIN_VALUE(name, published, unit) .name = (published),
+#define REFLEX_GAIN_VALUE(name, published, unit, meaning) .name = (published),
     *gains = (struct reflex_gains){REFLEX_GAINS(REFLEX_GAIN_VALUE)};
 #undef REFLEX_GAIN_VALUE
 }

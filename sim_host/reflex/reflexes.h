@@ -11,37 +11,44 @@
 
 #include "sim_host/reflex/muscles.h"
 
-/* X(name, published, unit). Forces are by their muscle's largest, lengths by its optimal one, loads by body weight. */
-#define REFLEX_GAINS(X)                                                     \
-    X(sol_force, 1.2, "1")        /* soleus, stance: own force */           \
-    X(ta_length, 1.1, "1")        /* tibialis: own length ... */            \
-    X(ta_length_off, 0.71, "1")   /* ... beyond this */                     \
-    X(ta_sol_force, 0.3, "1")     /* less, by the soleus' force */          \
-    X(gas_force, 1.1, "1")        /* gastrocnemius, stance: own force */    \
-    X(vas_force, 1.15, "1")       /* vasti, stance: own force */            \
-    X(vas_knee, 2.0, "1/rad")     /* less, by a knee beyond ... */          \
-    X(vas_knee_off, 2.967, "rad") /* ... this that extends */               \
-    X(vas_stance, 0.09, "1")      /* constant part */                       \
-    X(hip_stance, 0.05, "1")      /* constant part of the hip's three */    \
-    X(lean_gain, 1.91, "1/rad")   /* trunk lean, stance */                  \
-    X(lean_rate_gain, 0.25, "s/rad")                                        \
-    X(lean_wanted, 0.105, "rad") /* forward */                              \
-    X(glu_share, 0.68, "1")      /* of it for the glutei */                 \
-    X(load, 1.2, "1")            /* how load weighs */                      \
-    X(late_stance, 0.25, "1")    /* hip flexors more, glutei less */        \
-    X(swing_lean, 1.15, "1/rad") /* hip flexors, swing: lean at lift-off */ \
-    X(hfl_length, 0.35, "1")                                                \
-    X(hfl_length_off, 0.6, "1")                                             \
-    X(hfl_ham_length, 4.0, "1") /* less, by the hamstrings' length */       \
-    X(hfl_ham_length_off, 0.85, "1")                                        \
-    X(ham_force, 0.65, "1") /* hamstrings, swing: own force */              \
-    X(glu_force, 0.4, "1")  /* glutei, swing: own force */
+/* X(name, published, unit, meaning). Forces are by their muscle's largest, lengths by its optimal one, loads by body
+ * weight. */
+#define REFLEX_GAINS(X)                                                                   \
+    X(sol_force, 1.2, "1", "soleus, stance: by its own force")                            \
+    X(ta_length, 1.1, "1", "tibialis: by its own length beyond ta_length_off")            \
+    X(ta_length_off, 0.71, "1", "length from which the tibialis answers")                 \
+    X(ta_sol_force, 0.3, "1", "tibialis, stance: less, by the soleus' force")             \
+    X(gas_force, 1.1, "1", "gastrocnemius, stance: by its own force")                     \
+    X(vas_force, 1.15, "1", "vasti, stance: by their own force")                          \
+    X(vas_knee, 2.0, "1/rad", "vasti: less, by an extending knee beyond vas_knee_off")    \
+    X(vas_knee_off, 2.967, "rad", "knee angle from which the vasti are spared")           \
+    X(vas_stance, 0.09, "1", "vasti, stance: constant part")                              \
+    X(hip_stance, 0.05, "1", "muscles of the hip, stance: constant part")                 \
+    X(lean_gain, 1.91, "1/rad", "muscles of the hip, stance: by the trunk's lean")        \
+    X(lean_rate_gain, 0.25, "s/rad", "the same, by the lean's rate")                      \
+    X(lean_wanted, 0.105, "rad", "lean forward that is held")                             \
+    X(glu_share, 0.68, "1", "share of that for the glutei")                               \
+    X(load, 1.2, "1", "how a foot's load weighs")                                         \
+    X(late_stance, 0.25, "1", "leg behind: hip flexors more, glutei less")                \
+    X(swing_lean, 1.15, "1/rad", "hip flexors, swing: by the lean at lift-off")           \
+    X(hfl_length, 0.35, "1", "hip flexors, swing: by their length beyond hfl_length_off") \
+    X(hfl_length_off, 0.6, "1", "length from which the hip flexors answer")               \
+    X(hfl_ham_length, 4.0, "1", "hip flexors, swing: less, by the hamstrings' length")    \
+    X(hfl_ham_length_off, 0.85, "1", "length of the hamstrings from which they do")       \
+    X(ham_force, 0.65, "1", "hamstrings, swing: by their own force")                      \
+    X(glu_force, 0.4, "1", "glutei, swing: by their own force")
 
-#define REFLEX_GAIN_FIELD(name, published, unit) double name;
+#define REFLEX_GAIN_MOST 100.0 /* of any, either way */
+
+#define REFLEX_GAIN_FIELD(name, published, unit, meaning) double name;
 struct reflex_gains {
     REFLEX_GAINS(REFLEX_GAIN_FIELD)
 };
 #undef REFLEX_GAIN_FIELD
+
+#define REFLEX_GAIN_ONE(name, published, unit, meaning) +1
+enum { REFLEX_GAIN_COUNT = 0 REFLEX_GAINS(REFLEX_GAIN_ONE) };
+#undef REFLEX_GAIN_ONE
 
 enum { REFLEX_DELAY_MAX_MS = 20, REFLEX_RING = REFLEX_DELAY_MAX_MS + 1 };
 

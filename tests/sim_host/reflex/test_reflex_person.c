@@ -42,13 +42,21 @@ static struct walked walk(struct reflex_person *person, double from_s, double un
     return walked;
 }
 
-static void begin(struct reflex_person *person, double step_s)
+static void begin_noisy(struct reflex_person *person, double step_s, double noise_share,
+                        uint64_t seed)
 {
     struct reflex_person_params params;
     reflex_person_default(80.0, 1.0, &params);
     params.step_s = step_s;
+    params.noise_share = noise_share;
+    params.noise_seed = seed;
     ck_assert_ptr_null(reflex_person_check(&params));
     reflex_person_init(person, &params);
+}
+
+static void begin(struct reflex_person *person, double step_s)
+{
+    begin_noisy(person, step_s, REFLEX_NOISE_NONE, 0);
 }
 
 START_TEST(a_healthy_person_walks_as_people_do)
@@ -90,6 +98,25 @@ START_TEST(a_copy_is_a_snapshot)
     ck_assert_mem_eq(&one.body, &two.body, sizeof one.body);
     ck_assert_mem_eq(&one.muscle, &two.muscle, sizeof one.muscle);
     ck_assert_mem_eq(&one.body, &third.body, sizeof one.body);
+}
+END_TEST
+
+START_TEST(a_noisy_walk_repeats_by_its_seed)
+{
+    struct reflex_person one, two, copy, other;
+    begin_noisy(&one, 0.00025, 0.02, 4);
+    begin_noisy(&two, 0.00025, 0.02, 4);
+    begin_noisy(&other, 0.00025, 0.02, 5);
+    (void)walk(&one, 0.0, 2.0);
+    memcpy(&copy, &one, sizeof copy);
+    (void)walk(&one, 0.0, 4.0);
+    (void)walk(&copy, 0.0, 4.0);
+    (void)walk(&two, 0.0, 4.0);
+    (void)walk(&other, 0.0, 4.0);
+    ck_assert_mem_eq(&one.body, &copy.body, sizeof one.body);
+    ck_assert_mem_eq(&one.body, &two.body, sizeof one.body);
+    ck_assert_mem_eq(&one.noise, &two.noise, sizeof one.noise);
+    ck_assert_mem_ne(&one.body, &other.body, sizeof one.body);
 }
 END_TEST
 
@@ -166,6 +193,9 @@ START_TEST(what_is_out_of_range_is_named)
         {offsetof(struct reflex_person_params, leg_m), 0.1, "leg_m"},
         {offsetof(struct reflex_person_params, gravity_m_s2), -1.0, "gravity_m_s2"},
         {offsetof(struct reflex_person_params, start_speed_m_s), 9.0, "start_speed_m_s"},
+        {offsetof(struct reflex_person_params, start_lean_rad), 1.0, "start_lean_rad"},
+        {offsetof(struct reflex_person_params, noise_share), 0.3, "noise_share"},
+        {offsetof(struct reflex_person_params, noise_share), (double)NAN, "noise_share"},
         {offsetof(struct reflex_person_params, step_s), 0.0003, "step_s"},
         {offsetof(struct reflex_person_params, gains.load), (double)NAN, "gain"},
         {offsetof(struct reflex_person_params, gains.glu_force), 1e9, "gain"},
@@ -189,6 +219,7 @@ int main(void)
     tcase_add_test(tests, a_healthy_person_walks_as_people_do);
     tcase_add_test(tests, half_the_step_walks_alike);
     tcase_add_test(tests, a_copy_is_a_snapshot);
+    tcase_add_test(tests, a_noisy_walk_repeats_by_its_seed);
     tcase_add_test(tests, a_push_gives_its_momentum);
     tcase_add_test(tests, a_device_plantarflexes_and_gives_its_work);
     tcase_add_test(tests, whoever_has_no_legs_to_stand_on_falls);
