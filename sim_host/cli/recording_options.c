@@ -236,6 +236,7 @@ int recording_options_apply(const struct recording_options *options, struct loop
         }
         config->plant.kind = PLANT_REFLEX_PERSON;
         reflex_person_default(mass_kg, (double)params->leg_length_m, &config->plant.reflex);
+        person_muscles_apply(&config->subject.person.muscles, &config->plant.reflex);
     } else if (strlen(options->path) >= PLANT_PATH_MAX) {
         snprintf(message, LOOP_MESSAGE_MAX, "the path of the recording is too long");
         return -1;

@@ -233,7 +233,12 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
         fprintf(stream, "  recording  %s\n", options->recording.path);
     }
     if (options->recording.by_reflexes) {
-        fprintf(stream, "  wearer     a person who walks by reflexes\n");
+        char noise[32] = "none";
+        const double share = loop->config.plant.reflex.noise_share;
+        if (share > REFLEX_NOISE_NONE) {
+            snprintf(noise, sizeof noise, "%g %%", 100.0 * share);
+        }
+        fprintf(stream, "  wearer     a person who walks by reflexes, noise of these: %s\n", noise);
     }
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.person.name, (double)params->torso_mass_kg,

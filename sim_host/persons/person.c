@@ -56,6 +56,7 @@ void person_default(struct person *person)
                               .leg_mass_kg = 0.01,
                               .leg_length_m = 1.0,
                               .gravity_m_s2 = 9.80665};
+    person_muscles_default(&person->muscles);
 }
 
 static double *field_of(struct person *person, const struct person_key *key)
@@ -173,11 +174,15 @@ static int take_key(void *context, const char *section, const char *key, const c
     if (strcmp(section, "prescription") == 0) {
         return person_prescribe(reading->person, key, value, message, size);
     }
+    if (person_muscles_has(section)) {
+        return person_muscles_take(&reading->person->muscles, section, key, value, message, size);
+    }
     if (section[0] == '\0') {
         snprintf(message, size, "key \"%.40s\" stands before the first [section]", key);
     } else {
         snprintf(message, size,
-                 "section [%.40s] is none of a person file: those are [person] and [prescription]",
+                 "section [%.40s] is none of a person file: those are [person], [prescription], "
+                 "[muscles], [left.muscles] and [right.muscles]",
                  section);
     }
     return -1;
@@ -204,6 +209,11 @@ int person_read(struct person *person, const char *path, char *message)
         snprintf(message, PERSON_MESSAGE_MAX,
                  "%s: key \"leg_mass_kg\" (%g kg) is above key \"torso_mass_kg\" (%g kg)", path,
                  person->leg_mass_kg, person->torso_mass_kg);
+        return -1;
+    }
+    char lacks[PERSON_MESSAGE_MAX / 2];
+    if (person_muscles_check(&person->muscles, lacks, sizeof lacks) != 0) {
+        snprintf(message, PERSON_MESSAGE_MAX, "%s: %s", path, lacks);
         return -1;
     }
     return 0;
@@ -258,4 +268,5 @@ void person_write(FILE *stream, const struct person *person)
             write_key(stream, d->name, person->control_override[i], d->unit, d->meaning);
         }
     }
+    person_muscles_write(stream, &person->muscles);
 }

@@ -2,6 +2,7 @@
  *
  *     [person]        name, torso_mass_kg, leg_mass_kg, leg_length_m, gravity_m_s2
  *     [prescription]  law, speed_rad_s, and any of the controller's parameters by name
+ *     [muscles]       of a person who walks by reflexes, see person_muscles.h
  *
  * What a prescription does not say is computed from body and spring (sim_host/subjects).
  * Names and ranges of the parameters are those of controller/control_params.h.
@@ -13,6 +14,7 @@
 #include <stdio.h>
 
 #include "controller/control_params.h"
+#include "sim_host/persons/person_muscles.h"
 
 enum { PERSON_NAME_MAX = 64, PERSON_MESSAGE_MAX = 768 };
 
@@ -26,6 +28,7 @@ struct person {
     double speed_rad_s;                           /* apex speed to walk at; 0 = not prescribed */
     double control_override[CONTROL_PARAM_COUNT]; /* the prescription, by parameter */
     bool control_overridden[CONTROL_PARAM_COUNT];
+    struct person_muscles muscles;
 };
 
 /* The paper's walker: the same as sim_host/persons/paper.ini. */

@@ -80,6 +80,11 @@ static void read_person(void)
     must(again.torso_mass_kg == person.torso_mass_kg && again.leg_mass_kg == person.leg_mass_kg &&
          again.leg_length_m == person.leg_length_m && again.gravity_m_s2 == person.gravity_m_s2 &&
          again.speed_rad_s == person.speed_rad_s);
+    const struct person_muscles *one = &person.muscles, *two = &again.muscles;
+    must(memcmp(&one->gains, &two->gains, sizeof one->gains) == 0 &&
+         memcmp(one->strength, two->strength, sizeof one->strength) == 0 &&
+         one->noise_percent == two->noise_percent && one->start_speed_m_s == two->start_speed_m_s &&
+         one->start_lean_rad == two->start_lean_rad && one->tuned_value == two->tuned_value);
     for (int i = 0; i < CONTROL_PARAM_COUNT; i++) {
         must(again.control_overridden[i] == person.control_overridden[i]);
         must(!person.control_overridden[i] ||
