@@ -5,6 +5,7 @@
 #include "sim_host/study/laws/laws_main.h"
 #include "sim_host/study/observer/commands.h"
 #include "sim_host/study/paper/command.h"
+#include "sim_host/study/person/commands.h"
 #include "sim_host/study/size/latch_study.h"
 
 static const struct program_command table[] = {
@@ -22,6 +23,8 @@ static const struct program_command table[] = {
     {"latch", latch_main, "what each law bears of a latch that opens late"},
     {"observe", command_observe, "how well the controller knows the gait, and what it costs"},
     {"observer-gains", command_observer_gains, "the model observer's gains, as C"},
+    {"tune-person", tune_person_main, "gains for a person who walks by reflexes, by CMA-ES"},
+    {"validate-person", validate_person_main, "such a person's gait against that of people"},
     {"table", afo_study_table, "the gait curve of a walker as the controller's table, as C"},
 };
 
