@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "sim_host/cli/exit_status.h"
+#include "sim_host/cli/figure.h"
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/cli/option.h"
-#include "sim_host/cli/overlay.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/program_output.h"
 #include "sim_host/cli/sim_session.h"
@@ -22,12 +22,13 @@ enum {
     DEFAULT_STEPS = 200,
     LAST = 20,
     PANELS = 2,
+    LAWS_MOST = 8,
     SPARE_STEPS = 2
 };
 
 struct options {
     struct sim_options sim;
-    enum law_mode law[OVERLAY_LINES_MOST];
+    enum law_mode law[LAWS_MOST];
     int laws;
     const char *plot_path;
 };
@@ -71,8 +72,8 @@ static void take_laws(struct options *options, const char *text, struct argp_sta
     for (const char *at = text;; at++) {
         const size_t length = strcspn(at, ",");
         snprintf(name, sizeof name, "%.*s", (int)length, at);
-        if (options->laws == OVERLAY_LINES_MOST) {
-            argp_error(state, "--laws: at most %d laws", OVERLAY_LINES_MOST);
+        if (options->laws == LAWS_MOST) {
+            argp_error(state, "--laws: at most %d laws", LAWS_MOST);
         }
         if (law_from_name(name, &options->law[options->laws]) != 0) {
             law_name_refuse(name, message, sizeof message);
@@ -286,21 +287,24 @@ static void print_json(const struct result *results, int count)
     json_end(&json);
 }
 
-static int draw(struct output_file *file, const struct result *results, int count)
+/* number: 1, 2, 3 for the steps. */
+static int draw(struct output_file *file, const struct result *results, int count,
+                const double *number)
 {
-    struct overlay_panel panels[PANELS] = {{.title = "Apex speed (rad/s)"},
-                                           {.title = "Precompression asked for (m)"}};
+    struct figure_panel panels[PANELS] = {
+        {.title = "Apex speed (rad/s)", .x_title = "step"},
+        {.title = "Precompression asked for (m)", .x_title = "step"}};
     if (file->stream == NULL) {
         return 0;
     }
     for (int i = 0; i < count; i++) {
-        panels[0].line[i] =
-            (struct overlay_line){results[i].law, results[i].speed_rad_s, results[i].steps};
-        panels[1].line[i] =
-            (struct overlay_line){results[i].law, results[i].r0_m, results[i].steps};
+        panels[0].series[i] = (struct figure_series){results[i].law, number, results[i].speed_rad_s,
+                                                     NULL, results[i].steps};
+        panels[1].series[i] =
+            (struct figure_series){results[i].law, number, results[i].r0_m, NULL, results[i].steps};
     }
-    panels[0].lines = panels[1].lines = (size_t)count;
-    overlay_write(file->stream, "The same walk by several laws", "step", panels, PANELS);
+    panels[0].series_count = panels[1].series_count = (size_t)count;
+    figure_write(file->stream, "The same walk by several laws", panels, PANELS);
     return program_commit_output(file);
 }
 
@@ -317,12 +321,16 @@ static int walk_all(const struct options *options, struct result *results, int *
     return status;
 }
 
-/* The rows of all laws lie in `values`, two of so many numbers a law. */
+/* The rows of all laws lie in `values`, two of so many numbers a law, and one of the steps' numbers behind them. */
 static int compare(const struct options *options, double *values, size_t row)
 {
-    struct result results[OVERLAY_LINES_MOST] = {{0}};
+    struct result results[LAWS_MOST] = {{0}};
     struct output_file plot = {0};
+    double *number = &values[2 * (size_t)options->laws * row];
     int done = 0, status = EXIT_USAGE;
+    for (size_t i = 0; i < row; i++) {
+        number[i] = (double)i + 1.0;
+    }
     for (size_t i = 0; i < (size_t)options->laws; i++) {
         results[i].speed_rad_s = &values[2 * i * row];
         results[i].r0_m = &values[(2 * i + 1) * row];
@@ -332,7 +340,7 @@ static int compare(const struct options *options, double *values, size_t row)
     }
     if (status != EXIT_USAGE) {
         (options->sim.json ? print_json : print_table)(results, done);
-        if (draw(&plot, results, done) != 0 || program_output_done() != 0) {
+        if (draw(&plot, results, done, number) != 0 || program_output_done() != 0) {
             status = EXIT_USAGE;
         }
     }
@@ -347,7 +355,7 @@ int afo_compare(int argc, char **argv)
     signal(SIGTERM, on_interrupt);
     parse_options(&options, argc, argv);
     const size_t row = (size_t)options.sim.steps + SPARE_STEPS;
-    double *values = calloc(2 * row * (size_t)options.laws, sizeof *values);
+    double *values = calloc((2 * (size_t)options.laws + 1) * row, sizeof *values);
     if (values == NULL) {
         program_complain("out of memory: ask for fewer --steps");
         return EXIT_USAGE;

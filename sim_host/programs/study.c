@@ -6,6 +6,7 @@
 #include "sim_host/study/observer/commands.h"
 #include "sim_host/study/paper/command.h"
 #include "sim_host/study/person/commands.h"
+#include "sim_host/study/plot.h"
 #include "sim_host/study/size/latch_study.h"
 
 static const struct program_command table[] = {
@@ -35,6 +36,6 @@ int afo_study(int argc, char **argv)
         "Studies of the ankle-actuated compass gait, the return map from apex to apex, and of the "
         "laws\nand the observer that walk with it.",
         table, sizeof table / sizeof table[0]};
-    const int status = program_dispatch(&commands, argc, argv);
+    const int status = plot_finish(program_dispatch(&commands, argc, argv));
     return program_output_done() == 0 ? status : EXIT_USAGE;
 }

@@ -2,6 +2,7 @@
  * push-off and stiffness. scripts/bench-atlas draws what it writes. Under mpirun: build/afo-mpi. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "sim_host/batch/atlas.h"
@@ -10,6 +11,7 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/programs/commands.h"
+#include "sim_host/study/plot.h"
 
 enum { KEY_POINTS = 0x100, KEY_R0, KEY_STRIDES, KEY_MASS_RATIO, KEY_THREADS, KEY_LANES };
 enum { MAP_BASIN = 0, MAP_PLANE = 1 };
@@ -80,11 +82,94 @@ static error_t take(int key, char *text, struct argp_state *state)
     }
 }
 
-static int run(struct chunks_job job, const struct options *options)
+/* The table of the picture has so many points a side, or all where there are fewer. */
+enum { SHOWN = 100, SECTIONS = 3, NO_PERIOD = 65 };
+
+static int every_of(int points)
+{
+    return (points + SHOWN - 1) / SHOWN;
+}
+
+/* Reads every chunk of the finished file, and gives it to `put`. 0, or -1 behind a complaint. */
+static int tell_chunks(const struct chunks_job *job, FILE *table,
+                       void (*put)(const struct chunks_job *job, size_t chunk,
+                                   const unsigned char *byte, FILE *table))
+{
+    unsigned char *byte = malloc(job->bytes);
+    int done = byte != NULL;
+    for (size_t i = 0; i < job->count && done; i++) {
+        done = chunks_read(job, i, byte);
+        if (done) {
+            put(job, i, byte, table);
+        }
+    }
+    free(byte);
+    return done ? 0 : program_complain("%s: no picture: it cannot be read", job->path);
+}
+
+/* A chunk is a speed; sections at a quarter, half and three quarters of the swing rates. */
+static void put_basin(const struct chunks_job *job, size_t chunk, const unsigned char *byte,
+                      FILE *table)
+{
+    const struct atlas_basin *basin = job->context;
+    const int every = every_of(basin->speed.count);
+    for (int k = 1; k <= SECTIONS && (int)chunk % every == 0; k++) {
+        const int rate = k * basin->rate.count / (SECTIONS + 1);
+        for (int i = 0; i < basin->swing.count; i += every) {
+            fprintf(table, "%.6g,%.6g,%.6g,%d\n", atlas_at(&basin->speed, (int)chunk),
+                    atlas_at(&basin->swing, i), atlas_at(&basin->rate, rate),
+                    byte[i * basin->rate.count + rate]);
+        }
+    }
+}
+
+static void put_plane(const struct chunks_job *job, size_t chunk, const unsigned char *byte,
+                      FILE *table)
+{
+    const struct atlas_plane *plane = job->context;
+    const int every = every_of(plane->push.count), columns = plane->push.count;
+    for (int row = 0; row < ATLAS_PLANE_ROWS; row++) {
+        const int at = (int)chunk * ATLAS_PLANE_ROWS + row;
+        for (int i = 0; i < columns && at < plane->stiffness.count && at % every == 0; i += every) {
+            const int period = byte[row * columns + i];
+            fprintf(table, "%.6g,%.6g,%d\n", atlas_at(&plane->push, i),
+                    atlas_at(&plane->stiffness, at),
+                    period == ATLAS_APERIODIC ? NO_PERIOD : period);
+        }
+    }
+}
+
+static int tell_basin(const struct chunks_job *job)
+{
+    FILE *table = plot_table("atlas-basin");
+    if (table == NULL) {
+        return -1;
+    }
+    fputs("speed_rad_s,swing_angle_rad,swing_rate_rad_s,steps\n", table);
+    return tell_chunks(job, table, put_basin);
+}
+
+static int tell_plane(const struct chunks_job *job)
+{
+    FILE *table = plot_table("atlas-plane");
+    if (table == NULL) {
+        return -1;
+    }
+    plot_name("push_off", "push-off r0 / l");
+    plot_name("stiffness", "stiffness k l / (M g)");
+    fputs("push_off,stiffness,period\n", table);
+    return tell_chunks(job, table, put_plane);
+}
+
+static int run(struct chunks_job job, const struct options *options,
+               int (*tell)(const struct chunks_job *job))
 {
     job.threads = options->threads;
     job.is_progress_shown = 1;
     const enum chunks_status status = chunks_run(&job);
+    if (status == CHUNKS_DONE && plot_is_asked() && tell(&job) != 0) {
+        return EXIT_BAD;
+    }
     if (status == CHUNKS_DONE || status == CHUNKS_HELPED) {
         return EXIT_GOOD;
     }
@@ -108,14 +193,14 @@ static int run_basin(const struct options *options)
                                 {-0.8, 1.2, points},
                                 {-1.0, 4.0, points},
                                 options->strides};
-    return run(atlas_basin_job(&basin, options->path), options);
+    return run(atlas_basin_job(&basin, options->path), options, tell_basin);
 }
 
 static int run_plane(const struct options *options)
 {
     const int points = options->points > 0 ? options->points : 200;
     struct atlas_plane plane = {options->mass_ratio, {0.005, 0.3, points}, {3.0, 30.0, points}};
-    return run(atlas_plane_job(&plane, options->path), options);
+    return run(atlas_plane_job(&plane, options->path), options, tell_plane);
 }
 
 int afo_study_atlas(int argc, char **argv)
@@ -134,7 +219,7 @@ int afo_study_atlas(int argc, char **argv)
         0};
     struct options options = {.map = -1, .strides = 60, .push_m = 0.05, .mass_ratio = 0.01};
 
-    option_parse(&parser, argc, argv, &options);
+    plot_option_parse(&parser, argc, argv, &options);
     if (batch_use_lanes(options.lanes) != BATCH_OK) {
         program_complain(
             "--lanes must be 2, 4 or 8, and this processor must have them; 0: the widest");

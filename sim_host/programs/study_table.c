@@ -11,6 +11,7 @@
 #include "sim_host/cli/program.h"
 #include "sim_host/gait/gait_curve.h"
 #include "sim_host/programs/commands.h"
+#include "sim_host/study/plot.h"
 
 enum { POINTS_MAX = 64 };
 
@@ -134,6 +135,13 @@ static void print_table(const struct options *options, double step_m, int knee, 
         printf("REAL(%.15f),%s", points[i].speed_rad_s, i % 3 == 2 || i == count - 1 ? "\n" : "");
     }
     printf("        },\n};\n");
+    FILE *picture = plot_table("table");
+    if (picture != NULL) {
+        fputs("r0_m,speed_rad_s\n", picture);
+    }
+    for (int i = 0; i < count && picture != NULL; i++) {
+        fprintf(picture, "%.9g,%.9g\n", points[i].r0_m, points[i].speed_rad_s);
+    }
 }
 
 int afo_study_table(int argc, char **argv)
@@ -148,7 +156,7 @@ int afo_study_table(int argc, char **argv)
                                 NULL,
                                 NULL,
                                 NULL};
-    option_parse(&parser, argc, argv, &options);
+    plot_option_parse(&parser, argc, argv, &options);
     const double l = options.walker.leg_length_m;
     const double first_m = options.from_share * l, last_m = options.to_share * l;
     const double knee = knee_m(&options.walker, first_m, last_m);

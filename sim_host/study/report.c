@@ -8,6 +8,7 @@
 
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/study/plot.h"
 
 enum { PATH_BYTES = 4096 };
 enum { DIGITS = 17 }; /* all of a double */
@@ -178,6 +179,9 @@ static int find_resume_point(struct report *report, const char *identity)
         }
         if (number >= 1) {
             add_to_totals(line, report->resumed_totals);
+            if (report->plot != NULL) {
+                fputs(line, report->plot);
+            }
             rows++;
         }
         number++;
@@ -214,16 +218,41 @@ static int open_file(struct report *report, const char *identity)
     return 1;
 }
 
+static void put_columns(const struct report *report, FILE *file)
+{
+    for (int i = 0; i < report->column_count; i++) {
+        fprintf(file, "%s%s", report->columns[i], i + 1 < report->column_count ? "," : "\n");
+    }
+}
+
+static void begin_plot(struct report *report, const char *command)
+{
+    report->plot = plot_table(command);
+    if (report->plot != NULL) {
+        put_columns(report, report->plot);
+    }
+}
+
+void report_plot_own(struct report *report, const char *study, const char *columns)
+{
+    report->plot = plot_table(study);
+    report->plot_is_own = 1;
+    if (report->plot != NULL) {
+        fputs(columns, report->plot);
+    }
+}
+
 int report_open(struct report *report, const struct common *common, const char *command,
                 const char *settings, const char *const *columns)
 {
     char identity[1024];
     *report = (struct report){.common = common, .columns = columns};
     identity_text(common, command, settings, identity, sizeof identity);
+    for (report->column_count = 0; columns[report->column_count] != NULL; report->column_count++) {
+    }
+    begin_plot(report, command);
     if (!open_file(report, identity)) {
         return 0;
-    }
-    for (report->column_count = 0; columns[report->column_count] != NULL; report->column_count++) {
     }
     if (common->format == FORMAT_JSON) {
         json_begin(&report->json, report->file);
@@ -234,9 +263,7 @@ int report_open(struct report *report, const struct common *common, const char *
         return 0;
     }
     if (common->format == FORMAT_CSV && (common->out_path == NULL || ftell(report->file) <= 0)) {
-        for (int i = 0; i < report->column_count; i++) {
-            fprintf(report->file, "%s%s", columns[i], i + 1 < report->column_count ? "," : "\n");
-        }
+        put_columns(report, report->file);
     }
     return 1;
 }
@@ -267,10 +294,22 @@ static void close_rows(struct report *report)
     report->rows_open = 0;
 }
 
+static void plot_row(const struct report *report, const struct cell *cells)
+{
+    for (int i = 0; i < report->column_count; i++) {
+        fputs(i > 0 ? "," : "", report->plot);
+        print_cell(report->plot, FORMAT_CSV, cells[i]);
+    }
+    fputc('\n', report->plot);
+}
+
 void report_row(struct report *report, const struct cell *cells)
 {
     const enum report_format format = report->common->format;
     open_rows(report);
+    if (report->plot != NULL && !report->plot_is_own) {
+        plot_row(report, cells);
+    }
     if (format == FORMAT_JSON) {
         json_break(&report->json, "\n ");
         json_open_object(&report->json, NULL);

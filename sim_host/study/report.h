@@ -35,7 +35,9 @@ struct cell {
 struct report {
     const struct common *common;
     FILE *file, *text; /* the table; where a named result goes as text */
-    FILE *beside;      /* in memory: FILE.json of a CSV file */
+    FILE *plot;        /* the table of --plot, or NULL; plot_is_own: the rows do not go there */
+    int plot_is_own;
+    FILE *beside; /* in memory: FILE.json of a CSV file */
     char *beside_text;
     size_t beside_bytes;
     const char *const *columns; /* NULL-terminated */
@@ -57,6 +59,10 @@ struct cell cell_truth(int is_true);
  * --resume the file's own must be the same. Prints a message and returns 0 when that fails. */
 int report_open(struct report *report, const struct common *common, const char *command,
                 const char *settings, const char *const *columns);
+
+/* The picture (--plot) is of another table than the report's: of `study` in pictures.c. Its rows go to report->plot, where
+ * that is not NULL. */
+void report_plot_own(struct report *report, const char *study, const char *columns);
 
 /* A line of the table; `cells` has one per column. */
 void report_row(struct report *report, const struct cell *cells);

@@ -61,7 +61,7 @@ def test_the_picture_has_a_line_a_law(tmp_path):
     picture = tmp_path / "laws.svg"
     compare("--laws", "proportional,dlqr,predictive", "--plot", picture, *WALK)
     tree = ElementTree.parse(picture)
-    lines = [path for path in tree.iter(f"{SVG}path") if path.get("fill") == "none"]
+    lines = [path for path in tree.iter(f"{SVG}path") if path.get("class") == "line"]
     names = [text.text for text in tree.iter(f"{SVG}text")]
     assert len(lines) == 6 and {"proportional", "dlqr", "predictive"} <= set(names)
     assert {"Apex speed (rad/s)", "Precompression asked for (m)", "step"} <= set(names)

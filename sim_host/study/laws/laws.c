@@ -4,6 +4,7 @@
 
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/progress.h"
+#include "sim_host/study/plot.h"
 
 const char *const law_case_names[LAW_CASES] = {"proportional", "ramp", "dlqr", "deadbeat",
                                                "predictive"};
@@ -60,14 +61,27 @@ int laws_count_part(void *context, int i)
     return 1;
 }
 
+/* The table of --plot. The file is filled from it in the end. NULL: no picture is asked for. */
+static FILE *begin_table(const char *study, const char *header)
+{
+    static char name[64];
+    (void)snprintf(name, sizeof name, "laws %s", study);
+    FILE *table = plot_table(name);
+    if (table != NULL) {
+        (void)fprintf(table, "%s\n", header);
+    }
+    return table;
+}
+
 FILE *laws_csv(const struct laws_options *options, const char *study, const char *header,
                struct output_file *file, bool *failed)
 {
     char path[OUTPUT_PATH_MAX], message[OUTPUT_PATH_MAX + 128];
     *failed = false;
     file->stream = NULL;
+    FILE *const table = begin_table(study, header);
     if (options->out_directory == NULL) {
-        return NULL;
+        return table;
     }
     (void)snprintf(path, sizeof path, "%s/laws-%s%s.csv", options->out_directory, study,
                    options->chain ? "-chain" : "");
@@ -75,6 +89,9 @@ FILE *laws_csv(const struct laws_options *options, const char *study, const char
         fprintf(stderr, "afo study laws: %s\n", message);
         *failed = true;
         return NULL;
+    }
+    if (table != NULL) {
+        return table;
     }
     (void)fprintf(file->stream, "%s\n", header); /* errors are found when it is committed */
     return file->stream;
@@ -86,6 +103,9 @@ int laws_csv_close(const struct laws_options *options, struct output_file *file,
     if (failed) {
         output_file_discard(file);
         return -1;
+    }
+    if (file->stream != NULL) {
+        plot_copy_table(file->stream);
     }
     if (file->stream != NULL &&
         experiment_commit_table(file, options->argc, options->argv, message, sizeof message) != 0) {

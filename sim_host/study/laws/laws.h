@@ -70,7 +70,7 @@ void laws_progress_end(void);
 /* rad/s of this subject for one of the paper's walker: sqrt(g/l) over the paper's. */
 double laws_speed_unit(const struct laws_options *options);
 
-/* DIR/laws-STUDY.csv with its header line, or NULL without --out. It comes into being when it is closed: a
+/* Where the rows of DIR/laws-STUDY.csv go, and those of --plot; NULL without both. Its header line is there. It comes into being when it is closed: a
  * study that is broken off leaves the old one. *failed tells of an error (said). */
 FILE *laws_csv(const struct laws_options *options, const char *study, const char *header,
                struct output_file *file, bool *failed);

@@ -9,6 +9,7 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/study/laws/laws.h"
+#include "sim_host/study/plot.h"
 #include "sim_host/study/pool.h"
 #include "sim_host/text/nearest.h"
 
@@ -178,7 +179,7 @@ int laws_main(int argc, char **argv)
     input.options.argc = argc;
     input.options.argv = argv;
     subject_default(&input.options.subject);
-    option_parse(&parser, argc, argv, &input);
+    plot_option_parse(&parser, argc, argv, &input);
     char message[SUBJECT_MESSAGE_MAX];
     if (law_setup_init(&input.options.setup, &input.options.subject, LAW_PREDICTIVE, message) !=
         0) {
@@ -196,6 +197,10 @@ int laws_main(int argc, char **argv)
     }
 
     const bool all = strcmp(input.study, "all") == 0;
+    if (all && plot_is_asked()) {
+        program_complain("--plot draws one study: name one of them, not all");
+        return 2;
+    }
     bool found = false;
     int status = 0;
     if (input.terrain_speed_rad_s >= 0.0 && !input.options.law_case[LAW_CASE_PREDICTIVE]) {

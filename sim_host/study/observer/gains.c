@@ -7,6 +7,7 @@
 #include "model/tick.h"
 #include "sim_host/cli/option.h"
 #include "sim_host/study/observer/commands.h"
+#include "sim_host/study/plot.h"
 
 #define PAPER_RATE_S 3.131557120667717 /* sqrt(g / l) of the paper's walker, 1/s */
 
@@ -94,7 +95,7 @@ int command_observer_gains(int argc, char **argv)
         0,
         0,
         0};
-    option_parse(&parser, argc, argv, NULL);
+    plot_option_parse(&parser, argc, argv, NULL);
     const struct gain_assumptions a = gain_assumptions_default();
     double since[OBSERVER_GAIN_KNOTS], stance[OBSERVER_GAIN_KNOTS][2],
         swing[OBSERVER_GAIN_KNOTS][2];
@@ -116,5 +117,13 @@ int command_observer_gains(int argc, char **argv)
                stance[i][0], stance[i][1], swing[i][0], swing[i][1]);
     }
     printf("};\n");
+    FILE *picture = plot_table("observer-gains");
+    if (picture != NULL) {
+        fputs("since_lift_off,stance_angle,stance_rate,swing_angle,swing_rate\n", picture);
+    }
+    for (int i = 0; i < OBSERVER_GAIN_KNOTS && picture != NULL; i++) {
+        fprintf(picture, "%.9g,%.9g,%.9g,%.9g,%.9g\n", since[i], stance[i][0], stance[i][1],
+                swing[i][0], swing[i][1]);
+    }
     return 0;
 }

@@ -4,6 +4,7 @@
 
 #include "sim_host/study/observer/observe_case.h"
 #include "sim_host/study/observer/observed_walk.h"
+#include "sim_host/study/plot.h"
 
 #define MISMATCH_SPEED_RAD_S 0.6
 /* Metres of ground, for a leg of 1 m. */
@@ -103,7 +104,7 @@ static void change(enum what what, struct loop_config *config)
     }
 }
 
-static int run_all(enum law_mode law, int steps, int settle)
+static int run_all(enum law_mode law, int steps, int settle, FILE *picture)
 {
     const int settled = settle + (int)((MISMATCH_SPEED_RAD_S - 0.407) / 0.005);
     char message[LOOP_MESSAGE_MAX];
@@ -137,6 +138,10 @@ static int run_all(enum law_mode law, int steps, int settle)
                        100.0 * w.observer.worst);
             }
             printf("\n");
+            if (picture != NULL) {
+                fprintf(picture, "%s,%s,,\n", names[what],
+                        law == LAW_PROPORTIONAL ? "eq. (16)" : "predictive");
+            }
             continue;
         }
         printf(" %8.4f %+7.4f %8.3f  %6.3f %7.3f   %5.2f   %4d %5d  %8.4f %6.3f%%%s\n",
@@ -145,13 +150,22 @@ static int run_all(enum law_mode law, int steps, int settle)
                w.false_apexes, w.event[GAIT_APEX].missed, w.mean_speed_rad_s,
                100.0 * w.speed_spread, w.fell ? "  fell" : "");
         fflush(stdout);
+        if (picture != NULL) {
+            fprintf(picture, "%s,%s,%.9g,%.9g\n", names[what],
+                    law == LAW_PROPORTIONAL ? "eq. (16)" : "predictive", 100.0 * w.observer.rms,
+                    100.0 * w.speed_spread);
+        }
     }
     return 0;
 }
 
 int mismatch_run(int steps, int settle)
 {
-    const int status = run_all(LAW_PROPORTIONAL, steps, settle);
+    FILE *picture = plot_table("observe-mismatch");
+    if (picture != NULL) {
+        fputs("what,law,rms_percent,spread_percent\n", picture);
+    }
+    const int status = run_all(LAW_PROPORTIONAL, steps, settle, picture);
     printf("\n");
-    return status != 0 ? status : run_all(LAW_PREDICTIVE, steps, settle);
+    return status != 0 ? status : run_all(LAW_PREDICTIVE, steps, settle, picture);
 }

@@ -11,6 +11,7 @@
 #include "sim_host/study/observer/mismatch.h"
 #include "sim_host/study/observer/observe_case.h"
 #include "sim_host/study/observer/observed_walk.h"
+#include "sim_host/study/plot.h"
 
 enum { SETTLE_STEPS = 100, MAP_STRIDES = 2000 };
 
@@ -174,7 +175,7 @@ int command_observe(int argc, char **argv)
     struct options options = {.steps = 100, .csv_path = "/dev/null"};
     struct output_file csv = {0};
     char message[OUTPUT_PATH_MAX + 256];
-    option_parse(&parser, argc, argv, &options);
+    plot_option_parse(&parser, argc, argv, &options);
     if (options.mismatch) {
         return mismatch_run(options.steps, SETTLE_STEPS);
     }
@@ -182,7 +183,9 @@ int command_observe(int argc, char **argv)
         fprintf(stderr, "afo study observe: %s\n", message);
         return 1;
     }
-    const int status = print_table(&options, csv.stream);
+    FILE *picture = plot_table("observe");
+    const int status = print_table(&options, picture != NULL ? picture : csv.stream);
+    plot_copy_table(csv.stream);
     if (status != 0 || experiment_commit_table(&csv, argc, argv, message, sizeof message) != 0) {
         output_file_discard(&csv);
         fprintf(stderr, "afo study observe: no CSV file was written\n");

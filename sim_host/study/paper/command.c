@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_host/cli/option.h"
+#include "sim_host/study/plot.h"
 #include "sim_host/study/pool.h"
 
 enum { KEY_JSON = 1000, KEY_CSV, KEY_THREADS, KEY_OUT, KEY_RESUME, KEY_QUIET };
@@ -170,7 +170,7 @@ void command_parse(const struct argp_option *table, argp_parser_t parser, const 
     const struct argp_child children[] = {{&common, 0, 0, 0}, {0}};
     const struct argp whole = {table, parse_both, 0, doc, children, 0, 0};
     own_parser = parser;
-    option_parse(&whole, argc, argv, options);
+    plot_option_parse(&whole, argc, argv, options);
 }
 
 int command_check_walker(const struct common *common)

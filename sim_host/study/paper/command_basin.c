@@ -5,6 +5,7 @@
 
 #include "sim_host/study/paper/basin_walks.h"
 #include "sim_host/study/paper/command.h"
+#include "sim_host/study/plot.h"
 #include "sim_host/study/pool.h"
 
 enum axis { AXIS_STANCE_RATE, AXIS_SWING_ANGLE, AXIS_SWING_RATE, AXIS_R0, AXIS_COUNT };
@@ -12,6 +13,8 @@ enum { POINTS_MAX = 5000, PORTION = 4096 /* starts of a slice side by side */ };
 
 static const char *const axis_names[AXIS_COUNT] = {"stance-rate", "swing-angle", "swing-rate",
                                                    "r0"};
+static const char *const axis_titles[AXIS_COUNT] = {"stance rate (rad/s)", "swing angle (rad)",
+                                                    "swing rate (rad/s)", "r0 (m)"};
 static const double default_ranges[AXIS_COUNT][2] = {
     {-1.2, 0.0}, {-1.0, 0.6}, {-3.0, 6.0}, {0.005, 0.07}};
 
@@ -304,10 +307,12 @@ static int run_study(struct study *study)
         axis_names[options->second], options->ranges[options->second][0],
         options->ranges[options->second][1], options->ranges[AXIS_SWING_RATE][0],
         options->ranges[AXIS_SWING_RATE][1], options->points, options->strides);
-    if (!report_open(&study->report, &options->common, "basin", settings,
-                     options->volume ? volume_columns : plane_columns)) {
+    if (!report_open(&study->report, &options->common, options->volume ? "basin-volume" : "basin",
+                     settings, options->volume ? volume_columns : plane_columns)) {
         return EXIT_USAGE;
     }
+    plot_name("a", axis_titles[options->first]);
+    plot_name("b", axis_titles[options->second]);
     const int per_job = options->volume ? 1 : options->points;
     study->skip = study->report.rows_resumed % per_job;
     const struct pool_jobs jobs = {study->report.rows_resumed / per_job,

@@ -5,6 +5,7 @@
 #include "sim_host/study/paper/command.h"
 #include "sim_host/study/paper/continuation.h"
 #include "sim_host/study/paper/periodic.h"
+#include "sim_host/study/plot.h"
 
 struct options {
     struct common common;
@@ -189,6 +190,7 @@ int command_continue(int argc, char **argv)
     if (!report_open(&output.report, &options.common, "continue", "", columns)) {
         return EXIT_USAGE;
     }
+    plot_name("parameter", parameter_name(options.over));
     const struct continuation continuation = {.problem = problem,
                                               .over = options.over,
                                               .from = options.from,

@@ -3,7 +3,10 @@
 
 #include "sim_host/plant/walking_units.h"
 #include "sim_host/study/paper/command.h"
+#include "sim_host/study/paper/motion.h"
 #include "sim_host/study/paper/periodic.h"
+
+enum { PICTURE_SAMPLES = 100 };
 
 struct options {
     struct common common;
@@ -140,7 +143,7 @@ static void print(const struct options *options, const struct problem *problem,
 static void print_strides(const struct problem *problem, const struct orbit *orbit,
                           struct report *report)
 {
-    double x[3] = {orbit->x[0], orbit->x[1], orbit->x[2]};
+    double x[3] = {orbit->x[0], orbit->x[1], orbit->x[2]}, time_s = 0.0;
     for (int i = 0; i < problem->period; i++) {
         double next[3], r0;
         struct stride_result result;
@@ -156,6 +159,10 @@ static void print_strides(const struct problem *problem, const struct orbit *orb
                                    cell_number(result.step_length_m),
                                    cell_number(result.ankle_rate_m_s)};
         report_row(report, row);
+        if (report->plot != NULL) {
+            const struct motion_stride stride = {problem, x, r0, &result, i};
+            motion_walk(&stride, PICTURE_SAMPLES, &time_s, motion_plot, report->plot);
+        }
         for (int k = 0; k < 3; k++) {
             x[k] = next[k];
         }
@@ -185,6 +192,7 @@ int command_fixed_point(int argc, char **argv)
     if (!report_open(&report, &options.common, "fixed-point", "", columns)) {
         return EXIT_USAGE;
     }
+    report_plot_own(&report, "fixed-point", MOTION_PLOT_COLUMNS);
     print(&options, &problem, &orbit, &report);
     print_strides(&problem, &orbit, &report);
     return report_close(&report) ? EXIT_FOUND : EXIT_USAGE;

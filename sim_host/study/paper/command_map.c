@@ -1,8 +1,8 @@
 /* afo study map: iterates the return map from a state; with --samples, the motion in between, too. */
 #include <stdio.h>
 
-#include "model/double_support.h"
 #include "sim_host/study/paper/command.h"
+#include "sim_host/study/paper/motion.h"
 
 struct options {
     struct common common;
@@ -83,45 +83,17 @@ static const char *const motion_columns[] = {
     "stance_angle_rad", "swing_angle_rad", "stance_rate_rad_s",
     "swing_rate_rad_s", "ankle_m",         NULL};
 
-static void print_motion(struct report *report, double time, int stride_number, const char *phase,
+static void print_motion(void *context, double time, int stride_number, const char *phase,
                          const double s[4], double ankle)
 {
+    struct report *report = context;
     const struct cell row[] = {cell_number(time), cell_integer(stride_number), cell_text(phase),
                                cell_number(s[0]), cell_number(s[1]),           cell_number(s[2]),
                                cell_number(s[3]), cell_number(ankle)};
     report_row(report, row);
-}
-
-/* The motion of one phase of single support, `samples` intervals. */
-static void sample_single(struct report *report, const struct problem *problem, int samples,
-                          double duration, const char *phase, int stride_number, double *time,
-                          const double *start)
-{
-    const struct ode ode = {single_support_rates, &problem->walker, SINGLE_SUPPORT_STATES};
-    double s[4] = {start[0], start[1], start[2], start[3]};
-    for (int i = 0; i <= samples; i++) {
-        print_motion(report, *time + duration * i / samples, stride_number, phase, s, 0.0);
-        ode_step(&ode, ODE_RK8, duration / samples, s, s);
+    if (report->plot != NULL) {
+        motion_plot(report->plot, time, stride_number, phase, s, ankle);
     }
-    *time += duration;
-}
-
-static void sample_double(struct report *report, const struct problem *problem, int samples,
-                          double r0, const struct stride_result *r, int stride_number, double *time)
-{
-    const struct double_support phase = {
-        .walker = &problem->walker, .toe_distance_m = r->step_length_m, .spring_rest_m = r0};
-    const struct ode ode = {double_support_rates, &phase, DOUBLE_SUPPORT_STATES};
-    double y[2] = {0.0, r->ankle_rate_m_s};
-    for (int i = 0; i <= samples; i++) {
-        const struct chain_angles a = double_support_angles(&phase, y[0]);
-        const double s[4] = {a.trailing_rad, a.leading_rad, a.trailing_slope * y[1],
-                             a.leading_slope * y[1]};
-        print_motion(report, *time + r->double_support_s * i / samples, stride_number, "double", s,
-                     y[0]);
-        ode_step(&ode, ODE_RK8, r->double_support_s / samples, y, y);
-    }
-    *time += r->double_support_s;
 }
 
 int command_map(int argc, char **argv)
@@ -153,6 +125,9 @@ int command_map(int argc, char **argv)
                      options.samples > 0 ? motion_columns : apex_columns)) {
         return EXIT_USAGE;
     }
+    if (options.samples > 0) {
+        report_plot_own(&report, "map-motion", MOTION_PLOT_COLUMNS);
+    }
     enum stride_fault fault = STRIDE_OK;
     for (int i = 0; i < options.steps && fault == STRIDE_OK; i++) {
         double next[3], r0;
@@ -161,12 +136,8 @@ int command_map(int argc, char **argv)
         if (options.samples == 0) {
             print_apex(&report, i, x, r0, &r);
         } else if (fault == STRIDE_OK) {
-            const double apex[4] = {0.0, x[1], x[0], x[2]};
-            sample_single(&report, &problem, options.samples, r.apex_to_strike_s, "before_strike",
-                          i, &time, apex);
-            sample_double(&report, &problem, options.samples, r0, &r, i, &time);
-            sample_single(&report, &problem, options.samples, r.lift_off_to_apex_s,
-                          "after_lift_off", i, &time, r.lift_off);
+            const struct motion_stride stride = {&problem, x, r0, &r, i};
+            motion_walk(&stride, options.samples, &time, print_motion, &report);
         }
         for (int k = 0; k < 3 && fault == STRIDE_OK; k++) {
             x[k] = next[k];

@@ -8,6 +8,7 @@
 #include "sim_host/cli/experiment.h"
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/study/plot.h"
 #include "sim_host/study/pool.h"
 #include "sim_host/study/size/latch_study.h"
 
@@ -201,14 +202,8 @@ static void print(const struct study *study)
     }
 }
 
-static int write_csv(const struct study *study)
+static void write_rows(const struct study *study, FILE *file)
 {
-    char message[OUTPUT_PATH_MAX + 256];
-    struct output_file table = {0};
-    if (output_file_open(&table, study->csv_path, message, sizeof message) != 0) {
-        return program_complain("%s", message);
-    }
-    FILE *file = table.stream;
     fputs("law,kind,declared,ms,trial,steps_asked,steps_walked,speed_rad_s\n", file);
     for (int law = 0; law < LAWS; law++) {
         for (int kind = 0; kind < KINDS; kind++) {
@@ -225,6 +220,16 @@ static int write_csv(const struct study *study)
             }
         }
     }
+}
+
+static int write_csv(const struct study *study)
+{
+    char message[OUTPUT_PATH_MAX + 256];
+    struct output_file table = {0};
+    if (output_file_open(&table, study->csv_path, message, sizeof message) != 0) {
+        return program_complain("%s", message);
+    }
+    write_rows(study, table.stream);
     return experiment_commit_table(&table, study->argc, study->argv, message, sizeof message) != 0
                ? program_complain("%s", message)
                : 0;
@@ -247,7 +252,7 @@ int latch_main(int argc, char **argv)
     study = (struct study){.speed_rad_s = 0.8, .steps = 200, .trials = 3, .only = -1};
     study.argc = argc;
     study.argv = argv;
-    option_parse(&parser, argc, argv, &study);
+    plot_option_parse(&parser, argc, argv, &study);
     const int law_count = study.only < 0 ? LAWS : 1;
     const int trials = 2 * (TIMES - 1) * (1 + study.trials) + 1;
     program_announce(8e-3 * study.steps * law_count * trials / pool_processors(),
@@ -261,5 +266,9 @@ int latch_main(int argc, char **argv)
         return EXIT_USAGE;
     }
     print(&study);
+    FILE *picture = plot_table("latch");
+    if (picture != NULL) {
+        write_rows(&study, picture);
+    }
     return study.csv_path == NULL || write_csv(&study) == 0 ? EXIT_GOOD : EXIT_USAGE;
 }
