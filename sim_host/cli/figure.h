@@ -12,7 +12,7 @@ enum figure_mark {
     FIGURE_LINE, /* through the points in their order, a dot at each where there are few */
     FIGURE_DOTS, /* the points alone */
     FIGURE_CELLS, /* a rectangle around each point of a grid, coloured by its value; one series a panel */
-    FIGURE_BARS /* y[i] is the length of the bar at labels[i]; x is not used */
+    FIGURE_BARS /* y[i] is the length of the bar at labels[i], one for each value of the first series */
 };
 
 struct figure_series {

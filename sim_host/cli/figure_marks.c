@@ -164,7 +164,9 @@ static void draw_bars(FILE *stream, const struct figure_panel *panel,
         figure_text(stream, place->x.from - 6.0, top + 0.5 * (band - bar) + 4.0,
                     " text-anchor=\"end\"", panel->labels[k]);
         for (size_t i = 0; i < panel->series_count; i++) {
-            const double end = figure_pixel(&place->x, panel->series[i].y[k]);
+            const double end = k < panel->series[i].count
+                                   ? figure_pixel(&place->x, panel->series[i].y[k])
+                                   : (double)NAN;
             if (isfinite(end)) {
                 fprintf(
                     stream,

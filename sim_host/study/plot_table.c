@@ -201,19 +201,22 @@ static int add_series(struct plot_columns *table, const struct curve *curve,
     double *value = keep(table, room, sizeof *value);
     const char **label = keep(table, room, sizeof *label), *name = name_of(table, curve);
     size_t count = 0, found = 0;
+    const bool is_bar = curve->asked->mark == FIGURE_BARS;
     bool was_in = false;
     if (x == NULL || y == NULL || value == NULL || label == NULL || name == NULL) {
         return -1;
     }
     for (size_t row = 0; row < table->rows; row++) {
-        if (!counts(table, row, curve->asked->where) ||
-            !is_in(table, row, curve->asked->per, curve->only)) {
+        const bool is_asked = counts(table, row, curve->asked->where);
+        if (!is_in(table, row, curve->asked->per, curve->only) || (!is_asked && !is_bar)) {
             continue;
         }
         const bool is_its = is_in(table, row, curve->asked->by, curve->group);
         /* The first point of the next run ends this one, so that the lines meet. */
         if (is_its || (curve->asked->in_runs && was_in)) {
             take_row(table, row, curve, x, y, value, label, count);
+            y[count] =
+                is_asked ? y[count] : (double)NAN; /* a bar that is missing keeps its place */
             found += isfinite(y[count]) != 0;
             count++;
         }
@@ -223,7 +226,7 @@ static int add_series(struct plot_columns *table, const struct curve *curve,
         }
         was_in = is_its;
     }
-    if (found > 0 && panel->series_count < FIGURE_SERIES_MOST) {
+    if ((found > 0 || (is_bar && count > 0)) && panel->series_count < FIGURE_SERIES_MOST) {
         panel->labels = (const char *const *)label;
         panel->series[panel->series_count++] = (struct figure_series){name, x, y, value, count};
     }

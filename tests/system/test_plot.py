@@ -29,7 +29,7 @@ SMALL = {
     "laws jumps": (("--law", "dlqr"), 1),
     "laws basin": (("--samples", 50, "--law", "dlqr"), 2),
     "laws sensitivity": (("--law", "dlqr"), 2),
-    "laws slope": (("--law", "dlqr"), 3),
+    "laws slope": ((), 3),
     "laws mismatch": (("--law", "dlqr"), 3),
     "laws energy": (("--law", "dlqr"), 3),
     "laws timing": (("--samples", 10), 4),
