@@ -7,6 +7,7 @@ PERSONS := $(wildcard sim_host/persons/*.ini)
 DEVICES := $(wildcard sim_host/devices/*.ini)
 VIEW_FILES := $(wildcard $(addprefix sim_host/view/,*.py page/*.* page/uplot/*))
 FORMATS_FILES := $(wildcard sim_host/formats/*.py)
+PAGE_FILES := $(wildcard sim_host/study/page/*.py)
 VIEW_SHEETS := $(wildcard hal/canopen/eds/controller.eds hal/canopen/eds/afo.dbc)
 
 .PHONY: man install compile-commands
@@ -26,6 +27,8 @@ install: $(BUILD)/afo $(BUILD)/afo.1 ## the program, its manual page, page of af
 	    $(INSTALL) -D -m 644 "sim_host/view/$$file" '$(DESTDIR)$(PREFIX)/share/afo/view/'"$$file" || exit 1; done
 	$(Q)for file in $(FORMATS_FILES); do \
 	    $(INSTALL) -D -m 644 "$$file" '$(DESTDIR)$(PREFIX)/share/afo/formats/'"$${file##*/}" || exit 1; done
+	$(Q)for file in $(PAGE_FILES); do \
+	    $(INSTALL) -D -m 644 "$$file" '$(DESTDIR)$(PREFIX)/share/afo/study/page/'"$${file##*/}" || exit 1; done
 	$(Q)for file in $(VIEW_SHEETS); do \
 	    $(INSTALL) -D -m 644 "$$file" '$(DESTDIR)$(PREFIX)/share/afo/view/eds/'"$${file##*/}" || exit 1; done
 	@echo '  installed below $(DESTDIR)$(PREFIX): bin/afo, share/man/man1/afo.1, share/afo'

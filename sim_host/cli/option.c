@@ -89,7 +89,9 @@ static void refuse_unknown(const struct known *known, const char *word)
 /* The studies' letters of a walker, where the walker is a person and a device. */
 static void refuse_letter(const struct known *known, const char *word, size_t length)
 {
-    if (length != 1 || strchr("Mmlkg", word[0]) == NULL || find(known, "person", 6) < 0) {
+    const int own = find(known, word, length);
+    if (length != 1 || strchr("Mmlkg", word[0]) == NULL || find(known, "person", 6) < 0 ||
+        (own >= 0 && known->name[own][1] == '\0')) {
         return;
     }
     program_complain("no option \"--%c\": who walks is said by --person FILE, --device FILE (copy "

@@ -27,8 +27,9 @@ int afo_report(int argc, char **argv);
 int afo_import(int argc, char **argv);
 int afo_export(int argc, char **argv);
 
-/* Two studies that are files here: a table for the controller, and maps of points. */
+/* Studies that are files here: a table for the controller, maps of points, the paper's page. */
 int afo_study_table(int argc, char **argv);
+int afo_study_page(int argc, char **argv);
 int afo_study_atlas(int argc, char **argv);
 
 #endif

@@ -27,6 +27,7 @@ static const struct program_command table[] = {
     {"tune-person", tune_person_main, "gains for a person who walks by reflexes, by CMA-ES"},
     {"validate-person", validate_person_main, "such a person's gait against that of people"},
     {"table", afo_study_table, "the gait curve of a walker as the controller's table, as C"},
+    {"page", afo_study_page, "the paper's tables and figures for any walker, on one page"},
 };
 
 int afo_study(int argc, char **argv)

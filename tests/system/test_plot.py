@@ -70,8 +70,11 @@ def is_straight(pixels, numbers):
     return all(abs(pixels[low] + scale * (number - numbers[low]) - pixel) < 0.11 for pixel, number in zip(pixels, numbers))
 
 
+DRAWN = [name for name in STUDIES if name != "page"]  # it is pictures
+
+
 def test_every_study_is_tried():
-    assert {name.split()[0] for name in (*SMALL, *LONG)} == set(STUDIES)
+    assert {name.split()[0] for name in (*SMALL, *LONG)} == set(DRAWN)
 
 
 @pytest.mark.parametrize("name,how", CASES)
@@ -129,7 +132,7 @@ def test_a_resumed_run_draws_the_rows_it_had(tmp_path):
     assert [mark.get("d") for mark in whole] == [mark.get("d") for mark in resumed]
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", DRAWN)
 def test_a_file_that_cannot_be_is_said_before_the_study_runs(name, tmp_path):
     for picture, words in (("walk.png", "the picture is an SVG; give it a name that ends in .svg"),
                            (tmp_path / "nowhere" / "it.svg", "it.svg: No such file or directory")):

@@ -1,4 +1,4 @@
-"""Draws Figures 4 to 12 of the paper, each in the paper's own axes."""
+"""Draws Figures 4 to 12 of the paper for any walker; for the paper's, in the paper's own axes."""
 import math
 
 import matplotlib
@@ -6,7 +6,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from paper_data import column  # noqa: E402
+from page_data import column  # noqa: E402
 
 STABLE, UNSTABLE, THIRD = "#0b4fa8", "#c22f2f", "#4f7f2f"
 STATES = [("stance_rate_rad_s", r"$\dot\theta_s$ (rad/s)"), ("swing_angle_rad", r"$\theta_n$ (rad)"),
@@ -87,17 +87,18 @@ def figure4(data, folder):
     for i, (x, y) in enumerate(events(data["motion1"])):
         axes.plot(x, y, "o", color=UNSTABLE, ms=5)
         axes.annotate(str(i + 1), (x, y), textcoords="offset points", xytext=(6, 5))
-    axes.set_title("Period-1 gait, $r_0$ = 0.05 m (push-off starts/ends: leg A 1, 2; leg B 3, 4)", fontsize=8)
+    axes.set_title(f"Period-1 gait, $r_0$ = {data['gait']['r0_m']:.4g} m (push-off starts/ends: leg A 1, 2; leg B 3, 4)", fontsize=8)
     save(figure, folder, "figure04")
 
 
 def figure5(data, folder):
     figure, axes = plt.subplots(figsize=(5, 4))
     portrait(axes, data["motion1"], leg=1, color=STABLE, lw=1.4, label="gait")
-    portrait(axes, data["recovery"], leg=1, color=UNSTABLE, lw=1.1, ls="--",
-             label=r"started 0.3 along the eigenvector of $\lambda$ = 0")
-    angle, rate = (data["recovery"][0][key] for key in ("swing_angle_rad", "swing_rate_rad_s"))
-    axes.plot(angle, rate, "o", color=UNSTABLE, ms=5)
+    if data["recovery"]:
+        portrait(axes, data["recovery"], leg=1, color=UNSTABLE, lw=1.1, ls="--",
+                 label=r"started 0.3 along the eigenvector of $\lambda$ = 0")
+        angle, rate = (data["recovery"][0][key] for key in ("swing_angle_rad", "swing_rate_rad_s"))
+        axes.plot(angle, rate, "o", color=UNSTABLE, ms=5)
     axes.legend(fontsize=7, loc="center")
     save(figure, folder, "figure05")
 
@@ -107,7 +108,7 @@ def figure6(data, folder):
     for i, (key, label) in enumerate(STATES):
         for branch in ("long", "short"):
             draw_branch(axes[i][0], data[branch], key)
-            inside = [row for row in data[branch] if row["parameter"] <= 0.0702]
+            inside = [row for row in data[branch] if row["parameter"] <= 0.0702 * data["walker"].length]
             axes[i][1].set_ylabel(label)
             draw_branch(axes[i][1], inside, key)
         axes[i][0].set_ylabel(label)
@@ -117,8 +118,8 @@ def figure6(data, folder):
         inside = {(row["a"], row["b"]): row["outcome"] > 0 for row in rows}
         axes[i][1].pcolormesh(xs, ys, [[1.0 if inside[x, y] else math.nan for x in xs] for y in ys],
                               cmap="Reds", vmin=0, vmax=4, shading="nearest", rasterized=True)
-        axes[i][1].set_ylim(min(y for (x, y), good in inside.items() if good) - 0.02,
-                            max(y for (x, y), good in inside.items() if good) + 0.02)
+        good = [y for (x, y), is_good in inside.items() if is_good] or ys
+        axes[i][1].set_ylim(min(good) - 0.02, max(good) + 0.02)
     for axes_of_column in axes[2]:
         axes_of_column.set_xlabel(R0)
     axes[0][0].set_title("fixed points (dashed: unstable)", fontsize=9)
@@ -165,6 +166,8 @@ def diagram(data, folder, name, keys):
         dots(axes[i][0], data["bifurcation_all"], key, 1.6)
         axes[i][0].set_ylabel(label)
         for axis, part in ((axes[i][1], "low"), (axes[i][2], "high")):
+            if not data.get(f"bifurcation_{part}"):
+                continue
             dots(axis, data[f"bifurcation_{part}"], key, 1.6)
             inside = [row for row in data["long"]
                       if data[f"bifurcation_{part}"][0]["r0_m"] <= row["parameter"]
@@ -186,10 +189,13 @@ def magnitudes(rows, period):
 
 def figure9(data, folder):
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), sharey=True)
+    middle = 0.5 * (data["table1"][-1]["r0_m"] + data["table2"][-1]["r0_m"])
     for axis, side in ((axes[0], "low"), (axes[1], "high")):
         inside = [row for row in data["long"] if (row["stable"] == "true" or row["event"] == "doubling") and
-                  (row["parameter"] < 0.1) == (side == "low")]
+                  (row["parameter"] < middle) == (side == "low")]
         for period, rows in ((1, inside), (2, data[f"period2_{side}"]), (4, data[f"period4_{side}"])):
+            if not rows:
+                continue
             x, values = magnitudes(rows, period)
             for k, colour in enumerate((STABLE, THIRD, "#777777")):
                 axis.plot(x, values[k], color=colour, lw=1.2)
@@ -204,21 +210,21 @@ def figure9(data, folder):
 
 def figure10(data, folder):
     figure, axes = plt.subplots(2, 2, figsize=(8, 6.4), sharex=True, sharey=True)
-    titles = ("period 2, $r_0$ = 0.08", "period 4, $r_0$ = 0.087", "period 8, $r_0$ = 0.0898",
-              f"chaos, $r_0$ = {data['chaos_r0']:.4f}")
-    for axis, name, title in zip(axes.flat, ("motion2", "motion4", "motion8", "motion_chaos"), titles):
+    for axis, (name, title) in zip(axes.flat, data["motions"]):
         portrait(axis, data[name], color=STABLE, lw=0.7)
         portrait(axis, data[name], leg=1, color=UNSTABLE, lw=0.7)
         axis.set_title(f"{title} (leg A blue, leg B red)", fontsize=9)
+    for axis in axes.flat[len(data["motions"]):]:
+        axis.set_visible(False)
     save(figure, folder, "figure10")
 
 
 def figure12(data, folder):
     figure, axes = plt.subplots(1, 3, figsize=(10, 3.4), sharey=True)
-    for axis, gain in zip(axes, (0.0, 0.02, 0.042)):
+    for axis, gain in zip(axes, data["gains"]):
         rows = [dict(row, parameter=row["r0_m"]) for row in data["gain"] if row["kp"] == gain]
         eigenvalues(axis, rows)
-        axis.set_title(f"$k_p$ = {gain:g}", fontsize=9)
+        axis.set_title(f"$k_p$ = {gain:.4g}", fontsize=9)
         axis.set_xlabel(R0)
     axes[0].set_ylabel(r"$\lambda$ (dotted: imaginary part)")
     axes[0].legend(fontsize=7)
@@ -226,12 +232,27 @@ def figure12(data, folder):
 
 
 def draw_all(data, folder):
+    """Draws what there are numbers for; {figure's number: what is missing, in words} of the others."""
+    missing = {}
     figure4(data, folder)
     figure5(data, folder)
-    figure6(data, folder)
-    figure7(data, folder)
+    if data["short"]:
+        figure6(data, folder)
+        figure7(data, folder)
+    else:
+        missing[6] = missing[7] = "no gait of the short branch was found"
     diagram(data, folder, "figure08", STATES)
-    figure9(data, folder)
-    figure10(data, folder)
+    if data["table1"] and data["table2"]:
+        figure9(data, folder)
+    else:
+        missing[9] = "no period doublings from both ends were found"
+    if data["motions"]:
+        figure10(data, folder)
+    else:
+        missing[10] = "no gait of period 2, 4 or 8, and no chaos, was found"
     diagram(data, folder, "figure11", [("inter_leg_rad", "inter-leg angle at strike (rad)")])
-    figure12(data, folder)
+    if data["gain"]:
+        figure12(data, folder)
+    else:
+        missing[12] = "the long branch was lost"
+    return missing
