@@ -124,7 +124,8 @@ void sim_tick_header(FILE *stream)
 {
     fputs("tick,time_s,stance,phase,theta_left_rad,theta_right_rad,rate_left_rad_s,"
           "rate_right_rad_s,ankle_left_m,ankle_right_m,motor_left_m,motor_right_m,hip_x_m,hip_y_m,"
-          "event,supervisor\n",
+          "event,supervisor,toe_left_x_m,toe_left_y_m,toe_right_x_m,toe_right_y_m,"
+          "ground_left_x_N,ground_left_y_N,ground_right_x_N,ground_right_y_N\n",
           stream);
 }
 
@@ -163,6 +164,18 @@ static const char *supervisor_word(enum supervisor_state state)
     return (unsigned)state < SUPERVISOR_STATES ? words[state] : "unknown";
 }
 
+/* As fields behind others; empty ones where they are not known. */
+static void write_numbers(FILE *stream, const double *number, int count, bool are_known)
+{
+    for (int i = 0; i < count; i++) {
+        if (are_known) {
+            fprintf(stream, ",%.9f", number[i]);
+        } else {
+            fputc(',', stream);
+        }
+    }
+}
+
 void sim_tick_line(FILE *stream, const struct loop *loop, int event, double origin_s)
 {
     static const char *const phases[] = {"held", "single", "double", "down"};
@@ -171,12 +184,21 @@ void sim_tick_line(FILE *stream, const struct loop *loop, int event, double orig
     plant_truth(&loop->nodes.plant, &truth);
     plant_sea_output(&loop->nodes.plant, SIDE_LEFT, &motor[SIDE_LEFT]);
     plant_sea_output(&loop->nodes.plant, SIDE_RIGHT, &motor[SIDE_RIGHT]);
-    fprintf(stream, "%llu,%.3f,%s,%s,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%s,%s\n",
-            (unsigned long long)truth.tick, truth.time_s - origin_s, side_name(truth.stance),
-            phases[truth.phase], truth.leg_angle_rad[0], truth.leg_angle_rad[1],
-            truth.leg_rate_rad_s[0], truth.leg_rate_rad_s[1], truth.ankle_m[0], truth.ankle_m[1],
-            motor[SIDE_LEFT].position_m, motor[SIDE_RIGHT].position_m, truth.hip_m[0],
-            truth.hip_m[1], event_name(event), supervisor_word(loop->rig.task.output.state));
+    const bool stands = !truth.is_person || truth.phase != WALK_HELD;
+    fprintf(stream, "%llu,%.3f,%s,%s", (unsigned long long)truth.tick, truth.time_s - origin_s,
+            stands ? side_name(truth.stance) : "", stands ? phases[truth.phase] : "");
+    write_numbers(stream, truth.leg_angle_rad, SIDE_COUNT, true);
+    write_numbers(stream, truth.leg_rate_rad_s, SIDE_COUNT, true);
+    write_numbers(stream, truth.ankle_m, SIDE_COUNT, true);
+    fprintf(stream, ",%.9f,%.9f", motor[SIDE_LEFT].position_m, motor[SIDE_RIGHT].position_m);
+    write_numbers(stream, truth.hip_m, 2, truth.has_place);
+    fprintf(stream, ",%s,%s", event_name(event),
+            supervisor_word(loop->rig.task.output.state));
+    write_numbers(stream, truth.toe_m[0], 2, truth.has_place);
+    write_numbers(stream, truth.toe_m[1], 2, truth.has_place);
+    write_numbers(stream, truth.ground_force_N[0], 2, truth.has_place);
+    write_numbers(stream, truth.ground_force_N[1], 2, truth.has_place);
+    fputc('\n', stream);
 }
 
 /* ---- for people ------------------------------------------------------------ */

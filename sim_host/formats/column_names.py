@@ -18,7 +18,7 @@ PART_WORDS = {
 PART_OF = {word: part for part, words in PART_WORDS.items() for word in words}
 # Words that say that a column is something else than an angle or a contact.
 OTHER = {"velocity", "velo", "vel", "rate", "speed", "gyro", "gyr", "acc", "accel", "acceleration", "moment", "torque",
-         "power", "fx", "vx", "vz", "px", "py", "pz", "adduction", "abduction", "rotation", "list", "ml", "ap", "cop"}
+         "power", "tx", "ty", "tz", "beta", "fx", "vx", "vz", "px", "py", "pz", "adduction", "abduction", "rotation", "list", "ml", "ap", "cop"}
 
 
 def words_in(name):

@@ -13,6 +13,8 @@ from walk_source import Refusal, listed  # noqa: E402
 
 EXIT_GOOD, EXIT_USAGE = 0, 2
 # OpenSim's names of what a table of ticks has; its walker goes along x, and the model's along -x.
+GROUND_COLUMNS = tuple(f"{what}_{side}_{axis}" for side in ("left", "right") for what, axis in (
+    ("toe", "x_m"), ("toe", "y_m"), ("ground", "x_N"), ("ground", "y_N")))
 TICK_COLUMNS = ("time_s", "theta_left_rad", "theta_right_rad", "ankle_left_m", "ankle_right_m", "hip_x_m", "hip_y_m")
 
 
@@ -58,7 +60,7 @@ def typed(column):
 
 def unit_of(name):
     """The unit that a column's name ends in, as this project writes names."""
-    for ending, unit in (("_rad_s", "rad/s"), ("_m_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_s", "s"), ("_J", "J"),
+    for ending, unit in (("_rad_s", "rad/s"), ("_m_s", "m/s"), ("_rad", "rad"), ("_N", "N"), ("_m", "m"), ("_s", "s"), ("_J", "J"),
                          ("_Nm", "N m"), ("_W", "W"), ("_A", "A"), ("_V", "V"), ("_degC", "degC"), ("_percent", "%")):
         if name.endswith(ending):
             return unit
@@ -78,8 +80,51 @@ def to_parquet(names, columns, told, path):
     pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
 
 
+def write_storage(name, wanted, degrees, told, path):
+    """An OpenSim table of these columns."""
+    rows = len(wanted["time"])
+    lines = [name, "version=1", f"nRows={rows}", f"nColumns={len(wanted)}", f"inDegrees={'yes' if degrees else 'no'}",
+             f"experiment={json.dumps(told)}", "endheader", "\t".join(wanted)]
+    lines += ["\t".join(f"{value:.9g}" for value in row) for row in zip(*wanted.values())]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def ground_forces(names, columns, told):
+    """The columns of a file of ground reaction forces for OpenSim, x forwards and y up; and words where there is none.
+
+    The force of a compass is at its toe. That of a foot lies between heel and ball, and the table does not say where."""
+    if any(name not in names for name in GROUND_COLUMNS):
+        return None, "the table has no ground forces"
+    values = {name: [number(text) for text in columns[names.index(name)]] for name in ("time_s", *GROUND_COLUMNS)}
+    if told.get("who", {}).get("plant") == "reflex" or any(math.isnan(value) for value in values["ground_left_y_N"]):
+        return None, "where the ground's force acts on a person's foot is not known"
+    zero, wanted = [0.0] * len(values["time_s"]), {"time": values["time_s"]}
+    for side, letter in (("left", "l"), ("right", "r")):
+        plate = f"ground_force_{letter}"
+        wanted |= {f"{plate}_vx": [-x for x in values[f"ground_{side}_x_N"]], f"{plate}_vy": values[f"ground_{side}_y_N"],
+                   f"{plate}_vz": zero, f"{plate}_px": [-x for x in values[f"toe_{side}_x_m"]],
+                   f"{plate}_py": values[f"toe_{side}_y_m"], f"{plate}_pz": zero,
+                   **{f"ground_torque_{letter}_{axis}": zero for axis in "xyz"}}
+    return wanted, ""
+
+
+def beside_motion(path, names, columns, told):
+    """Writes walk_grf.mot beside walk.mot, where the forces are known; the words for who exports."""
+    wanted, reason = ground_forces(names, columns, told)
+    if wanted is None:
+        return f"no file of ground forces: {reason}"
+    path = path.with_name(f"{path.stem}_grf{path.suffix}")
+    fresh = path.with_name(path.name + ".new")
+    try:
+        write_storage("afo_walk_ground_forces", wanted, False, told, fresh)
+        os.replace(fresh, path)
+    finally:
+        fresh.unlink(missing_ok=True)
+    return f"{path}: the ground's forces on both legs, N, at the toes"
+
+
 def to_storage(names, columns, told, path):
-    """An OpenSim motion: the pelvis at the hip, the legs' pitch as hip flexion, straight knees, the ankles' extension.
+    """An OpenSim motion: the pelvis at the hip, the legs' pitch as hip flexion, straight knees, the legs' extension at the ankles.
 
     pelvis_tx is the way that the hip went; a leg's pitch is positive with the foot ahead, as hip_flexion is."""
     lacking = [name for name in TICK_COLUMNS if name not in names]
@@ -91,11 +136,8 @@ def to_storage(names, columns, told, path):
     for side, letter in (("left", "l"), ("right", "r")):
         wanted[f"hip_flexion_{letter}"] = [math.degrees(angle) for angle in values[f"theta_{side}_rad"]]
         wanted[f"knee_angle_{letter}"] = [0.0] * len(values["time_s"])
-        wanted[f"ankle_extension_{letter}_m"] = values[f"ankle_{side}_m"]
-    lines = ["afo_walk", "version=1", f"nRows={len(values['time_s'])}", f"nColumns={len(wanted)}", "inDegrees=yes",
-             f"experiment={json.dumps(told)}", "endheader", "\t".join(wanted)]
-    lines += ["\t".join(f"{value:.9g}" for value in row) for row in zip(*wanted.values())]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        wanted[f"leg_extension_{letter}_m"] = values[f"ankle_{side}_m"]
+    write_storage("afo_walk", wanted, True, told, path)
 
 
 def to_picture(names, columns, told, path):
@@ -128,6 +170,7 @@ def main(arguments):
         names, columns, told = read(options.table)
         write(names, columns, told, fresh)
         os.replace(fresh, options.out)
+        more = beside_motion(options.out, names, columns, told) if write is to_storage else None
     except (Refusal, OSError) as error:
         fresh.unlink(missing_ok=True)
         print(f"afo export: {options.table}: {error}", file=sys.stderr)
@@ -138,6 +181,8 @@ def main(arguments):
         return 130
     print(f"{options.out}: {len(columns[0])} rows of {len(names)} columns from {options.table}"
           + ("" if told else f"; {options.table}.json is not there, so it says not how they were made"))
+    if more:
+        print(more)
     return EXIT_GOOD
 
 

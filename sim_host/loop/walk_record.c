@@ -92,7 +92,7 @@ static void keep_pose(struct walk_record *record, const struct plant *plant)
     const struct walker3_params *body = &plant->config.walk.body;
     struct plant_truth truth;
     plant_truth(plant, &truth);
-    if (truth.phase == WALK_SINGLE) {
+    if (truth.phase == WALK_SINGLE && !truth.is_person) {
         record->pose_s = truth.time_s;
         const enum side swing = truth.stance == SIDE_LEFT ? SIDE_RIGHT : SIDE_LEFT;
         record->pose = (struct walking_pose){

@@ -191,6 +191,15 @@ static void walker_truth(const struct plant *plant, struct plant_truth *truth)
     }
 }
 
+/* A person stands on the leg that is on the ground, in double support on the one behind. */
+static void person_truth(struct plant_truth *truth)
+{
+    const bool left = truth->contact[SIDE_LEFT], right = truth->contact[SIDE_RIGHT];
+    const bool is_left_behind = truth->leg_angle_rad[SIDE_LEFT] < truth->leg_angle_rad[SIDE_RIGHT];
+    truth->phase = left && right ? WALK_DOUBLE : left || right ? WALK_SINGLE : WALK_HELD;
+    truth->stance = (left && right ? is_left_behind : left) ? SIDE_LEFT : SIDE_RIGHT;
+}
+
 void plant_truth(const struct plant *plant, struct plant_truth *truth)
 {
     const struct walk *walk = &plant->walk;
@@ -213,9 +222,14 @@ void plant_truth(const struct plant *plant, struct plant_truth *truth)
     truth->phase = walk->phase;
     truth->fault = walk->fault;
     truth->finished = person->finished;
+    truth->is_person = is_person(plant);
+    truth->has_place = plant->config.kind != PLANT_RECORDED_PERSON;
     if (!is_person(plant)) {
         walker_truth(plant, truth);
-    } else if (plant->config.kind == PLANT_REFLEX_PERSON) {
+    } else {
+        person_truth(truth);
+    }
+    if (plant->config.kind == PLANT_REFLEX_PERSON) {
         plant_reflex_truth(plant, truth);
     }
 }

@@ -124,6 +124,9 @@ struct afo_walk_settings {
     uint64_t seed;
     uint32_t steps;
     double slope_deg, terrain_mm, push_Ns, push_s; /* as `afo sim` takes them */
+    const char *recording;                         /* a file; NULL: none */
+    const char *switches;                          /* of a person's feet; NULL: seeded */
+    int32_t by_reflexes;                           /* 1: a person who walks by reflexes */
     afo_law_fn *own_law;                           /* NULL, or in the place of `law` */
     void *context;
 };
@@ -141,9 +144,12 @@ struct afo_tick {
     uint64_t tick;
     double time_s;
     double theta_left_rad, theta_right_rad, rate_left_rad_s, rate_right_rad_s;
-    double ankle_left_m, ankle_right_m, motor_left_m, motor_right_m, hip_x_m, hip_y_m;
-    int32_t stance;            /* 0 left, 1 right */
-    int32_t phase;             /* 0 held, 1 single, 2 double, 3 down */
+    double ankle_left_m, ankle_right_m, motor_left_m, motor_right_m;
+    double hip_x_m, hip_y_m, toe_left_x_m, toe_left_y_m, toe_right_x_m, toe_right_y_m;
+    double ground_left_x_N, ground_left_y_N, ground_right_x_N,
+        ground_right_y_N;      /* all of the world; NaN of a recorded person */
+    int32_t stance;            /* 0 left, 1 right, -1 no foot of a person is on the ground */
+    int32_t phase;             /* 0 held, 1 single, 2 double, 3 down, -1 as above */
     int32_t event, supervisor; /* afo_event_name(), afo_supervisor_name() */
 };
 
@@ -170,6 +176,19 @@ double afo_walk_speed(const struct afo_walk *walk);
 
 /* The steps so far: fills up to `room` rows, and returns how many steps there are. */
 uint32_t afo_walk_steps(const struct afo_walk *walk, struct afo_step *rows, uint32_t room);
+
+struct afo_event {
+    int32_t side;    /* 0 left, 1 right */
+    int32_t kind;    /* afo_event_name(): 1 heel_strike, 7 toe_off */
+    double time_s;
+};
+
+/* The true heel strikes and toe-offs so far, of one side behind the other: fills up to `room` rows, and returns how many
+ * there are. Their time is the recording's where one is played. */
+uint32_t afo_walk_events(const struct afo_walk *walk, struct afo_event *rows, uint32_t room);
+
+/* Those that the controller reported, the same way: the moment as it estimated it. */
+uint32_t afo_walk_found(const struct afo_walk *walk, struct afo_event *rows, uint32_t room);
 
 /* Static strings; "" for an event below 0. */
 const char *afo_event_name(int event);

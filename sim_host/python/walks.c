@@ -7,6 +7,7 @@
 #include "firmware/version.h"
 #include "sim_host/cli/ground_options.h"
 #include "sim_host/cli/host_report.h"
+#include "sim_host/cli/recording_options.h"
 #include "sim_host/cli/sensing_options.h"
 #include "sim_host/loop/walk_watch.h"
 #include "sim_host/loop/walking.h"
@@ -14,7 +15,12 @@
 #include "sim_host/plant/walking_units.h"
 #include "sim_host/python/own_law.h"
 
-enum { STEPS_MOST = 10000000, LAST_FRAMES_TICKS = 3, SPARE_ROWS = 2 };
+enum {
+    STEPS_MOST = 10000000,
+    RECORDED_STEPS_MOST = 100000,
+    LAST_FRAMES_TICKS = 3,
+    SPARE_ROWS = 2
+};
 
 struct afo_walk {
     struct own_law law;
@@ -25,6 +31,7 @@ struct afo_walk {
     struct walk_watch watch;
     bool pushed;
     bool fell;
+    bool is_person;
 };
 
 const char *afo_version(void)
@@ -97,6 +104,55 @@ static int check_open_loop(const struct afo_walk_settings *s, const struct walk_
     return 0;
 }
 
+/* What is the walker's alone, and what a person's. */
+static int check_person(const struct afo_walk_settings *s, const struct walk_options *options,
+                        char *text)
+{
+    const char *wrong = NULL;
+    if (s->recording != NULL && s->by_reflexes) {
+        wrong = "recording and plant = reflex are two persons: name one of them";
+    } else if (!options->person && s->switches != NULL) {
+        wrong = "switches are under the feet of the person of recording or plant = reflex";
+    } else if (options->person && (s->speed_rad_s > 0.0 || s->walking_m_s > 0.0)) {
+        wrong = "speed is the walker's: the person of recording or plant = reflex chooses their own";
+    } else if (options->person && (s->slope_deg != 0.0 || s->terrain_mm > 0.0 || s->push_Ns != 0.0)) {
+        wrong = "slope_deg, terrain_mm and push act on the simulated walker, not on the person of "
+                "recording or plant = reflex";
+    } else if (options->person && s->own_law == NULL && options->law_given &&
+               options->law != LAW_PERSON) {
+        wrong = "the law of a person is \"person\", \"open-loop\" or a function; the others know a "
+                "walker's gaits";
+    }
+    if (wrong != NULL) {
+        snprintf(text, AFO_TEXT, "%s", wrong);
+    }
+    return wrong == NULL ? 0 : -1;
+}
+
+/* The person of a recording, or of reflexes, in the walker's place. */
+static int put_person(const struct afo_walk_settings *s, const struct walk_options *walk,
+                      struct loop_config *config, char *text)
+{
+    struct recording_options options;
+    recording_options_init(&options);
+    options.path = s->recording;
+    options.by_reflexes = s->by_reflexes != 0;
+    options.open_loop = walk->open_loop;
+    for (int i = 0; s->switches != NULL && i < FOOT_SWITCH_PRESET_COUNT; i++) {
+        if (strcmp(s->switches, foot_switch_preset_names[i]) == 0) {
+            options.switches = (enum foot_switch_preset_kind)i;
+            options.switches_given = true;
+        }
+    }
+    if (s->switches != NULL && !options.switches_given) {
+        snprintf(text, AFO_TEXT,
+                 "switches \"%.80s\" are none of none, seeded, exact, 10ms, 20ms, 40ms",
+                 s->switches);
+        return -1;
+    }
+    return recording_options_apply(&options, config, text);
+}
+
 static int configure(const struct afo_walk_settings *s, struct afo_walk *walk, char *text)
 {
     struct sensing_options sensing;
@@ -110,8 +166,9 @@ static int configure(const struct afo_walk_settings *s, struct afo_walk *walk, c
     options.r0_m = s->r0_m;
     options.start_r0_m = s->start_r0_m;
     options.kp = s->kp;
+    options.person = s->recording != NULL || s->by_reflexes != 0;
     if (!check_numbers(s, text) || take_law(s, &options, text) != 0 ||
-        check_open_loop(s, &options, text) != 0) {
+        check_open_loop(s, &options, text) != 0 || check_person(s, &options, text) != 0) {
         return -1;
     }
     if (s->sensors != NULL && !sensor_preset_from_name(s->sensors, &sensing.preset)) {
@@ -119,11 +176,15 @@ static int configure(const struct afo_walk_settings *s, struct afo_walk *walk, c
                  s->sensors);
         return -1;
     }
+    walk->is_person = options.person;
     if (sensing_options_configure(&sensing, &options, NULL, &walk->config, text) != 0) {
         return -1;
     }
     walk->ground = (struct ground_options){s->slope_deg, s->terrain_mm, s->push_Ns, s->push_s};
     ground_options_apply(&walk->ground, &walk->config);
+    if (options.person && put_person(s, &options, &walk->config, text) != 0) {
+        return -1;
+    }
     if (s->own_law != NULL) {
         walk->law = (struct own_law){s->own_law, s->context, 0};
         walk->config.params.law = (real)OWN_LAW_NUMBER;
@@ -140,7 +201,14 @@ struct afo_walk *afo_walk_open(const struct afo_walk_settings *settings, char *t
         return NULL;
     }
     int status = configure(settings, walk, message);
-    if (status == 0 && !walk_record_init(&walk->record, settings->steps + SPARE_ROWS, 0.0)) {
+    const bool is_recorded = settings->recording != NULL;
+    const uint32_t rows = is_recorded && settings->steps > RECORDED_STEPS_MOST
+                              ? RECORDED_STEPS_MOST
+                              : settings->steps + SPARE_ROWS;
+    const double origin_s =
+        (double)walk->config.plant.recording_start_tick * walk->config.plant.tick_s;
+    if (status == 0 &&
+        !walk_record_init(&walk->record, rows, walk->is_person ? origin_s : 0.0)) {
         snprintf(message, sizeof message, "out of memory: ask for fewer steps than %u",
                  settings->steps);
         status = -1;
@@ -158,7 +226,10 @@ struct afo_walk *afo_walk_open(const struct afo_walk_settings *settings, char *t
         free(walk);
         return NULL;
     }
-    walk_watch_init(&walk->watch, settings->steps, false);
+    if (is_recorded) {
+        walk->record.gait.origin_s -= walk->loop.nodes.plant.recording.start_s;
+    }
+    walk_watch_init(&walk->watch, settings->steps, is_recorded);
     return walk;
 }
 
@@ -173,16 +244,20 @@ void afo_walk_close(struct afo_walk *walk)
 
 /* ---- walking ------------------------------------------------------------------------- */
 
-static void write_tick(const struct loop *loop, int event, struct afo_tick *row)
+static void write_tick(const struct afo_walk *walk, int event, struct afo_tick *row)
 {
+    const double none = (double)NAN;
+    const struct loop *loop = &walk->loop;
     struct plant_truth truth;
     struct sea_output motor[SIDE_COUNT];
     plant_truth(&loop->nodes.plant, &truth);
     plant_sea_output(&loop->nodes.plant, SIDE_LEFT, &motor[SIDE_LEFT]);
     plant_sea_output(&loop->nodes.plant, SIDE_RIGHT, &motor[SIDE_RIGHT]);
+    const bool is_there = truth.has_place;
+    const bool stands = !truth.is_person || truth.phase != WALK_HELD;
     *row = (struct afo_tick){
         .tick = truth.tick,
-        .time_s = truth.time_s,
+        .time_s = truth.time_s - walk->record.gait.origin_s,
         .theta_left_rad = truth.leg_angle_rad[SIDE_LEFT],
         .theta_right_rad = truth.leg_angle_rad[SIDE_RIGHT],
         .rate_left_rad_s = truth.leg_rate_rad_s[SIDE_LEFT],
@@ -191,10 +266,18 @@ static void write_tick(const struct loop *loop, int event, struct afo_tick *row)
         .ankle_right_m = truth.ankle_m[SIDE_RIGHT],
         .motor_left_m = motor[SIDE_LEFT].position_m,
         .motor_right_m = motor[SIDE_RIGHT].position_m,
-        .hip_x_m = truth.hip_m[0],
-        .hip_y_m = truth.hip_m[1],
-        .stance = (int32_t)truth.stance,
-        .phase = (int32_t)truth.phase,
+        .hip_x_m = is_there ? truth.hip_m[0] : none,
+        .hip_y_m = is_there ? truth.hip_m[1] : none,
+        .toe_left_x_m = is_there ? truth.toe_m[SIDE_LEFT][0] : none,
+        .toe_left_y_m = is_there ? truth.toe_m[SIDE_LEFT][1] : none,
+        .toe_right_x_m = is_there ? truth.toe_m[SIDE_RIGHT][0] : none,
+        .toe_right_y_m = is_there ? truth.toe_m[SIDE_RIGHT][1] : none,
+        .ground_left_x_N = is_there ? truth.ground_force_N[SIDE_LEFT][0] : none,
+        .ground_left_y_N = is_there ? truth.ground_force_N[SIDE_LEFT][1] : none,
+        .ground_right_x_N = is_there ? truth.ground_force_N[SIDE_RIGHT][0] : none,
+        .ground_right_y_N = is_there ? truth.ground_force_N[SIDE_RIGHT][1] : none,
+        .stance = stands ? (int32_t)truth.stance : -1,
+        .phase = stands ? (int32_t)truth.phase : -1,
         .event = event,
         .supervisor = (int32_t)loop->rig.task.output.state,
     };
@@ -206,7 +289,7 @@ static void tick(struct afo_walk *walk, struct afo_tick *rows, uint32_t *taken)
     loop_tick(&walk->loop);
     const int event = walk_record_take(&walk->record, &walk->loop);
     if (rows != NULL) {
-        write_tick(&walk->loop, event, &rows[*taken]);
+        write_tick(walk, event, &rows[*taken]);
     }
     (*taken)++;
 }
@@ -306,6 +389,40 @@ uint32_t afo_walk_steps(const struct afo_walk *walk, struct afo_step *rows, uint
         };
     }
     return walk->record.count;
+}
+
+/* Appends the moments of both sides to rows, as far as there is room; returns how many there are. */
+static uint32_t list_events(const struct gait_moments moments[SIDE_COUNT], int32_t kind,
+                            struct afo_event *rows, uint32_t room, uint32_t count)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        for (size_t i = 0; i < moments[side].count; i++, count++) {
+            if (count < room) {
+                rows[count] = (struct afo_event){side, kind, moments[side].at[i].event_s};
+            }
+        }
+    }
+    return count;
+}
+
+uint32_t afo_walk_events(const struct afo_walk *walk, struct afo_event *rows, uint32_t room)
+{
+    const struct gait_record *gait = &walk->record.gait;
+    const uint32_t strikes =
+        list_events(gait->true_strike, WALK_EVENT_HEEL_STRIKE, rows, room, 0);
+    return list_events(gait->true_toe_off, WALK_EVENT_TOE_OFF, rows, room, strikes);
+}
+
+uint32_t afo_walk_found(const struct afo_walk *walk, struct afo_event *rows, uint32_t room)
+{
+    const struct gait_record *gait = &walk->record.gait;
+    struct gait_moments strike[SIDE_COUNT], toe_off[SIDE_COUNT];
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        strike[side] = gait->seen[side][GAIT_HEEL_STRIKE];
+        toe_off[side] = gait->seen[side][GAIT_LIFT_OFF];
+    }
+    const uint32_t strikes = list_events(strike, WALK_EVENT_HEEL_STRIKE, rows, room, 0);
+    return list_events(toe_off, WALK_EVENT_TOE_OFF, rows, room, strikes);
 }
 
 const char *afo_event_name(int event)

@@ -9,7 +9,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from serve import EXIT_USAGE  # noqa: E402
 
-NEEDS = {"csv": (), "parquet": (("pyarrow", "pyarrow"),), "mcap": (("mcap", "mcap"),)}
+NEEDS = {"csv": (), "json": (), "parquet": (("pyarrow", "pyarrow"),), "mcap": (("mcap", "mcap"),)}
 
 
 def provenance(walk):
@@ -24,18 +24,20 @@ def units():
 
 
 def to_csv(walk):
-    """Comments begin with #: pandas.read_csv(FILE, comment="#")."""
+    """A line of names, then rows: a plain pandas.read_csv loads it. An empty field says that there is none."""
     import signals
     text = io.StringIO()
-    for key, value in provenance(walk).items():
-        text.write(f"# {key}: {json.dumps(value)}\n")
-    text.write(f"# units: {json.dumps(units())}\n")
     text.write(",".join(["tick", "time", *signals.NAMES]) + "\n")
     times = walk.sync_us / 1e6
     for tick, (time, row) in enumerate(zip(times.tolist(), walk.rows.tolist())):
         values = ",".join("" if value != value else f"{value:.7g}" for value in row)
         text.write(f"{tick},{time:.6f},{values}\n")
     return text.getvalue().encode()
+
+
+def to_json(walk):
+    """What stands beside the CSV file: provenance, units and events."""
+    return (json.dumps({**provenance(walk), "units": units(), "events": walk.events}, indent=1, default=str) + "\n").encode()
 
 
 def to_parquet(walk):
@@ -107,7 +109,10 @@ def main(arguments):
     import walkdata
     try:
         walk = walkdata.load(options.trial, options.afo, options.subject)
-        report.write({"csv": to_csv, "parquet": to_parquet, "mcap": to_mcap}[options.kind](walk), options.out)
+        made = {"csv": to_csv, "json": to_json, "parquet": to_parquet, "mcap": to_mcap}[options.kind](walk)
+        if options.kind == "csv" and str(options.out) != "-":
+            report.write(to_json(walk), options.out.with_name(options.out.name + ".json"))
+        report.write(made, options.out)
     except (OSError, trial.TrialError, frames.BadLine) as error:
         print(f"afo export: {error}", file=sys.stderr)
         return EXIT_USAGE

@@ -8,7 +8,7 @@ from aiohttp import web
 import trial
 from refusal import Refusal
 
-EXPORTS = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet", "mcap": "application/octet-stream"}
+EXPORTS = {"csv": "text/csv", "json": "application/json", "parquet": "application/vnd.apache.parquet", "mcap": "application/octet-stream"}
 LATE = ("The controller was running before this page watched: this trial replays from the controller's next start on. Start afo "
         "view first, or restart the controller, to replay all of it.")
 
@@ -166,7 +166,7 @@ class Keeping:
         self.site.guard.check_token(request)
         kind = request.query.get("kind", "")
         if kind not in EXPORTS:
-            raise web.HTTPNotFound(text="Exports are csv, parquet and mcap.\n")
+            raise web.HTTPNotFound(text="Exports are csv, json, parquet and mcap.\n")
         data = await self.make("export.py", "--kind", kind, "--out", "-", await self.folder(request, "trial"))
         return web.Response(body=data, content_type=EXPORTS[kind])
 

@@ -17,7 +17,9 @@ STEP_COLUMNS = ["step", "time_s", "side", "apex_speed_rad_s", "measured_speed_ra
                 "heel_strike_s", "toe_off_s", "walking_speed_m_s", "push_off_J", "margin_of_stability_m"]
 TICK_COLUMNS = ["tick", "time_s", "stance", "phase", "theta_left_rad", "theta_right_rad",
                 "rate_left_rad_s", "rate_right_rad_s", "ankle_left_m", "ankle_right_m",
-                "motor_left_m", "motor_right_m", "hip_x_m", "hip_y_m", "event"]
+                "motor_left_m", "motor_right_m", "hip_x_m", "hip_y_m", "event", "supervisor",
+                *(f"{what}_{side}_{axis}_{unit}" for what, unit in (("toe", "m"), ("ground", "N")) for side in ("left", "right")
+                  for axis in "xy")]
 
 
 def run(*arguments, command="sim", program=AFO, cwd=ROOT):

@@ -383,9 +383,11 @@ def trial(tmp_path_factory):
 def test_exports_are_read_by_other_libraries(trial, tmp_path):
     for kind in ("csv", "parquet", "mcap"):
         assert run(trial, "--export", kind, "--out", tmp_path / f"x.{kind}", command="report").returncode == 0
-    with open(tmp_path / "x.csv", encoding="utf-8") as stream:
-        table = np.genfromtxt([line for line in stream if not line.startswith("#")], delimiter=",", names=True)
+    import pandas
     import pyarrow.parquet
+    table = pandas.read_csv(tmp_path / "x.csv")
+    told = json.loads((tmp_path / "x.csv.json").read_text(encoding="utf-8"))
+    assert list(told["units"]) == list(table.columns) and told["units"]["spring_force_left"] == "N" and told["parameters"]
     parquet = pyarrow.parquet.read_table(tmp_path / "x.parquet")
     assert parquet.num_rows == len(table) == len(lines(trial / "bus.log", (b" 080#",))) - 1
     assert parquet.schema.field("spring_force_left").metadata[b"unit"] == b"N" and b"build_id" in parquet.schema.metadata[b"provenance"]

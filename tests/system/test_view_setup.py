@@ -47,7 +47,7 @@ def motors(log):
     """What both motors read, m, tick by tick, as the drives' own frames in the log tell it."""
     done = run("--log", log, "--speed", "0.41", "--device", DEVICE, "--export", "csv", "--out", "-", command="report")
     assert done.returncode == 0, done.stderr
-    table = list(csv.DictReader(line for line in io.StringIO(done.stdout) if not line.startswith("#")))
+    table = list(csv.DictReader(io.StringIO(done.stdout)))
     return [np.array([float(row[f"motor_{side}"] or "nan") for row in table]) for side in ("left", "right")]
 
 

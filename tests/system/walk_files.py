@@ -135,15 +135,20 @@ def storage(path, names, values, in_degrees=None):
 
 
 def joints(path, walk, unit="deg", knee=-1.0, tilt_deg=-11.0):
-    """Joint angles as gait2392 has them (knee: -1) or Rajagopal's model (+1): tilt backward positive, on its own."""
+    """Joint angles as gait2392 has them (knee: -1) or Rajagopal's model (+1): tilt backward positive, on its own.
+
+    All coordinates of these models that have such a word in their names are there, as inverse kinematics writes them."""
     factor = 1.0 if unit == "deg" else math.pi / 180.0
-    names = ["time", "pelvis_tilt", "pelvis_list", "pelvis_rotation"]
+    names = ["time", "pelvis_tilt", "pelvis_list", "pelvis_rotation", "pelvis_tx", "pelvis_ty", "pelvis_tz"]
     tilt = tilt_deg + 1.5 * np.sin(11.0 * walk["time_s"])
-    values = [walk["time_s"], factor * tilt, 0.01 * tilt, 0.02 * tilt]
+    values = [walk["time_s"], factor * tilt, 0.01 * tilt, 0.02 * tilt, 1.2 * walk["time_s"], 0.9 + 0.001 * tilt, 0.0 * tilt]
     for side in "rl":
         thigh, shank = walk[f"thigh_{side}_deg"], walk[f"shank_{side}_deg"]
-        names += [f"hip_flexion_{side}", f"hip_adduction_{side}", f"knee_angle_{side}", f"ankle_angle_{side}"]
-        values += [factor * (thigh - tilt), 0.0 * thigh, factor * knee * (thigh - shank), factor * walk[f"ankle_{side}_deg"]]
+        names += [f"hip_flexion_{side}", f"hip_adduction_{side}", f"hip_rotation_{side}", f"knee_angle_{side}",
+                  f"knee_angle_{side}_beta", f"ankle_angle_{side}", f"subtalar_angle_{side}", f"mtp_angle_{side}"]
+        bend = factor * knee * (thigh - shank)
+        values += [factor * (thigh - tilt), 0.0 * thigh, 0.1 * thigh, bend, bend, factor * walk[f"ankle_{side}_deg"], 0.0 * thigh,
+                   0.0 * thigh]
     return storage(path, names, np.stack(values, 1), unit == "deg")
 
 

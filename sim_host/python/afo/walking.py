@@ -16,8 +16,10 @@ import pandas as pd
 from ._library import SYSTEM, AfoError, complain, ffi, lib, number, text_buffer, whole, words
 
 SENSORS = ("ideal", "17bit", "14bit", "12bit")
+_STEPS_MOST = 10000000
 _TICKS = 2000  # between two looks for Ctrl-C: some tens of milliseconds
 _SIDES = np.array(["left", "right"])
+_SWITCHES = ("none", "seeded", "exact", "10ms", "20ms", "40ms")
 _PHASES = np.array(["held", "single", "double", "down"])
 _WALKING = ("heel_strike_s", "toe_off_s", "walking_speed_m_s", "push_off_J", "margin_of_stability_m")
 _STEP = np.dtype([("step", "u4"), ("side", "i4"), *((name, "f8") for name in (
@@ -25,9 +27,12 @@ _STEP = np.dtype([("step", "u4"), ("side", "i4"), *((name, "f8") for name in (
     *_WALKING)), ("used_fallback", "i4")], align=True)
 _TICK = np.dtype([("tick", "u8"), *((name, "f8") for name in (
     "time_s", "theta_left_rad", "theta_right_rad", "rate_left_rad_s", "rate_right_rad_s", "ankle_left_m",
-    "ankle_right_m", "motor_left_m", "motor_right_m", "hip_x_m", "hip_y_m")), *((name, "i4") for name in (
-        "stance", "phase", "event", "supervisor"))], align=True)
+    "ankle_right_m", "motor_left_m", "motor_right_m", "hip_x_m", "hip_y_m", "toe_left_x_m", "toe_left_y_m",
+    "toe_right_x_m", "toe_right_y_m", "ground_left_x_N", "ground_left_y_N", "ground_right_x_N", "ground_right_y_N")), *(
+        (name, "i4") for name in ("stance", "phase", "event", "supervisor"))], align=True)
+_EVENT = np.dtype([("side", "i4"), ("kind", "i4"), ("time_s", "f8")], align=True)
 assert _STEP.itemsize == ffi.sizeof("struct afo_step") and _TICK.itemsize == ffi.sizeof("struct afo_tick")
+assert _EVENT.itemsize == ffi.sizeof("struct afo_event")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,7 +63,9 @@ class Walk:
     fell: bool
     ended: str           #: "" for a whole walk, else what ended it, in words
     law: str             #: name of the law
-    speed_rad_s: float   #: speed asked for
+    speed_rad_s: float   #: speed asked for; NaN of a person, who chooses their own
+    events: pd.DataFrame  #: a row a heel strike and toe-off: side, kind, time_s as it was; in the recording's time
+    found: pd.DataFrame   #: the same as the controller found them
 
     def __bool__(self) -> bool:
         """Whether all steps were walked."""
@@ -137,9 +144,21 @@ def _frame_of_ticks(parts: list[Any]) -> pd.DataFrame:
     states = [ffi.string(lib.afo_supervisor_name(i)).decode() for i in range(8)]
     columns: dict[str, Any] = {"tick": rows["tick"], "time_s": rows["time_s"], "stance": named(rows["stance"], list(_SIDES)),
                                "phase": named(rows["phase"], list(_PHASES))}
-    columns |= {name: rows[name] for name in (_TICK.names or ())[2:12]}
+    names = (_TICK.names or ())[2:-4]
+    columns |= {name: rows[name] for name in names[:10]}
     columns |= {"event": named(rows["event"] + 1, events), "supervisor": named(rows["supervisor"], states)}
+    columns |= {name: rows[name] for name in names[10:]}
     return pd.DataFrame(columns)
+
+
+def _frame_of_events(walk: Any, take: Any) -> pd.DataFrame:
+    rows = np.zeros(take(walk, ffi.NULL, 0), _EVENT)
+    if len(rows):
+        take(walk, ffi.cast("struct afo_event *", ffi.from_buffer(rows)), len(rows))
+    kinds = [ffi.string(lib.afo_event_name(i)).decode() for i in range(9)]
+    frame = pd.DataFrame({"time_s": rows["time_s"], "side": pd.Categorical.from_codes(rows["side"], _SIDES),
+                          "kind": pd.Categorical.from_codes(rows["kind"], kinds).remove_unused_categories()})
+    return frame.sort_values("time_s", kind="stable", ignore_index=True)
 
 
 def _walking_speed(text: str) -> float:
@@ -155,10 +174,11 @@ def _walking_speed(text: str) -> float:
 
 
 def sim(person: PathLike | None = None, device: PathLike | None = None, law: str | Law | None = None,
-        speed: float | str | None = None, *, steps: int = 200, r0: float | None = None, start_r0: float | None = None,
+        speed: float | str | None = None, *, recording: PathLike | None = None, plant: str = "walker",
+        switches: str | None = None, steps: int | None = None, r0: float | None = None, start_r0: float | None = None,
         kp: float | None = None, sensors: str = "17bit", seed: int = 1, slope_deg: float = 0.0, terrain_mm: float = 0.0,
         push: tuple[float, float] | None = None, ticks: bool = False) -> Walk:
-    """Walks `steps` steps, or until the walker falls, and tells every step.
+    """Walks `steps` steps (200; a recording: all), or until the walker falls, and tells every step.
 
     person, device: a name of persons(), devices(), or the path of a file; the paper's walker and the virtual device if
     none is given. law: "proportional" (eq. 16), "dlqr", "deadbeat", "predictive", "open-loop"; or a function, which is
@@ -169,9 +189,22 @@ def sim(person: PathLike | None = None, device: PathLike | None = None, law: str
     noise. slope_deg: uphill positive. terrain_mm: standard deviation of the footholds' heights. push: impulse on the torso
     in N s and its time in s. ticks: also a table by the millisecond.
 
+    recording: a recorded walk of a person in the walker's place, as `afo import` makes it, or with its columns. plant:
+    "walker", or "reflex", a person whose muscles answer to the device. Such a person has no speed to ask for; their law is
+    "person", "open-loop" or a function, and their foot switches are `switches`: "seeded", "exact", "10ms", "20ms", "40ms"
+    or "none". Of a recorded person the place of hip and toes is NaN.
+
     A fall is no error: see Walk.ended. Raises AfoError for settings that do not fit, and what the law itself raises.
     Ctrl-C ends the walk. The GIL is released while it walks. About a hundred times faster than real time.
     """
+    if plant not in ("walker", "reflex"):
+        raise AfoError(f"plant = {plant!r} is none of walker, reflex")
+    if switches is not None and switches not in _SWITCHES:
+        raise AfoError(f"switches = {switches!r} are none of {', '.join(_SWITCHES)}")
+    if recording is not None and not pathlib.Path(recording).is_file():
+        raise AfoError(f"recording {str(recording)!r} is no file")
+    if steps is None:
+        steps = _STEPS_MOST if recording is not None else 200
     caller = None if law is None or isinstance(law, str) else _Caller(law) if callable(law) else None
     if caller is None and law is not None and not isinstance(law, str):
         raise AfoError(f"law must be a name or a function, not {law!r}")
@@ -189,14 +222,16 @@ def sim(person: PathLike | None = None, device: PathLike | None = None, law: str
         if value is not None and not value > 0:
             raise AfoError(f"{name} = {value} must be above 0")
     kept = [ffi.NULL if value is None else ffi.new("char[]", str(value).encode())
-            for value in (person_file, device_file, law if isinstance(law, str) else None, sensors)]
+            for value in (person_file, device_file, law if isinstance(law, str) else None, sensors, recording, switches)]
     settings = ffi.new("struct afo_walk_settings *", {
         "person": kept[0], "device": kept[1], "law": kept[2], "sensors": kept[3],
         "speed_rad_s": optional(speed, "speed", "rad/s", 0.0), "walking_m_s": walking_m_s, "r0_m": optional(r0, "r0", "m", 0.0),
         "start_r0_m": optional(start_r0, "start_r0", "m", 0.0), "kp": optional(kp, "kp", "m per rad/s", -1.0),
-        "seed": whole(seed, "seed", 0, 2**64 - 1), "steps": whole(steps, "steps", 1, 10000000),
+        "seed": whole(seed, "seed", 0, 2**64 - 1), "steps": whole(steps, "steps", 1, _STEPS_MOST), "recording": kept[4],
+        "switches": kept[5], "by_reflexes": plant == "reflex",
         "slope_deg": number(slope_deg, "slope_deg", "deg"), "terrain_mm": number(terrain_mm, "terrain_mm", "mm"),
         "push_Ns": impulse_Ns, "push_s": at_s, "own_law": ffi.NULL if caller is None else caller.pointer})
+    is_person = recording is not None or plant == "reflex"
     text = text_buffer()
     walk = lib.afo_walk_open(settings, text)
     if walk == ffi.NULL:
@@ -204,7 +239,8 @@ def sim(person: PathLike | None = None, device: PathLike | None = None, law: str
     try:
         parts, ended = _advance(walk, caller, ticks)
         return Walk(_frame_of_steps(walk), _frame_of_ticks(parts) if ticks else None, bool(lib.afo_walk_fell(walk)), ended,
-                    _name_of(law), lib.afo_walk_speed(walk))
+                    "person" if is_person and law is None else _name_of(law), math.nan if is_person else lib.afo_walk_speed(walk),
+                    _frame_of_events(walk, lib.afo_walk_events), _frame_of_events(walk, lib.afo_walk_found))
     finally:
         lib.afo_walk_close(walk)
 

@@ -59,7 +59,10 @@ export class Keep {
       const button = document.createElement("button");
       button.textContent = kind;
       button.setAttribute("aria-label", `Export ${trial.name} as ${kind}`);
-      button.onclick = () => this.save(`/export?trial=${name}&kind=${kind}`, `${trial.name}.${kind}`);
+      button.onclick = async () => {
+        await this.save(`/export?trial=${name}&kind=${kind}`, `${trial.name}.${kind}`);
+        if (kind === "csv") { await this.save(`/export?trial=${name}&kind=json`, `${trial.name}.csv.json`); } // what it is of
+      };
       cells[3].append(" ", button);
     }
     return row;

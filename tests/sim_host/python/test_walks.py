@@ -47,6 +47,55 @@ def test_the_ticks_are_those_of_the_command(afo, tmp_path):
     assert set(ticks.supervisor.unique()) >= {"walking"} and set(ticks.event.unique()) >= {"apex", "release", "lift_off"}
 
 
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """A made walk of a person, as a file."""
+    from gait_play import write
+    from made_gait import made_gait
+    return write(tmp_path_factory.mktemp("recording") / "person.csv", [row for row in made_gait() if row["time_s"] < 15.0])
+
+
+ADULT = ("adult70", "virtual-adult")
+ADULT_FILES = ("--person", "sim_host/persons/adult70.ini", "--device", "sim_host/devices/virtual-adult.ini")
+
+
+def test_a_recording_is_played_as_by_the_command(afo, recording, tmp_path):
+    walk = afo.sim(*ADULT, recording=recording, switches="exact", ticks=True)
+    theirs = by_command(tmp_path / "steps.csv", *ADULT_FILES, "--recording", recording, "--switches", "exact",
+                        f"--ticks={tmp_path / 'ticks.csv'}")
+    same(walk.steps.drop(columns="used_fallback"), theirs.drop(columns="used_fallback"), 6)
+    ticks = pandas.read_csv(tmp_path / "ticks.csv")
+    same(walk.ticks.drop(columns="supervisor"), ticks.iloc[:len(walk.ticks)], 9)
+    assert walk and walk.law == "person" and numpy.isnan(walk.speed_rad_s) and walk.ticks.hip_x_m.isna().all()
+    assert len(walk.steps) > 15 and walk.steps.r0_m.max() > 0.02
+
+
+def test_the_events_are_the_recordings(afo, recording):
+    """Heel strikes are where the recorded contact begins, toe-offs where it ends; the controller finds them nearby."""
+    walk, recorded = afo.sim(*ADULT, recording=recording), pandas.read_csv(recording)
+    for side in ("left", "right"):
+        edges = numpy.diff(recorded[f"contact_{side[0]}"])
+        for kind, edge in (("heel_strike", 1), ("toe_off", -1)):
+            at = recorded.time_s.to_numpy()[1:][edges == edge]
+            own = walk.events[(walk.events.side == side) & (walk.events.kind == kind)].time_s.to_numpy()
+            assert len(own) >= len(at) - 1 and numpy.abs(own - at[:len(own)]).max() < 0.011
+            found = walk.found[(walk.found.side == side) & (walk.found.kind == kind)].time_s.to_numpy()
+            assert len(found) >= len(own) - 2
+            assert max(numpy.abs(own - one).min() for one in found) < 0.05
+
+
+def test_a_reflex_person_walks_as_by_the_command(afo, tmp_path):
+    walk = afo.sim(*ADULT, plant="reflex", steps=4)
+    theirs = by_command(tmp_path / "steps.csv", *ADULT_FILES, "--plant", "reflex", "--steps", 4)
+    same(walk.steps.drop(columns="used_fallback"), theirs.drop(columns="used_fallback"), 6)
+
+
+def test_a_law_of_ones_own_serves_a_person(afo, recording):
+    """Its answer is given once the device has joined in."""
+    walk = afo.sim(*ADULT, law=lambda step: 0.03, recording=recording)
+    assert walk.steps.r0_m.iloc[-1] == pytest.approx(0.03, abs=1e-7)
+
+
 def test_persons_and_devices_by_name(afo, tmp_path):
     assert "adult70" in afo.persons() and "virtual-adult" in afo.devices()
     walk = afo.sim("adult70", "virtual-adult", "predictive", 0.8, steps=3)
@@ -134,6 +183,16 @@ def test_a_law_that_does_not_do(afo, law, kind, words):
     ({"device": "/dev/null"}, "/dev/null"),
     ({"slope_deg": 45}, "slope_deg = 45 deg is out of range, allowed is -20 to 20 deg"),
     ({"push": (float("inf"), 1)}, "push = inf"),
+    ({"recording": "nobody.csv"}, "recording 'nobody.csv' is no file"),
+    ({"recording": __file__}, "no column named"),
+    ({"recording": __file__, "speed": 0.8}, "speed is the walker's"),
+    ({"recording": __file__, "plant": "reflex"}, "two persons"),
+    ({"plant": "person"}, "plant = 'person' is none of walker, reflex"),
+    ({"plant": "reflex"}, "name a person of 10 kg or more"),
+    ({"plant": "reflex", "law": "dlqr"}, "the law of a person is"),
+    ({"plant": "reflex", "slope_deg": 1.0}, "act on the simulated walker"),
+    ({"switches": "exact"}, "under the feet of the person"),
+    ({"switches": "new"}, "switches = 'new' are none of none, seeded"),
     ({"r0": 0.1}, "r0 is the constant of the law open-loop; with another law say speed"),
 ])
 def test_settings_that_do_not_fit(afo, arguments, words):
