@@ -192,8 +192,7 @@ void sim_tick_line(FILE *stream, const struct loop *loop, int event, double orig
     write_numbers(stream, truth.ankle_m, SIDE_COUNT, true);
     fprintf(stream, ",%.9f,%.9f", motor[SIDE_LEFT].position_m, motor[SIDE_RIGHT].position_m);
     write_numbers(stream, truth.hip_m, 2, truth.has_place);
-    fprintf(stream, ",%s,%s", event_name(event),
-            supervisor_word(loop->rig.task.output.state));
+    fprintf(stream, ",%s,%s", event_name(event), supervisor_word(loop->rig.task.output.state));
     write_numbers(stream, truth.toe_m[0], 2, truth.has_place);
     write_numbers(stream, truth.toe_m[1], 2, truth.has_place);
     write_numbers(stream, truth.ground_force_N[0], 2, truth.has_place);

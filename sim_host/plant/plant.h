@@ -162,7 +162,7 @@ struct plant_truth {
     double ground_force_N[SIDE_COUNT][2]; /* walker and reflex person only */
     double hip_m[2];             /* the same, world; a reflex person walks towards -x, too */
     double toe_m[SIDE_COUNT][2]; /* the same, world */
-    enum side stance; /* the leg on the ground; in double support the one behind */
+    enum side stance;            /* the leg on the ground; in double support the one behind */
     enum walk_phase phase; /* of a person by the contacts; WALK_HELD: no foot is on the ground */
     enum walk_fault fault;
     bool is_person; /* a person stands in the walker's place */

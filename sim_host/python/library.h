@@ -178,8 +178,8 @@ double afo_walk_speed(const struct afo_walk *walk);
 uint32_t afo_walk_steps(const struct afo_walk *walk, struct afo_step *rows, uint32_t room);
 
 struct afo_event {
-    int32_t side;    /* 0 left, 1 right */
-    int32_t kind;    /* afo_event_name(): 1 heel_strike, 7 toe_off */
+    int32_t side; /* 0 left, 1 right */
+    int32_t kind; /* afo_event_name(): 1 heel_strike, 7 toe_off */
     double time_s;
 };
 

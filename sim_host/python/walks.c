@@ -15,12 +15,7 @@
 #include "sim_host/plant/walking_units.h"
 #include "sim_host/python/own_law.h"
 
-enum {
-    STEPS_MOST = 10000000,
-    RECORDED_STEPS_MOST = 100000,
-    LAST_FRAMES_TICKS = 3,
-    SPARE_ROWS = 2
-};
+enum { STEPS_MOST = 10000000, RECORDED_STEPS_MOST = 100000, LAST_FRAMES_TICKS = 3, SPARE_ROWS = 2 };
 
 struct afo_walk {
     struct own_law law;
@@ -114,8 +109,10 @@ static int check_person(const struct afo_walk_settings *s, const struct walk_opt
     } else if (!options->person && s->switches != NULL) {
         wrong = "switches are under the feet of the person of recording or plant = reflex";
     } else if (options->person && (s->speed_rad_s > 0.0 || s->walking_m_s > 0.0)) {
-        wrong = "speed is the walker's: the person of recording or plant = reflex chooses their own";
-    } else if (options->person && (s->slope_deg != 0.0 || s->terrain_mm > 0.0 || s->push_Ns != 0.0)) {
+        wrong =
+            "speed is the walker's: the person of recording or plant = reflex chooses their own";
+    } else if (options->person &&
+               (s->slope_deg != 0.0 || s->terrain_mm > 0.0 || s->push_Ns != 0.0)) {
         wrong = "slope_deg, terrain_mm and push act on the simulated walker, not on the person of "
                 "recording or plant = reflex";
     } else if (options->person && s->own_law == NULL && options->law_given &&
@@ -207,8 +204,7 @@ struct afo_walk *afo_walk_open(const struct afo_walk_settings *settings, char *t
                               : settings->steps + SPARE_ROWS;
     const double origin_s =
         (double)walk->config.plant.recording_start_tick * walk->config.plant.tick_s;
-    if (status == 0 &&
-        !walk_record_init(&walk->record, rows, walk->is_person ? origin_s : 0.0)) {
+    if (status == 0 && !walk_record_init(&walk->record, rows, walk->is_person ? origin_s : 0.0)) {
         snprintf(message, sizeof message, "out of memory: ask for fewer steps than %u",
                  settings->steps);
         status = -1;
@@ -365,14 +361,14 @@ double afo_walk_speed(const struct afo_walk *walk)
 
 uint32_t afo_walk_steps(const struct afo_walk *walk, struct afo_step *rows, uint32_t room)
 {
-    const double none = (double)NAN;
+    const double none = (double)NAN, origin_s = walk->record.gait.origin_s;
     for (uint32_t i = 0; i < walk->record.count && i < room; i++) {
         const struct walk_row *row = &walk->record.rows[i];
         const double length_m = row->step_length_m > 0.0 ? row->step_length_m : none;
         rows[i] = (struct afo_step){
             .step = row->number,
             .side = (int32_t)row->side,
-            .time_s = row->time_s,
+            .time_s = row->time_s - origin_s,
             .apex_speed_rad_s = row->apex_speed_rad_s,
             .measured_speed_rad_s = row->measured ? row->measured_speed_rad_s : none,
             .target_speed_rad_s =
@@ -380,8 +376,8 @@ uint32_t afo_walk_steps(const struct afo_walk *walk, struct afo_step *rows, uint
             .r0_m = row->measured ? row->r0_m : none,
             .step_time_s = i > 0 ? row->time_s - walk->record.rows[i - 1].time_s : none,
             .step_length_m = length_m,
-            .heel_strike_s = row->heel_strike_s,
-            .toe_off_s = row->toe_off_s,
+            .heel_strike_s = row->heel_strike_s - origin_s,
+            .toe_off_s = row->toe_off_s - origin_s,
             .walking_speed_m_s = walking_speed_m_s(length_m, walking_step_time_s(&walk->record, i)),
             .push_off_J = row->push_off_J,
             .margin_of_stability_m = row->margin_m,
@@ -408,8 +404,7 @@ static uint32_t list_events(const struct gait_moments moments[SIDE_COUNT], int32
 uint32_t afo_walk_events(const struct afo_walk *walk, struct afo_event *rows, uint32_t room)
 {
     const struct gait_record *gait = &walk->record.gait;
-    const uint32_t strikes =
-        list_events(gait->true_strike, WALK_EVENT_HEEL_STRIKE, rows, room, 0);
+    const uint32_t strikes = list_events(gait->true_strike, WALK_EVENT_HEEL_STRIKE, rows, room, 0);
     return list_events(gait->true_toe_off, WALK_EVENT_TOE_OFF, rows, room, strikes);
 }
 
