@@ -83,7 +83,7 @@ static error_t take(int key, char *text, struct argp_state *state)
 }
 
 /* The table of the picture has so many points a side, or all where there are fewer. */
-enum { SHOWN = 100, SECTIONS = 3, NO_PERIOD = 65 };
+enum { SHOWN = 100, SECTIONS = 3 };
 
 static int every_of(int points)
 {
@@ -116,11 +116,23 @@ static void put_basin(const struct chunks_job *job, size_t chunk, const unsigned
     for (int k = 1; k <= SECTIONS && (int)chunk % every == 0; k++) {
         const int rate = k * basin->rate.count / (SECTIONS + 1);
         for (int i = 0; i < basin->swing.count; i += every) {
+            const int steps = byte[i * basin->rate.count + rate];
             fprintf(table, "%.6g,%.6g,%.6g,%d\n", atlas_at(&basin->speed, (int)chunk),
                     atlas_at(&basin->swing, i), atlas_at(&basin->rate, rate),
-                    byte[i * basin->rate.count + rate]);
+                    steps == ATLAS_WALKS ? basin->strides : steps);
         }
     }
+}
+
+/* 0: falls; 1 to 4: period 1, 2, 4 or 8; 5: another, or none. */
+static int class_of(int period)
+{
+    return period == ATLAS_NO_GAIT ? 0
+           : period == 1           ? 1
+           : period == 2           ? 2
+           : period == 4           ? 3
+           : period == 8           ? 4
+                                   : 5;
 }
 
 static void put_plane(const struct chunks_job *job, size_t chunk, const unsigned char *byte,
@@ -131,10 +143,8 @@ static void put_plane(const struct chunks_job *job, size_t chunk, const unsigned
     for (int row = 0; row < ATLAS_PLANE_ROWS; row++) {
         const int at = (int)chunk * ATLAS_PLANE_ROWS + row;
         for (int i = 0; i < columns && at < plane->stiffness.count && at % every == 0; i += every) {
-            const int period = byte[row * columns + i];
             fprintf(table, "%.6g,%.6g,%d\n", atlas_at(&plane->push, i),
-                    atlas_at(&plane->stiffness, at),
-                    period == ATLAS_APERIODIC ? NO_PERIOD : period);
+                    atlas_at(&plane->stiffness, at), class_of(byte[row * columns + i]));
         }
     }
 }
@@ -157,7 +167,7 @@ static int tell_plane(const struct chunks_job *job)
     }
     plot_name("push_off", "push-off r0 / l");
     plot_name("stiffness", "stiffness k l / (M g)");
-    fputs("push_off,stiffness,period\n", table);
+    fputs("push_off,stiffness,class\n", table);
     return tell_chunks(job, table, put_plane);
 }
 
