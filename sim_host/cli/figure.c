@@ -22,44 +22,6 @@ enum {
 #define LEVEL_PART 1e-6   /* of their size: a smaller span is none */
 #define LEVEL_MARGIN 0.02 /* of their size, around them then */
 
-static void put_escaped(FILE *stream, const char *text)
-{
-    for (; *text != '\0'; text++) {
-        const char *const as = *text == '<'   ? "&lt;"
-                               : *text == '>' ? "&gt;"
-                               : *text == '&' ? "&amp;"
-                                              : NULL;
-        if (as != NULL) {
-            fputs(as, stream);
-        } else {
-            fputc(*text, stream);
-        }
-    }
-}
-
-void figure_text(FILE *stream, double x, double y, const char *more, const char *text)
-{
-    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\"%s>", x, y, more);
-    put_escaped(stream, text);
-    fputs("</text>\n", stream);
-}
-
-double figure_pixel(const struct figure_axis *axis, double number)
-{
-    const double at = !axis->is_log ? number : number > 0.0 ? log10(number) : (double)NAN;
-    return axis->from + (axis->to - axis->from) * (at - axis->low) / (axis->high - axis->low);
-}
-
-double figure_half_cell(const double *number, size_t count)
-{
-    double least = (double)INFINITY;
-    for (size_t i = 1; i < count; i++) {
-        const double apart = fabs(number[i] - number[i - 1]);
-        least = apart > 0.0 && apart < least ? apart : least;
-    }
-    return isfinite(least) ? 0.5 * least : 0.5;
-}
-
 /* ---- axes ---------------------------------------------------------------------------- */
 
 static void widen(struct figure_axis *axis, double number)
@@ -295,7 +257,7 @@ void figure_write(FILE *stream, const char *title, const struct figure_panel *pa
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
             "height=\"%.0f\" font-family=\"sans-serif\" font-size=\"12\">\n<title>",
             width, height, width, height);
-    put_escaped(stream, title);
+    figure_escape(stream, title);
     fputs("</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n", stream);
     figure_text(stream, 16.0, 22.0, " font-size=\"14\"", shown);
     for (size_t p = 0; p < count; p++) {

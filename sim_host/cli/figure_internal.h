@@ -1,4 +1,4 @@
-/* Between figure.c, which lays out, and figure_marks.c, which draws the numbers. */
+/* Among figure.c, which lays out, figure_marks.c, which draws the numbers, and figure_axis.c, where they lie. */
 #ifndef SIM_HOST_CLI_FIGURE_INTERNAL_H
 #define SIM_HOST_CLI_FIGURE_INTERNAL_H
 
@@ -19,7 +19,8 @@ struct figure_place {
 /* Pixels; NaN for a number that the axis does not have. */
 double figure_pixel(const struct figure_axis *axis, double number);
 
-const char *figure_colour(size_t series);
+/* The text as a document may hold it. */
+void figure_escape(FILE *stream, const char *text);
 void figure_text(FILE *stream, double x, double y, const char *more, const char *text);
 void figure_draw(FILE *stream, const struct figure_panel *panel, const struct figure_place *place);
 

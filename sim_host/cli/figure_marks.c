@@ -17,7 +17,7 @@ enum {
 static const char *const colours[COLOURS] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                              "#e69f00", "#56b4e9", "#000000", "#999999"};
 
-const char *figure_colour(size_t series)
+static const char *figure_colour(size_t series)
 {
     return colours[series % COLOURS];
 }
