@@ -8,10 +8,11 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from afo import run
+from afo import file_of, run
 from test_afo import STUDIES
 
 SVG = "{http://www.w3.org/2000/svg}"
+PERSON = file_of("persons", "adult70")
 # Each study, small, and the panels that its picture has.
 SMALL = {
     "fixed-point": (("--r0", 0.05), 2),
@@ -34,6 +35,8 @@ SMALL = {
     "laws energy": (("--law", "dlqr"), 3),
     "laws timing": (("--samples", 10), 4),
     "observer-gains": ((), 2),
+    "tune-person": (("--person", PERSON, "--out", "FOLDER/person.ini", "--generations", 2, "--walks", 1, "--seconds", 5), 1),
+    "validate-person": (("--person", PERSON, "--steps", 12, "--seeds", 1), 2),
     "table": ((), 1),
 }
 LONG = {

@@ -11,6 +11,7 @@
 #include "sim_host/study/person/commands.h"
 #include "sim_host/study/person/objective.h"
 #include "sim_host/study/person/tuning.h"
+#include "sim_host/study/plot.h"
 
 enum {
     KEY_PERSON = 0x600,
@@ -197,6 +198,10 @@ static int tune(const struct input *input)
     if (tuning_begin(&tuning, &input->plan, message) != 0) {
         return program_complain("%s", message);
     }
+    FILE *picture = plot_table("tune-person");
+    if (picture != NULL) {
+        fputs("generation,mean,best\n", picture);
+    }
     while (tuning.search.generations < input->plan.generations) {
         if (tuning_generation(&tuning, &mean, &best, message) != 0) {
             return program_complain("%s", message);
@@ -204,6 +209,9 @@ static int tune(const struct input *input)
         printf("generation %4d: %8.3f in the mean, %8.3f the best; steps of %.4f\n",
                tuning.search.generations, mean, best, tuning.search.sigma);
         fflush(stdout);
+        if (picture != NULL) {
+            fprintf(picture, "%d,%.9g,%.9g\n", tuning.search.generations, mean, best);
+        }
     }
     if (tuning_value(&tuning, JUDGED_WALKS, &value, message) != 0 ||
         write_person(input, &tuning, value, message) != 0) {
@@ -231,7 +239,7 @@ int tune_person_main(int argc, char **argv)
                                           .jobs = 1}};
     const struct argp parser = {option_list, take, NULL, doc, NULL, NULL, NULL};
     char message[SUBJECT_MESSAGE_MAX];
-    option_parse(&parser, argc, argv, &input);
+    plot_option_parse(&parser, argc, argv, &input);
     input.plan.worn = input.device != NULL;
     if (subject_read(&input.plan.subject, input.person, input.device, message) != 0) {
         program_complain("%s", message);

@@ -11,6 +11,7 @@
 #include "sim_host/study/person/normative.h"
 #include "sim_host/study/person/objective.h"
 #include "sim_host/study/person/person_walk.h"
+#include "sim_host/study/plot.h"
 
 enum {
     KEY_PERSON = 0x600,
@@ -178,6 +179,22 @@ static void json_curves(struct json_writer *json, const struct gait_summary *sum
     json_close_list(json);
 }
 
+/* For the picture. */
+static void write_curves(FILE *picture, const struct gait_summary *summary)
+{
+    fputs("curve,leg,r,rms_over_spread\n", picture);
+    for (int curve = 0; curve < NORMATIVE_CURVES; curve++) {
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            struct normative_match match;
+            if (match_of(summary, (enum side)side, curve, &match)) {
+                fprintf(picture, "%s,%s,%.6g,%.6g\n", normative_curves[curve].name,
+                        side == SIDE_LEFT ? "left" : "right", match.r,
+                        match.rms / normative_curves[curve].spread);
+            }
+        }
+    }
+}
+
 static void print_json(const struct input *input, const struct gait_summary *summary)
 {
     struct json_writer json;
@@ -217,6 +234,10 @@ static int validate(struct input *input, bool *fell)
     } else {
         print(input, summary);
     }
+    FILE *picture = plot_table("validate-person");
+    if (picture != NULL) {
+        write_curves(picture, summary);
+    }
     return program_output_done();
 }
 
@@ -235,7 +256,7 @@ int validate_person_main(int argc, char **argv)
     const struct argp parser = {option_list, take, NULL, doc, NULL, NULL, NULL};
     char message[SUBJECT_MESSAGE_MAX];
     bool fell;
-    option_parse(&parser, argc, argv, &input);
+    plot_option_parse(&parser, argc, argv, &input);
     if (subject_read(&subject, input.person, input.device, message) != 0) {
         program_complain("%s", message);
         return EXIT_USAGE;
