@@ -318,6 +318,15 @@ START_TEST(the_nodes_of_another_device)
     ck_assert(network_all_operational(&network));
     const struct can_msg gone = {.id = 0x700, .length = 1, .data = {5}};
     ck_assert(!network_receive(&network, &gone));
+    struct fake_bus fake;
+    fake_bus_init(&fake);
+    const struct can_bus bus = fake_bus_interface(&fake);
+    for (unsigned i = 0; i <= HEARTBEAT_TIMEOUT_TICKS; i++) {
+        network_update(&network, &bus, 0);
+    }
+    for (unsigned i = 0; i < NETWORK_NODES; i++) {
+        ck_assert_int_eq(network_is_overdue(&network, i), numbers[i] != 0);
+    }
 }
 END_TEST
 

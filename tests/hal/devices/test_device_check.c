@@ -228,6 +228,18 @@ START_TEST(a_latch_has_the_keys_of_its_place)
 }
 END_TEST
 
+START_TEST(a_drive_has_the_keys_of_its_protocol)
+{
+    for (int32_t protocol = DEVICE_NO_DRIVE_PROTOCOL; protocol <= DEVICE_MIT; protocol++) {
+        left()->protocol = protocol;
+        ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_direction),
+                         protocol != DEVICE_NO_DRIVE_PROTOCOL);
+        ck_assert_int_eq(device_key_applies(left(), DEVICE_LEG_turns_per_m),
+                         protocol == DEVICE_CANSIMPLE);
+    }
+}
+END_TEST
+
 START_TEST(a_number_has_as_many_bits_as_its_protocol)
 {
     make_cansimple(left(), 64);
@@ -454,6 +466,7 @@ int main(void)
     tcase_add_test(tcase, no_two_units_share_an_identifier);
     tcase_add_test(tcase, each_unit_has_its_own_numbers);
     tcase_add_test(tcase, a_latch_has_the_keys_of_its_place);
+    tcase_add_test(tcase, a_drive_has_the_keys_of_its_protocol);
     tcase_add_test(tcase, a_number_has_as_many_bits_as_its_protocol);
     tcase_add_test(tcase, the_stroke_stays_where_positions_can_be_said);
     tcase_add_test(tcase, what_is_told_twice_is_told_alike);
