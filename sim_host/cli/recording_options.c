@@ -66,6 +66,7 @@ static bool take_column(struct recording_format *format, const char *text)
 enum {
     KEY_RECORDING = 0x900,
     KEY_PLANT,
+    KEY_WITHOUT_DEVICE,
     KEY_COLUMN,
     KEY_RATE,
     KEY_ANGLES,
@@ -81,6 +82,10 @@ static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "A person:", 2},
     {"plant", KEY_PLANT, "KIND", 0,
      "who wears the device: walker (default), or reflex, a person whose muscles answer to it", 0},
+    {"without-device", KEY_WITHOUT_DEVICE, 0, 0,
+     "with --plant reflex: the device does all it would do, and the person feels nothing of it: the pair of the "
+     "walk with it",
+     0},
     {"recording", KEY_RECORDING, "FILE.csv", 0, "recorded walking in the walker's place", 0},
     {"column", KEY_COLUMN, "ROLE=NAME", 0,
      "a column of the recording: time, thigh_l, contact_r, ...; no name: not there", 0},
@@ -112,6 +117,9 @@ static void check_together(struct argp_state *state, const struct recording_opti
     if (options->path != NULL && options->by_reflexes) {
         argp_error(state, "--recording and --plant reflex exclude each other: there is one wearer");
     }
+    if (options->without_device && !options->by_reflexes) {
+        argp_error(state, "--without-device needs --plant reflex: nobody else feels a device");
+    }
     if (options->path == NULL && options->format_given) {
         argp_error(state, "--column, --rate and --angles describe the recording of --recording");
     }
@@ -141,6 +149,9 @@ static error_t take(int key, char *text, struct argp_state *state)
     case KEY_PLANT:
         options->by_reflexes =
             option_choice(state, "--plant", text, plants, 2, sizeof plants[0]) == 1;
+        return 0;
+    case KEY_WITHOUT_DEVICE:
+        options->without_device = true;
         return 0;
     case KEY_COLUMN:
         if (!take_column(&options->format, text)) {
@@ -235,6 +246,7 @@ int recording_options_apply(const struct recording_options *options, struct loop
             return -1;
         }
         config->plant.kind = PLANT_REFLEX_PERSON;
+        config->plant.unworn = options->without_device;
         reflex_person_default(mass_kg, (double)params->leg_length_m, &config->plant.reflex);
         person_muscles_apply(&config->subject.person.muscles, &config->plant.reflex);
     } else if (strlen(options->path) >= PLANT_PATH_MAX) {

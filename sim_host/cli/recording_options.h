@@ -10,8 +10,9 @@
 
 /* What is asked of a recording. */
 struct recording_options {
-    const char *path; /* NULL: no recording */
-    bool by_reflexes; /* a person who walks by reflexes; no recording then */
+    const char *path;    /* NULL: no recording */
+    bool by_reflexes;    /* a person who walks by reflexes; no recording then */
+    bool without_device; /* who walks by reflexes feels nothing of the device */
     struct recording_format format;
     bool format_given; /* some of the format is not the default */
     bool open_loop;    /* keep the law */

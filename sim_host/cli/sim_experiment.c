@@ -14,6 +14,7 @@ static void who(struct json_writer *json, const struct sim_options *options,
     json_text(json, "device_file", options->walk.device_path);
     json_text(json, "recording", options->recording.path);
     json_text(json, "plant", options->recording.by_reflexes ? "reflex" : NULL);
+    json_bool(json, "without_device", options->recording.without_device);
     json_number(json, "torso_mass_kg", (double)params->torso_mass_kg, DIGITS);
     json_number(json, "leg_mass_kg", (double)params->leg_mass_kg, DIGITS);
     json_number(json, "leg_length_m", (double)params->leg_length_m, DIGITS);
@@ -63,6 +64,7 @@ static void disturbances(struct json_writer *json, const struct sim_options *opt
     json_open_object(json, "push");
     json_number(json, "impulse_Ns", options->ground.push_Ns, DIGITS);
     json_number(json, "at_s", options->ground.push_s, DIGITS);
+    json_number(json, "for_s", options->ground.push_for_s, DIGITS);
     json_close_object(json);
     json_open_object(json, "injected_fault");
     json_text(json, "name", loop_fault_name(config->fault));
@@ -70,6 +72,7 @@ static void disturbances(struct json_writer *json, const struct sim_options *opt
         json_null(json, "after_step");
     } else {
         json_unsigned(json, "after_step", config->fault_step);
+        json_unsigned(json, "and_ms", options->fault_delay_ms);
     }
     json_close_object(json);
 }
@@ -81,6 +84,7 @@ void sim_experiment_json(struct json_writer *json, const struct sim_options *opt
     law(json, config);
     sensors(json, options, config);
     json_unsigned(json, "seed", options->sensing.seed);
+    json_number(json, "release_late_s", options->release_late_s, DIGITS);
     disturbances(json, options, config);
     if (options->steps == UINT32_MAX) {
         json_null(json, "steps_asked_for");

@@ -13,6 +13,8 @@ enum {
     KEY_LOG,
     KEY_FAULT,
     KEY_FAULT_STEP,
+    KEY_FAULT_MS,
+    KEY_RELEASE_LATE,
     KEY_REAL_TIME,
     KEY_ENGAGE
 };
@@ -22,6 +24,12 @@ static const struct argp_option option_list[] = {
     {"steps", KEY_STEPS, "N", 0, "walk this many steps (default 200; a recording: all)", 0},
     {"fault", KEY_FAULT, "NAME", 0, "none, cut-drives, never-armed, swapped or crossed", 0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault begins after N steps (default 10)", 0},
+    {"fault-ms", KEY_FAULT_MS, "MS", 0,
+     "and MS milliseconds later, so at any phase of the step (default 0)", 0},
+    {"release-late-ms", KEY_RELEASE_LATE, "MS", 0,
+     "both latches open so late, 0 to 49 ms; the device does not know it. They open no earlier: they wait for the "
+     "other foot",
+     0},
     {"engage", KEY_ENGAGE, "STEPS", 0,
      "the walker has a push-off of its own; the device takes over after so many steady steps "
      "(a recorded person's has: 4)",
@@ -47,15 +55,17 @@ static enum loop_fault fault_of(struct argp_state *state, const char *name)
                                           sizeof names[0]);
 }
 
+static const double RELEASE_LATE_MAX_MS = 49.0; /* 50 ms, with what a latch takes itself */
+
 enum { DEFAULT_STEPS = 200, DEFAULT_FAULT_STEP = 10 };
 
 /* An option that would do nothing is a mistake of the caller's, not a wish. */
 static void check_used(struct argp_state *state, const struct sim_options *options)
 {
-    if (recording_options_person(&options->recording) && ground_options_given(&options->ground)) {
+    if (options->recording.path != NULL && ground_options_given(&options->ground)) {
         argp_error(state,
-                   "--slope-deg, --terrain-mm and --push act on the simulated walker, not on "
-                   "the person of --recording or --plant reflex");
+                   "--slope-deg, --terrain-mm and --push act on a body that answers; the person "
+                   "of --recording walks as they did: use --plant reflex or the walker");
     }
     if (recording_options_person(&options->recording) && options->walk.law_given &&
         options->walk.law != LAW_PERSON) {
@@ -65,6 +75,9 @@ static void check_used(struct argp_state *state, const struct sim_options *optio
     }
     if (options->fault == LOOP_FAULT_NONE && options->fault_step != UINT32_MAX) {
         argp_error(state, "--fault-step needs --fault NAME");
+    }
+    if (options->fault == LOOP_FAULT_NONE && options->fault_delay_ms > 0) {
+        argp_error(state, "--fault-ms needs --fault NAME");
     }
 }
 
@@ -122,6 +135,13 @@ static error_t take(int key, char *text, struct argp_state *state)
         break;
     case KEY_FAULT_STEP:
         options->fault_step = (uint32_t)option_whole(state, "--fault-step", text, 0, 10000000);
+        break;
+    case KEY_FAULT_MS:
+        options->fault_delay_ms = (uint32_t)option_whole(state, "--fault-ms", text, 0, 10000);
+        break;
+    case KEY_RELEASE_LATE:
+        options->release_late_s =
+            0.001 * option_number(state, "--release-late-ms", text, 0.0, RELEASE_LATE_MAX_MS);
         break;
     case KEY_ENGAGE:
         options->engage_steps = (uint32_t)option_whole(state, "--engage", text, 1, 50);

@@ -26,8 +26,9 @@ struct sim_options {
     struct ground_options ground;
     enum loop_fault fault;
     uint32_t engage_steps; /* 0 = the bench: a walker without a push-off of its own */
-    uint32_t fault_step;
-    bool real_time; /* one tick a millisecond instead of as fast as it goes */
+    uint32_t fault_step, fault_delay_ms;
+    double release_late_s; /* the latches open so much later than their cause */
+    bool real_time;        /* one tick a millisecond instead of as fast as it goes */
     bool quiet;
     bool json;
     int argc; /* the whole command line, for the record */

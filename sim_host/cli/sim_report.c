@@ -259,7 +259,8 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
         if (share > REFLEX_NOISE_NONE) {
             snprintf(noise, sizeof noise, "%g %%", 100.0 * share);
         }
-        fprintf(stream, "  wearer     a person who walks by reflexes, noise of these: %s\n", noise);
+        fprintf(stream, "  wearer     a person who walks by reflexes, noise of these: %s%s\n", noise,
+                options->recording.without_device ? "; and feels nothing of the device" : "");
     }
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
             loop->config.subject.person.name, (double)params->torso_mass_kg,
@@ -281,13 +282,20 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
     fprintf(stream, "  sensors    %s, seed %llu\n", options->sensing.preset_name,
             (unsigned long long)options->sensing.seed);
     if (ground_options_given(&options->ground)) {
-        fprintf(stream, "  ground     slope %g deg, terrain %g mm, push %g N s at %g s\n",
+        fprintf(stream, "  ground     slope %g deg, terrain %g mm, push %g N s at %g s for %g s\n",
                 options->ground.slope_deg, options->ground.terrain_mm, options->ground.push_Ns,
-                options->ground.push_s);
+                options->ground.push_s, options->ground.push_for_s);
+    }
+    if (options->release_late_s > 0.0) {
+        fprintf(stream, "  latches    open %g ms late\n", 1000.0 * options->release_late_s);
     }
     if (loop->config.fault != LOOP_FAULT_NONE) {
-        fprintf(stream, "  fault      %s after step %u%s\n", loop_fault_name(loop->config.fault),
-                loop->config.fault_step, loop->fault_active ? "" : ": not reached");
+        fprintf(stream, "  fault      %s after step %u", loop_fault_name(loop->config.fault),
+                loop->config.fault_step);
+        if (options->fault_delay_ms > 0) {
+            fprintf(stream, " and %u ms", options->fault_delay_ms);
+        }
+        fputs(loop->fault_active ? "\n" : ": not reached\n", stream);
     }
 }
 

@@ -41,6 +41,10 @@ int sim_session_configure(struct sim_session *session)
     ground_options_apply(&options->ground, &session->config);
     session->config.fault = options->fault;
     session->config.fault_step = options->fault_step;
+    session->config.fault_delay_ticks = TICKS_OF_MS(options->fault_delay_ms);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        session->config.plant.sea[side].release_latency_s += options->release_late_s;
+    }
     if (recording_options_person(&options->recording)) {
         struct recording_options recording = options->recording;
         recording.open_loop = options->walk.open_loop;
@@ -179,7 +183,7 @@ void sim_session_walk(struct sim_session *session, const volatile sig_atomic_t *
         if (session->options.real_time) {
             (void)pacer_wait(&session->pacer);
         }
-        ground_options_tick(&session->options.ground, session->loop, &session->pushed);
+        ground_options_tick(&session->options.ground, session->loop, &session->push_ticks);
         tick(session);
         if (session->record.count != watch.seen) {
             progress_tell(&progress, session->record.count);

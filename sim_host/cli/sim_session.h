@@ -20,7 +20,7 @@ struct sim_session {
     struct output_file csv, ticks, log, pushes;
     struct sim_outcome outcome;
     struct pacer pacer;
-    bool pushed;
+    uint32_t push_ticks; /* pushed in so far */
 };
 
 /* Options to configuration. Returns 0, or -1 behind a complaint. */

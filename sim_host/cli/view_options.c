@@ -55,10 +55,10 @@ static void check_together(struct argp_state *state, const struct view_options *
         argp_error(state,
                    "--speed and --recording exclude each other: a person chooses their speed");
     }
-    if (recorded && ground_options_given(&options->sim.ground)) {
-        argp_error(
-            state,
-            "--slope-deg, --terrain-mm and --push act on the simulated walker, not on the recorded one");
+    if (options->sim.recording.path != NULL && ground_options_given(&options->sim.ground)) {
+        argp_error(state,
+                   "--slope-deg, --terrain-mm and --push act on a body that answers; the person "
+                   "of --recording walks as they did");
     }
     if (options->in_stand &&
         (options->interface != NULL || options->replay_path != NULL || recorded)) {

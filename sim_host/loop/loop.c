@@ -272,6 +272,20 @@ void loop_free(struct loop *loop)
 
 /* ---- one period ------------------------------------------------------------ */
 
+static void begin_fault(struct loop *loop)
+{
+    const struct loop_config *config = &loop->config;
+    if (loop->fault_active || config->fault == LOOP_FAULT_NONE ||
+        loop->rig.task.controller.last_step.number < config->fault_step ||
+        loop->fault_waited_ticks++ < config->fault_delay_ticks) {
+        return;
+    }
+    loop->fault_active = true;
+    loop->nodes.assembly.legs_swapped = config->fault == LOOP_FAULT_SWAPPED;
+    loop->nodes.assembly.feet_swapped = config->fault == LOOP_FAULT_SWAPPED;
+    loop->nodes.assembly.drives_crossed = config->fault == LOOP_FAULT_CROSSED;
+}
+
 void loop_end_period(struct loop *loop, uint64_t now_ns)
 {
     for (int i = 0; i < WALKER_NODES; i++) {
@@ -279,13 +293,7 @@ void loop_end_period(struct loop *loop, uint64_t now_ns)
     }
     own_push_tick(&loop->own_push, &loop->nodes.plant);
     walker_nodes_advance(&loop->nodes);
-    if (!loop->fault_active && loop->config.fault != LOOP_FAULT_NONE &&
-        loop->rig.task.controller.last_step.number >= loop->config.fault_step) {
-        loop->fault_active = true;
-        loop->nodes.assembly.legs_swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
-        loop->nodes.assembly.feet_swapped = loop->config.fault == LOOP_FAULT_SWAPPED;
-        loop->nodes.assembly.drives_crossed = loop->config.fault == LOOP_FAULT_CROSSED;
-    }
+    begin_fault(loop);
     walker_nodes_measure(&loop->nodes);
     loop->tick++;
 }

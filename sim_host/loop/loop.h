@@ -47,7 +47,8 @@ struct loop_config {
     bool standby;                                 /* no walk is asked for at the start */
     const struct eds_file *drive_eds[SIDE_COUNT]; /* the drives obey these strictly; or NULL */
     enum loop_fault fault;
-    uint32_t fault_step; /* the fault begins when this many apexes have passed */
+    uint32_t fault_step;        /* the fault begins when this many apexes have passed, */
+    uint32_t fault_delay_ticks; /* and so much later */
     /* Puts something between control task and bus; NULL = nothing. */
     struct can_bus (*wrap_bus)(void *context, struct can_bus bus);
     void *wrap_context;
@@ -70,7 +71,8 @@ struct loop {
     struct host_task rig; /* the control task and its drives' protocol */
     uint64_t tick;        /* SYNCs so far */
     bool fault_active;
-    FILE *log; /* candump -L, or NULL */
+    uint32_t fault_waited_ticks; /* since config.fault_step */
+    FILE *log;                   /* candump -L, or NULL */
     uint64_t logged_frames;
 };
 

@@ -29,6 +29,13 @@ static void lay_next_foothold(struct plant *plant)
     plant->next_foothold_height_m = height_m;
 }
 
+void plant_pass_foothold(struct plant *plant)
+{
+    plant->footholds++;
+    plant->foothold_height_m = plant->next_foothold_height_m;
+    lay_next_foothold(plant);
+}
+
 enum plant_error plant_init(struct plant *plant, const struct plant_config *config, char *message)
 {
     message[0] = '\0';
@@ -148,9 +155,7 @@ static void advance_walker(struct plant *plant)
     run_start_hold(plant);
     walk_advance(&plant->walk, plant->sea, plant->config.tick_s);
     if (plant->walk.current.index != steps) {
-        plant->footholds++;
-        plant->foothold_height_m = plant->next_foothold_height_m;
-        lay_next_foothold(plant);
+        plant_pass_foothold(plant);
     }
 }
 
@@ -251,6 +256,17 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
         energy->motor_work_J[i] = plant->sea[i].motor_work_J;
         energy->motor_positive_work_J[i] = plant->sea[i].motor_positive_work_J;
     }
+}
+
+uint64_t plant_steps(const struct plant *plant)
+{
+    return plant->config.kind == PLANT_REFLEX_PERSON ? plant->footholds : plant->walk.steps_written;
+}
+
+double plant_walked_s(const struct plant *plant)
+{
+    const uint64_t start = is_person(plant) ? plant->config.recording_start_tick : 0;
+    return ((double)plant->tick - (double)start) * plant->config.tick_s;
 }
 
 bool plant_next_event(struct plant *plant, struct walk_event *event)

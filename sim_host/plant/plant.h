@@ -61,7 +61,8 @@ struct plant_config {
     struct start_hold_params start_hold;
     struct sea_params sea[SIDE_COUNT];
     struct sensor_params sensors[SIDE_COUNT];
-    double roughness_m;      /* standard deviation of foothold heights; default 0 */
+    double
+        roughness_m; /* standard deviation of foothold heights; default 0; no recording has any */
     const double *heights_m; /* heights of footholds 1.. above the slope line, or NULL; */
     size_t heights_count;    /* caller's, must outlive the plant; after the last: 0 */
     char recording_path[PLANT_PATH_MAX]; /* PLANT_RECORDED_PERSON: the recording */
@@ -69,6 +70,7 @@ struct plant_config {
                                         * It must outlive the plant */
     struct recording_format recording_format; /* its ankles are a reflex person's, too */
     struct reflex_person_params reflex;       /* PLANT_REFLEX_PERSON; its step is a drive period */
+    bool unworn; /* a reflex person feels nothing of the SEAs: the pair of the walk with them */
     struct foot_switch_params foot_switch[SIDE_COUNT]; /* of a recorded person; default: none */
     enum plant_latch_fault latch_fault;                /* of both latches of a recorded person, */
     double latch_fault_s;                              /* from this time on */
@@ -116,6 +118,8 @@ struct plant {
     struct recording recording;
     struct recorded_person_state person; /* of either kind, as the sensors and the SEAs meet it */
     struct reflex_person reflex;
+    struct ground_line slope_line;  /* below a reflex person */
+    bool foothold_laid[SIDE_COUNT]; /* below a reflex person's foot in swing */
     struct person_motion motion;
     size_t recording_cursor;
     enum plant_latch_fault latch_broken[SIDE_COUNT]; /* beside the config's; set at any time */
@@ -172,6 +176,12 @@ struct plant_truth {
 void plant_truth(const struct plant *plant, struct plant_truth *truth);
 void plant_energy(const struct plant *plant, struct plant_energy *energy);
 
+/* How many steps have been taken: a walker's, or a reflex person's footholds; 0 of a recording. */
+uint64_t plant_steps(const struct plant *plant);
+
+/* Seconds since the walk began: of a walker since power-on, of a person since their first sample. Negative before. */
+double plant_walked_s(const struct plant *plant);
+
 /* Next unread event or finished step (walk.h). A recorded person's heel strikes, toe-offs and
  * releases are events, too. False if there is none. */
 bool plant_next_event(struct plant *plant, struct walk_event *event);
@@ -184,6 +194,7 @@ double plant_ankle_lever_m(const struct plant *plant, enum side side, double ank
 enum walk_fault plant_fault(const struct plant *plant);
 
 /* Disturbances, effective at once. */
+/* On the torso; of a reflex person at the hip. Nothing moves a recorded person. */
 void plant_push(struct plant *plant, double impulse_x_Ns, double impulse_y_Ns);
 /* scale 1: as configured; 0: broken; > 1: stiffer. Clamped to 0 .. 100. */
 void plant_set_spring_scale(struct plant *plant, enum side side, double scale);

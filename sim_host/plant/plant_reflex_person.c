@@ -1,5 +1,5 @@
 /* A person who walks by reflexes, with the SEAs at the ankles: what the springs do moves the person. Like a
- * recording's, the walk begins at recording_start_tick; the pose of its begin is held before. */
+ * recording's, the walk begins at recording_start_tick; the pose of its begin is held before. Who has fallen lies still. */
 #include "model/trig.h"
 #include "sim_host/plant/plant_internal.h"
 #include "sim_host/plant/walk_internal.h"
@@ -73,7 +73,7 @@ static void post_events(struct plant *plant, const struct recorded_person_state 
 /* What the spring does at the ankle: its force over the lever's arm there. */
 static double torque_Nm(const struct plant *plant, enum side side, double ankle_m, double *force_N)
 {
-    *force_N = sea_ankle_force_N(&plant->sea[side], ankle_m);
+    *force_N = plant->config.unworn ? 0.0 : sea_ankle_force_N(&plant->sea[side], ankle_m);
     return *force_N * plant_ankle_lever_m(plant, side, ankle_m);
 }
 
@@ -88,14 +88,15 @@ static void run_period(struct plant *plant, double now_s)
         sea_drive_period(&plant->sea[k], before_m[k]);
         loads.ankle_Nm[k] = torque_Nm(plant, side, before_m[k], &before_N[k]);
     }
-    if (plant->tick >= plant->config.recording_start_tick) {
+    if (plant->tick >= plant->config.recording_start_tick && plant->walk.fault == WALK_FAULT_NONE) {
         reflex_person_step(&plant->reflex, &loads);
     }
     for (int k = 0; k < SIDE_COUNT; k++) {
         const enum side side = (enum side)k;
         const double after_m = ankle_m_of(plant, side);
         sea_finish_period(&plant->sea[k]);
-        const double after_N = sea_ankle_force_N(&plant->sea[k], after_m);
+        double after_N;
+        (void)torque_Nm(plant, side, after_m, &after_N);
         plant->person_work_J[k] += 0.5 * (before_N[k] + after_N) * (after_m - before_m[k]);
     }
 }
@@ -122,6 +123,7 @@ void plant_advance_reflex_person(struct plant *plant)
     const int periods = (int)(plant->config.tick_s / period_s + 0.5);
     const struct recorded_person_state before = plant->person;
     plant_run_switches(plant, true);
+    plant_lay_reflex_ground(plant);
     for (int i = 0; i < periods; i++) {
         run_period(plant, plant_now_s(plant) + (double)i * period_s);
     }

@@ -109,7 +109,7 @@ static int complain_of_what_never_came(const struct sim_session *session, int st
     if (status != EXIT_GOOD) {
         return status;
     }
-    if (options->ground.push_Ns != 0.0 && !session->pushed) {
+    if (options->ground.push_Ns != 0.0 && session->push_ticks == 0) {
         program_complain("--push did not happen: the walk ended before its time");
         status = EXIT_USAGE;
     }

@@ -139,13 +139,13 @@ static int restart(struct view *view)
     return begin_walk(view);
 }
 
-static bool tick(struct view *view, struct pacer *pacer, bool *pushed)
+static bool tick(struct view *view, struct pacer *pacer, uint32_t *push_ticks)
 {
     struct sim_session *session = &view->session;
     (void)pacer_wait(pacer);
     control_task_show_missed(&session->loop->rig.task,
                              pacer->missed < UINT32_MAX ? (uint32_t)pacer->missed : UINT32_MAX);
-    ground_options_tick(&session->options.ground, session->loop, pushed);
+    ground_options_tick(&session->options.ground, session->loop, push_ticks);
     loop_tick(session->loop);
     (void)walk_record_take(&session->record, session->loop);
     if (session->loop->tick % SERVE_TICKS == 0) {
@@ -160,12 +160,13 @@ static bool tick(struct view *view, struct pacer *pacer, bool *pushed)
 static int walk(struct view *view)
 {
     struct pacer pacer;
-    bool pushed = false, on = true;
+    uint32_t push_ticks = 0;
+    bool on = true;
     pacer_start(&pacer, UINT64_C(1000) * TICK_PERIOD_US);
     while (on && !bus_program_is_to_end()) {
-        on = tick(view, &pacer, &pushed);
+        on = tick(view, &pacer, &push_ticks);
         if (on && view->stream.wants_restart) {
-            pushed = false;
+            push_ticks = 0;
             on = restart(view) == 0;
         }
     }

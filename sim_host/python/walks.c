@@ -24,7 +24,7 @@ struct afo_walk {
     struct loop loop;
     struct walk_record record;
     struct walk_watch watch;
-    bool pushed;
+    uint32_t push_ticks;
     bool fell;
     bool is_person;
 };
@@ -177,7 +177,7 @@ static int configure(const struct afo_walk_settings *s, struct afo_walk *walk, c
     if (sensing_options_configure(&sensing, &options, NULL, &walk->config, text) != 0) {
         return -1;
     }
-    walk->ground = (struct ground_options){s->slope_deg, s->terrain_mm, s->push_Ns, s->push_s};
+    walk->ground = (struct ground_options){s->slope_deg, s->terrain_mm, s->push_Ns, s->push_s, 0.0};
     ground_options_apply(&walk->ground, &walk->config);
     if (options.person && put_person(s, &options, &walk->config, text) != 0) {
         return -1;
@@ -281,7 +281,7 @@ static void write_tick(const struct afo_walk *walk, int event, struct afo_tick *
 
 static void tick(struct afo_walk *walk, struct afo_tick *rows, uint32_t *taken)
 {
-    ground_options_tick(&walk->ground, &walk->loop, &walk->pushed);
+    ground_options_tick(&walk->ground, &walk->loop, &walk->push_ticks);
     loop_tick(&walk->loop);
     const int event = walk_record_take(&walk->record, &walk->loop);
     if (rows != NULL) {

@@ -138,6 +138,23 @@ struct vector2 reflex_person_ball(const struct reflex_person *person, enum side 
     return position_m;
 }
 
+bool reflex_person_lay_ground(struct reflex_person *person, enum side side,
+                              const struct ground_line *ground)
+{
+    struct multibody_pose pose;
+    multibody_pose(&person->body, &pose);
+    for (int point = 0; point < FOOT_POINTS; point++) {
+        struct vector2 at_m, velocity_m_s;
+        multibody_foot_point(&person->params.segments, &person->body, &pose, side,
+                             point_of(&person->params.segments, point), &at_m, &velocity_m_s);
+        if (person->contact[side][point].touches || at_m.y <= ground_height_m(ground, at_m.x)) {
+            return false;
+        }
+    }
+    person->ground[side] = *ground;
+    return true;
+}
+
 /* ---- the start ------------------------------------------------------------------------------------------------ */
 
 /* Late single support: the right foot flat on the ground behind the hip, the left leg ahead, bent. */
@@ -192,6 +209,7 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
 /* What does not change within a step. */
 struct held {
     double torque_Nm[SIDE_COUNT][JOINT_COUNT]; /* of muscles and device */
+    struct ground_frame ground[SIDE_COUNT];
     const struct reflex_person_loads *loads;
 };
 
@@ -218,7 +236,7 @@ static void accelerate(const struct reflex_person *person, const struct held *he
                                  &velocity);
             const struct vector2 push =
                 contact_force(&params->contact, &person->contact[side][point], position, velocity,
-                              held->loads->ground_m[side], NULL);
+                              &held->ground[side], NULL);
             if (push.y > 0.0) {
                 multibody_add_force(&params->segments, &pose, (enum side)side, at, push, force);
                 ground_N[side].x += push.x;
@@ -302,6 +320,7 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
         }
     }
     for (int side = 0; side < SIDE_COUNT; side++) {
+        held.ground[side] = ground_frame_of(&person->ground[side]);
         pull(person, loads, (enum side)side, held.torque_Nm[side]);
     }
     advance_body(person, &held);
@@ -313,7 +332,7 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
             multibody_foot_point(&params->segments, &person->body, &pose, (enum side)side,
                                  point_of(&params->segments, point), &position, &velocity);
             contact_update(&params->contact, &person->contact[side][point], position, velocity,
-                           loads->ground_m[side]);
+                           &held.ground[side]);
         }
     }
     person->steps++;
@@ -342,5 +361,9 @@ bool reflex_person_fell(const struct reflex_person *person)
     for (int i = 0; i < MULTIBODY_DOF; i++) {
         check += person->body.q[i] - person->body.q[i] + (person->body.dq[i] - person->body.dq[i]);
     }
-    return !(check == 0.0) || person->body.q[MULTIBODY_Y] < FELL_SHARE * person->params.leg_m;
+    const double ground_m =
+        0.5 * (ground_height_m(&person->ground[SIDE_LEFT], person->body.q[MULTIBODY_X]) +
+               ground_height_m(&person->ground[SIDE_RIGHT], person->body.q[MULTIBODY_X]));
+    return !(check == 0.0) ||
+           person->body.q[MULTIBODY_Y] - ground_m < FELL_SHARE * person->params.leg_m;
 }

@@ -34,7 +34,6 @@ struct reflex_person_params {
 struct reflex_person_loads {
     double ankle_Nm[SIDE_COUNT]; /* of a device, positive extends (plantarflexes) */
     struct vector2 push_N;       /* at the hip */
-    double ground_m[SIDE_COUNT]; /* height below each foot */
 };
 
 struct reflex_person {
@@ -42,6 +41,7 @@ struct reflex_person {
     struct multibody_state body;
     struct muscle_state muscle[SIDE_COUNT][MUSCLE_COUNT];
     struct contact_point contact[SIDE_COUNT][FOOT_POINTS];
+    struct ground_line ground[SIDE_COUNT]; /* below each foot; at first level, at 0. See below */
     struct reflexes reflexes;
     struct reflex_noise noise; /* unused where params.noise_share is REFLEX_NOISE_NONE */
     double stimulation[SIDE_COUNT][MUSCLE_COUNT];
@@ -65,13 +65,17 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
 /* One step of params.step_s. */
 void reflex_person_step(struct reflex_person *person, const struct reflex_person_loads *loads);
 
+/* New ground below a foot that is in the air: true where heel and ball are above it; else all stays as it was. */
+bool reflex_person_lay_ground(struct reflex_person *person, enum side side,
+                              const struct ground_line *ground);
+
 /* Where the ball of a foot is, m. */
 struct vector2 reflex_person_ball(const struct reflex_person *person, enum side side);
 
 /* An impulse at the hip, N s. */
 void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns);
 
-/* Whether the hip is below 0.6 legs, or something is not finite. */
+/* Whether the hip is less than 0.6 legs above the ground, or something is not finite. */
 bool reflex_person_fell(const struct reflex_person *person);
 
 #endif

@@ -130,7 +130,7 @@ def test_a_table_has_its_whole_experiment_beside_it(tmp_path):
     assert told["who"]["name"] and told["who"]["leg_length_m"] == 1 and told["who"]["recording"] is None
     assert told["law"] == "dlqr" and told["target_speed_rad_s"] == 0.45 and told["seed"] == 7
     assert told["sensors"]["preset"] == "14bit" and told["sensors"]["left"]["angle_noise_counts"] == 0.5
-    assert told["injected_fault"] == {"name": "swapped", "after_step": 4}
+    assert told["injected_fault"] == {"name": "swapped", "after_step": 4, "and_ms": 0}
     assert told["ground"] == {"slope_deg": 0.1, "terrain_mm": 0} and told["push"]["impulse_Ns"] == 0
     assert json.loads(done.stdout)["experiment"] == told
     assert table.read_text().startswith("step,time_s,")

@@ -1,5 +1,9 @@
 """A person who walks by reflexes, in closed loop with the device over the in-process bus."""
+import csv
 import json
+import math
+
+import pytest
 
 from afo import run
 
@@ -29,3 +33,75 @@ def test_there_is_one_wearer():
     assert refused.returncode == 2 and "there is one wearer" in refused.stderr
     refused = run("--plant", "compass")
     assert refused.returncode == 2 and "walker, reflex" in refused.stderr.replace(" or", ",")
+
+
+ALONE = (*WORN, "--without-device")
+
+
+def told(*arguments, fell=False):
+    done = run(*ALONE, "--json", "--quiet", *arguments)
+    assert done.returncode == (1 if fell else 0), done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("degrees", [0.5, -0.5])
+def test_uphill_and_downhill(tmp_path, degrees):
+    """0.05 degrees more a step, up to the slope asked for: what the hip rises is its integral over the way."""
+    ticks = tmp_path / "ticks.csv"
+    told("--steps", "20", f"--ticks={ticks}", "--slope-deg", degrees)
+    with ticks.open(encoding="utf-8") as file:
+        rows = [(float(row["time_s"]), -float(row["hip_x_m"]), float(row["hip_y_m"])) for row in csv.DictReader(file)]
+    highest = [max(y for time_s, _, y in rows if time_s > low and time_s < low + 1.4) for low in (1.0, rows[-1][0] - 1.4)]
+    step_m = (rows[-1][1] - rows[0][1]) / 20
+    ramp_m, whole_m = 10 * step_m, 9 * step_m
+    expected_m = math.radians(degrees) * (0.5 * ramp_m + whole_m)
+    assert highest[1] - highest[0] == pytest.approx(expected_m, rel=0.2)
+
+
+def test_a_push_is_borne_or_ends_on_the_side_it_goes_to():
+    calm, pushed, spread = (told("--steps", "8", *push)["apex_speed_rad_s"]
+                            for push in ((), ("--push", "5@3"), ("--push", "5@3/0.2")))
+    assert calm[:3] == pushed[:3] and calm[5:] != pushed[5:] and spread[5:] != pushed[5:]
+    assert told("--steps", "30", "--push", "200@4", fell=True)["fault"].startswith("fallen_forward")
+    assert told("--steps", "30", "--push", "-200@4", fell=True)["fault"].startswith("fallen_backward")
+
+
+def test_rough_ground_is_the_seeds():
+    one, again, other = (told("--steps", "8", "--terrain-mm", "0.5", "--seed", seed)["apex_speed_rad_s"] for seed in (1, 1, 2))
+    assert one == again and one != other
+
+
+@pytest.mark.parametrize("phase_ms", [0, 300, 600, 900])
+def test_whose_drives_are_pulled_walks_on(phase_ms):
+    """From then on no frame reaches a drive or leaves it: the controller says so, and the person walks on without."""
+    done = run(*WORN, "--json", "--quiet", "--steps", "30", "--fault", "cut-drives", "--fault-step", "9",
+               "--fault-ms", phase_ms)
+    result = json.loads(done.stdout)
+    assert not result["fell"] and result["steps"] == 30 and "drive silent" in result["fault"]
+    assert result["experiment"]["injected_fault"] == {"name": "cut-drives", "after_step": 9, "and_ms": phase_ms}
+
+
+def test_the_dose_and_its_time_are_asked_for():
+    """r0* is the spring's precompression; a late latch makes each push come later after the strike of the other foot."""
+    late_s = {}
+    for late_ms in (0, 30):
+        walked = run(*WORN, "--json", "--quiet", "--steps", "18", "--start-r0", "0.01", "--release-late-ms", late_ms)
+        result = json.loads(walked.stdout)
+        assert max(result["r0_m"]) == pytest.approx(0.01, rel=0.1)
+        strikes = result["right"]["recorded_heel_strike_s"]
+        release_s = result["left"]["release_s"][0]
+        late_s[late_ms] = release_s - max(strike_s for strike_s in strikes if strike_s < release_s)
+    assert late_s[30] - late_s[0] == pytest.approx(0.030, abs=0.002)
+
+
+@pytest.mark.parametrize("options, words", [
+    (("--recording", "x.csv", "--without-device"), "--without-device needs --plant reflex"),
+    (("--fault-ms", "10"), "--fault-ms needs --fault NAME"),
+    (("--release-late-ms", "60"), "0 to 49"),
+    (("--push", "5@3/"), "NEWTONSECONDS@SECONDS/DURATION"),
+    (("--push", "5@3/x"), "NEWTONSECONDS@SECONDS/DURATION"),
+    (("--push", "5@3/11"), "0 to 10 s"),
+])
+def test_what_cannot_be_asked_is_refused(options, words):
+    refused = run(*options, "--steps", "3")
+    assert refused.returncode == 2 and words in refused.stderr

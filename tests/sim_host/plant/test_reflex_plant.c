@@ -135,6 +135,154 @@ static double ankle_rad(enum side side)
     return joints.angle_rad[JOINT_ANKLE];
 }
 
+static double rise_m(int ticks)
+{
+    struct plant_truth truth;
+    double highest_m[2] = {-10.0, -10.0};
+    for (int i = 0; i < ticks; i++) {
+        tick(0.0);
+        plant_truth(&plant, &truth);
+        double *highest = &highest_m[i > ticks - 1200];
+        if (i < 1200 || i > ticks - 1200) { /* a stride at the begin and at the end */
+            *highest = truth.hip_m[1] > *highest ? truth.hip_m[1] : *highest;
+        }
+    }
+    return highest_m[1] - highest_m[0];
+}
+
+/* The whole of it rises by the slope and its way, up and down; both feet stand on the line. */
+START_TEST(a_slope_is_climbed)
+{
+    struct plant_truth start, end;
+    const double slope_rad = _i == 0 ? 0.01 : -0.01;
+    configure();
+    begin();
+    for (int i = 0; i < 5000; i++) {
+        tick(0.0);
+    }
+    plant.walk.params.slope_rad = slope_rad;
+    plant_truth(&plant, &start);
+    const double risen_m = rise_m(10000);
+    plant_truth(&plant, &end);
+    ck_assert_int_eq(plant_fault(&plant), WALK_FAULT_NONE);
+    assert_close(plant.slope_line.slope, tan(slope_rad), 1e-12, 0.0);
+    const double way_m = start.hip_m[0] - end.hip_m[0];
+    ck_assert(way_m > 5.0);
+    assert_close(risen_m, way_m * slope_rad, 0.03,
+                 0.0); /* a stride's way at either end: 1.3 m * slope */
+    assert_close(plant.slope_line.height_m +
+                     plant.slope_line.slope * plant.reflex.body.q[MULTIBODY_X],
+                 way_m * slope_rad, 0.02, 0.0);
+}
+END_TEST
+
+/* Footholds are as high as they were laid out, one a step, and what stands on them is as deep in them as on level
+ * ground. */
+START_TEST(footholds_have_their_heights)
+{
+    static const double heights_m[] = {0.001, -0.001, 0.002, 0.0, -0.002, 0.001};
+    enum { HEIGHTS = sizeof heights_m / sizeof heights_m[0] };
+    struct plant_truth truth;
+    uint64_t laid = 0;
+    configure();
+    config.heights_m = heights_m;
+    config.heights_count = HEIGHTS;
+    begin();
+    for (int i = 0; i < 8000; i++) {
+        tick(0.0);
+        plant_truth(&plant, &truth);
+        if (plant_steps(&plant) != laid) {
+            laid = plant_steps(&plant);
+            const enum side side = truth.contact[SIDE_LEFT] ? SIDE_RIGHT : SIDE_LEFT;
+            const double height_m = laid <= HEIGHTS ? heights_m[laid - 1] : 0.0;
+            ck_assert(!truth.contact[side] && truth.leg_angle_rad[side] > 0.0);
+            ck_assert(plant.reflex.ground[side].height_m == height_m);
+            ck_assert(truth.toe_m[side][1] > height_m);
+        }
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            const double over_m = truth.toe_m[side][1] - plant.reflex.ground[side].height_m;
+            ck_assert_msg(over_m > -0.025, "%g m", over_m);
+        }
+    }
+    ck_assert_int_eq(plant_fault(&plant), WALK_FAULT_NONE);
+    ck_assert_uint_ge(laid, 8);
+}
+END_TEST
+
+START_TEST(rough_ground_is_drawn_by_the_seed)
+{
+    double height_m[3][SIDE_COUNT];
+    for (int i = 0; i < 3; i++) {
+        configure();
+        config.roughness_m = 0.0005;
+        config.seed = i == 2 ? 2 : 1;
+        begin();
+        for (int k = 0; k < 4000; k++) {
+            tick(0.0);
+        }
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            height_m[i][side] = plant.reflex.ground[side].height_m;
+            ck_assert(height_m[i][side] != 0.0 && fabs(height_m[i][side]) < 0.003);
+        }
+    }
+    ck_assert_mem_eq(height_m[0], height_m[1], sizeof height_m[0]);
+    ck_assert(height_m[0][SIDE_LEFT] != height_m[2][SIDE_LEFT]);
+}
+END_TEST
+
+/* The same walk without the device: as if its springs had no force, and nothing of them in the energy. */
+START_TEST(who_does_not_wear_it_feels_nothing)
+{
+    struct plant_energy energy;
+    double alone_m[2];
+    for (int broken = 0; broken < 2; broken++) {
+        configure();
+        config.unworn = broken == 0;
+        begin();
+        for (int i = 0; i < 3000; i++) {
+            for (int side = 0; side < SIDE_COUNT; side++) {
+                plant_set_spring_scale(&plant, (enum side)side, broken ? 0.0 : 1.0);
+            }
+            tick(0.02);
+        }
+        plant_energy(&plant, &energy);
+        ck_assert(energy.device_work_J[SIDE_LEFT] == 0.0 &&
+                  energy.device_work_J[SIDE_RIGHT] == 0.0);
+        alone_m[broken] = plant.reflex.body.q[MULTIBODY_X];
+    }
+    ck_assert(alone_m[0] == alone_m[1]);
+    configure();
+    begin();
+    for (int i = 0; i < 3000; i++) {
+        tick(0.02);
+    }
+    ck_assert(plant.reflex.body.q[MULTIBODY_X] != alone_m[0]);
+}
+END_TEST
+
+START_TEST(who_has_fallen_lies_still)
+{
+    struct plant_truth before, after;
+    configure();
+    begin();
+    for (int i = 0; i < 2000; i++) {
+        tick(0.0);
+    }
+    plant_push(&plant, -250.0, 0.0);
+    for (int i = 0; i < 5000 && plant_fault(&plant) == WALK_FAULT_NONE; i++) {
+        tick(0.0);
+    }
+    ck_assert_int_ne(plant_fault(&plant), WALK_FAULT_NONE);
+    plant_truth(&plant, &before);
+    for (int i = 0; i < 1000; i++) {
+        tick(0.0);
+    }
+    plant_truth(&plant, &after);
+    ck_assert_mem_eq(before.hip_m, after.hip_m, sizeof before.hip_m);
+    ck_assert_mem_eq(before.contact, after.contact, sizeof before.contact);
+}
+END_TEST
+
 /* The same moment of a push twice, once with a spring that breaks: with it whole the ankle extends further. */
 START_TEST(the_spring_extends_the_ankle)
 {
@@ -233,6 +381,11 @@ int main(void)
     tcase_add_test(tests, it_stands_until_it_may_walk);
     tcase_add_test(tests, it_walks_towards_minus_x_and_its_feet_carry_it);
     tcase_add_test(tests, a_spring_pushes_the_person_off);
+    tcase_add_loop_test(tests, a_slope_is_climbed, 0, 2);
+    tcase_add_test(tests, footholds_have_their_heights);
+    tcase_add_test(tests, rough_ground_is_drawn_by_the_seed);
+    tcase_add_test(tests, who_does_not_wear_it_feels_nothing);
+    tcase_add_test(tests, who_has_fallen_lies_still);
     tcase_add_test(tests, the_spring_extends_the_ankle);
     tcase_add_test(tests, a_push_is_the_worlds);
     tcase_add_loop_test(tests, a_fall_has_its_direction, 0, 2);

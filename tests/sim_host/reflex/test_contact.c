@@ -5,6 +5,7 @@
 #include <math.h>
 
 static const struct contact_params params = {40000.0, 0.6, 30000.0, 480.0, 0.8};
+static const struct ground_frame level = {{1.0, 0.0}, 0.0};
 
 /* A mass that can move freely, under gravity and a force along the ground. */
 struct block {
@@ -15,12 +16,12 @@ struct block {
 static struct vector2 step(struct block *block, double mass_kg, double pull_N, double step_s)
 {
     const struct vector2 force =
-        contact_force(&params, &block->point, block->at, block->speed, 0.0, NULL);
+        contact_force(&params, &block->point, block->at, block->speed, &level, NULL);
     block->speed.x += step_s * (force.x + pull_N) / mass_kg;
     block->speed.y += step_s * (force.y / mass_kg - 9.80665);
     block->at.x += step_s * block->speed.x;
     block->at.y += step_s * block->speed.y;
-    contact_update(&params, &block->point, block->at, block->speed, 0.0);
+    contact_update(&params, &block->point, block->at, block->speed, &level);
     return force;
 }
 
@@ -75,13 +76,49 @@ START_TEST(it_holds_up_to_friction_and_slides_beyond)
 }
 END_TEST
 
+/* At rest on a slope: it sinks by its weight's part square to the ground, and hangs on the bristle by the part along it.
+ * Turned by the slope the ground does what it does level. */
+START_TEST(a_slope_holds_by_friction_or_slides)
+{
+    const double weight_N = 40.0 * 9.80665, slope = _i == 0 ? 0.3 : 1.2;
+    const struct ground_line line = {0.7, slope};
+    const struct ground_frame ground = ground_frame_of(&line);
+    const double angle = atan(slope);
+    const double sunk_m = weight_N * cos(angle) / params.stiffness_N_m;
+    struct vector2 at = {2.0, ground_height_m(&line, 2.0) - sunk_m / cos(angle)};
+    struct vector2 speed = {0.0, 0.0};
+    const double held_m = at.x * cos(angle) + at.y * sin(angle);
+    struct contact_point point = {true, held_m};
+    double begin_m_s = 0.0;
+    for (int i = 0; i < 200000; i++) {
+        const struct vector2 force = contact_force(&params, &point, at, speed, &ground, NULL);
+        speed.x += 1e-5 * force.x / 40.0;
+        speed.y += 1e-5 * (force.y - weight_N) / 40.0;
+        at.x += 1e-5 * speed.x;
+        at.y += 1e-5 * speed.y;
+        contact_update(&params, &point, at, speed, &ground);
+        begin_m_s = i == 100000 - 1 ? speed.x : begin_m_s;
+    }
+    const double along_m = at.x * cos(angle) + at.y * sin(angle);
+    const double depth_m = (ground_height_m(&line, at.x) - at.y) * cos(angle);
+    assert_close(depth_m, sunk_m, 1e-6, 0.0);
+    if (slope < params.friction) {
+        assert_close(along_m, held_m - weight_N * sin(angle) / 30000.0, 1e-6, 0.0);
+    } else {
+        const double downhill = 9.80665 * (sin(angle) - params.friction * cos(angle));
+        assert_close(speed.x - begin_m_s, -downhill * cos(angle), 0.01, 0.0);
+    }
+}
+END_TEST
+
 START_TEST(the_ground_never_pulls)
 {
     const struct contact_point point = {true, 0.0};
     for (double y = -0.05; y <= 0.05; y += 0.001) {
         for (double speed = -3.0; speed <= 3.0; speed += 0.1) {
-            const struct vector2 force = contact_force(&params, &point, (struct vector2){0.01, y},
-                                                       (struct vector2){-speed, speed}, 0.0, NULL);
+            const struct vector2 force =
+                contact_force(&params, &point, (struct vector2){0.01, y},
+                              (struct vector2){-speed, speed}, &level, NULL);
             ck_assert(force.y >= 0.0 && fabs(force.x) <= 0.8 * force.y + 1e-12);
             ck_assert(y < 0.0 || (force.x == 0.0 && force.y == 0.0));
         }
@@ -96,6 +133,7 @@ int main(void)
     tcase_add_test(tests, a_weight_sinks_by_hooke);
     tcase_add_test(tests, a_bounce_only_loses_energy);
     tcase_add_test(tests, it_holds_up_to_friction_and_slides_beyond);
+    tcase_add_loop_test(tests, a_slope_holds_by_friction_or_slides, 0, 2);
     tcase_add_test(tests, the_ground_never_pulls);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
