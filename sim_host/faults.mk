@@ -2,7 +2,7 @@
 FAULT_RUNS ?= 10000
 FAULT_SEED ?= 1
 PEOPLE_RUNS ?= 10200
-.PHONY: faults faults-short faults-people soak
+.PHONY: faults faults-short faults-people faults-reflex soak
 faults: ## fault campaign (FAULT_RUNS=10000 FAULT_SEED=1): the table of all classes in build/faults (4 min of processor time; goes on)
 	$(Q)$(MAKE) --no-print-directory programs
 	$(Q)mkdir -p $(BUILD)/faults/$(BUILD_ID)
@@ -24,6 +24,16 @@ faults-people: ## fault campaign with people, made ones and those of AFO_DATA (P
 	mv $(BUILD)/faults-people/table.md.new $(BUILD)/faults-people/table.md; cat $(BUILD)/faults-people/table.md; \
 	scripts/results-page --title 'What faults do to people' --made-by 'make faults-people' --out $(BUILD)/faults-people/index.html \
 	    $(BUILD)/faults-people/table.md; exit $$status
+
+REFLEX_RUNS ?= 1020
+faults-reflex: ## fault campaign with a person who walks by reflexes (REFLEX_RUNS=1020 FAULT_SEED=1): the table in build/faults-reflex (15 min of processor time; goes on)
+	$(Q)$(MAKE) --no-print-directory programs
+	$(Q)mkdir -p $(BUILD)/faults-reflex/$(BUILD_ID)
+	$(Q)$(BUILD)/afo faults --plant reflex --runs $(REFLEX_RUNS) --seed $(FAULT_SEED) --jobs $(JOBS) \
+	    --out $(BUILD)/faults-reflex/$(BUILD_ID) --markdown >$(BUILD)/faults-reflex/table.md.new; status=$$?; \
+	mv $(BUILD)/faults-reflex/table.md.new $(BUILD)/faults-reflex/table.md; cat $(BUILD)/faults-reflex/table.md; \
+	scripts/results-page --title 'What faults do to a person who walks by reflexes' --made-by 'make faults-reflex' \
+	    --out $(BUILD)/faults-reflex/index.html $(BUILD)/faults-reflex/table.md; exit $$status
 
 SOAK_TICKS ?= 100000000
 soak: ## walks 100 million control ticks (28 hours simulated) with disturbances; watches counters and memory (9 min)

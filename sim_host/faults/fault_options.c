@@ -21,6 +21,7 @@ enum {
     KEY_MARKDOWN,
     KEY_ONLY,
     KEY_PEOPLE,
+    KEY_PLANT,
     KEY_DATA,
     KEY_PERSON,
     KEY_DEVICE
@@ -36,6 +37,10 @@ static const struct argp_option option_list[] = {
     {"people", KEY_PEOPLE, 0, 0,
      "recorded and made people in the walker's place, and changed copies of them; to be called at the top of "
      "the source tree, where the persons and devices are",
+     0},
+    {"plant", KEY_PLANT, "KIND", 0,
+     "reflex: a person who walks by reflexes, --person's or an adult, with --device or two of this tree; whose fall "
+     "a fall was tells the same walk without the device",
      0},
     {"data", KEY_DATA, "DIR", 0,
      "with --people: a folder of recordings, such as DIR/NAME.csv and DIR/people/NAME.csv (default: AFO_DATA)",
@@ -73,8 +78,51 @@ static void check_only(const struct fault_options *options)
     exit(EXIT_USAGE);
 }
 
+/* Who walks by reflexes is one of --person's and --device's choice. */
+static void take_reflex_person(struct fault_options *options)
+{
+    options->person =
+        options->walker.person_path != NULL ? options->walker.person_path : options->person;
+    for (int i = 0; i < 2 && options->walker.device_path != NULL; i++) {
+        options->device[i] = options->walker.device_path;
+    }
+}
+
+static void check_together(struct argp_state *state, struct fault_options *options)
+{
+    const bool chosen = options->walker.person_path != NULL || options->walker.device_path != NULL;
+    if (!options->single && (options->log != NULL || options->ticks != NULL)) {
+        argp_error(state, "--log and --csv need --run I");
+    }
+    if (options->data != NULL && !options->people) {
+        argp_error(state, "--data needs --people");
+    }
+    if (options->people && options->by_reflexes) {
+        argp_error(state, "--people and --plant reflex are two campaigns: choose one");
+    }
+    if (options->people && options->data == NULL) {
+        options->data = getenv("AFO_DATA");
+    }
+    if (options->people && chosen) {
+        argp_error(state, "--people walks people of its own: leave out --person and --device");
+    }
+    if (options->out != NULL && chosen) {
+        argp_error(
+            state,
+            "--out keeps runs of the paper's walker or of this tree's adult: leave out --person and --device");
+    }
+    if (options->by_reflexes) {
+        take_reflex_person(options);
+        options->people = true;
+    }
+    if (!options->single && options->only != NULL) {
+        check_only(options);
+    }
+}
+
 static error_t parse_option(int key, char *text, struct argp_state *state)
 {
+    static const char *const plants[] = {"reflex"};
     struct fault_options *options = (struct fault_options *)state->input;
     switch (key) {
     case KEY_RUNS:
@@ -94,6 +142,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         break;
     case KEY_PEOPLE:
         options->people = true;
+        break;
+    case KEY_PLANT:
+        (void)option_choice(state, "--plant", text, plants, 1, sizeof plants[0]);
+        options->by_reflexes = true;
         break;
     case KEY_DATA:
         options->data = text;
@@ -121,27 +173,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         option_refuse_argument(state, text);
         break;
     case ARGP_KEY_END:
-        if (!options->single && (options->log != NULL || options->ticks != NULL)) {
-            argp_error(state, "--log and --csv need --run I");
-        }
-        if (options->data != NULL && !options->people) {
-            argp_error(state, "--data needs --people");
-        }
-        if (options->people && options->data == NULL) {
-            options->data = getenv("AFO_DATA");
-        }
-        if (options->people &&
-            (options->walker.person_path != NULL || options->walker.device_path != NULL)) {
-            argp_error(state, "--people walks people of its own: leave out --person and --device");
-        }
-        if (options->out != NULL &&
-            (options->walker.person_path != NULL || options->walker.device_path != NULL)) {
-            argp_error(state,
-                       "--out keeps runs of the paper's walker: leave out --person and --device");
-        }
-        if (!options->single && options->only != NULL) {
-            check_only(options);
-        }
+        check_together(state, options);
         break;
     default:
         return ARGP_ERR_UNKNOWN;

@@ -15,6 +15,7 @@ struct fault_options {
     bool single, markdown;
     const char *out, *log, *ticks, *only;
     bool people;           /* the campaign of people, by: */
+    bool by_reflexes;      /* a person who walks by reflexes, and not recorded or made ones */
     const char *data;      /* a folder of recordings; NULL: none, made people only */
     const char *person;    /* person file */
     const char *device[2]; /* device files */

@@ -15,7 +15,7 @@ void injector_start(struct shot_state *state, struct loop *loop);
 void injector_stop(struct shot_state *state, struct loop *loop);
 void injector_hold(struct shot_state *state, struct loop *loop);
 
-/* The same for what befalls a recorded person and what they wear; nothing for the walker. */
+/* The same for what befalls a person and what they wear; nothing for the walker. */
 void injector_person_start(struct shot_state *state, struct loop *loop);
 void injector_person_stop(struct shot_state *state, struct loop *loop);
 void injector_person_hold(struct shot_state *state, struct loop *loop);

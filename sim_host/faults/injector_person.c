@@ -1,12 +1,18 @@
-/* Faults of a recorded person and of what they wear: assembly, latches, foot switches, the person. */
+/* Faults of a person and of what they wear: assembly, latches, foot switches, the person. */
 #include "sim_host/faults/injector_internal.h"
 
 static const double LEG_M = 0.9; /* of impulses and stairs, as angles of a leg */
 static const double SLIP_RAD_S = 1.0;
+static const double KNOCK_NS_PER_KG = 3.0; /* nobody stays up */
 
 static bool is_person(const struct loop *loop)
 {
-    return loop->config.plant.kind == PLANT_RECORDED_PERSON;
+    return loop->config.plant.kind != PLANT_WALKER;
+}
+
+static bool is_reflex(const struct loop *loop)
+{
+    return loop->config.plant.kind == PLANT_REFLEX_PERSON;
 }
 
 static unsigned choice_of(const struct fault_shot *shot)
@@ -159,9 +165,36 @@ static void befall(struct shot_state *state, struct plant *plant)
     }
 }
 
+/* Somebody whose own body answers; a push is the plant's (injector_nodes.c), and so is a stair. */
+static void befall_reflex(struct shot_state *state, struct plant *plant)
+{
+    const double knock_Ns = KNOCK_NS_PER_KG * plant->reflex.params.mass_kg;
+    switch (state->shot.kind) {
+    case FAULT_SLIP:
+        state->friction = plant->reflex.params.contact.friction;
+        plant->reflex.params.contact.friction = state->shot.magnitude;
+        break;
+    case FAULT_TRIP:
+        reflex_person_trip(&plant->reflex, swing_side(plant));
+        break;
+    case FAULT_PERSON_FALLS:
+        plant_push(plant, state->shot.magnitude > 0.0 ? -knock_Ns : knock_Ns, 0.0);
+        break;
+    default:
+        break;
+    }
+}
+
 static bool is_contact_fault(const struct shot_state *state)
 {
     return fault_kinds[state->shot.kind].group == FAULT_GROUP_CONTACT;
+}
+
+static void stand_firm(const struct shot_state *state, struct plant *plant)
+{
+    if (state->shot.kind == FAULT_SLIP) {
+        plant->reflex.params.contact.friction = state->friction;
+    }
 }
 
 void injector_person_start(struct shot_state *state, struct loop *loop)
@@ -173,7 +206,11 @@ void injector_person_start(struct shot_state *state, struct loop *loop)
         break_contact(&state->shot, &loop->nodes.plant, true);
     }
     assemble(state, loop, true);
-    befall(state, &loop->nodes.plant);
+    if (is_reflex(loop)) {
+        befall_reflex(state, &loop->nodes.plant);
+    } else {
+        befall(state, &loop->nodes.plant);
+    }
     state->changed++;
 }
 
@@ -188,6 +225,10 @@ void injector_person_stop(struct shot_state *state, struct loop *loop)
         break_contact(&state->shot, &loop->nodes.plant, false);
     }
     assemble(state, loop, false);
+    if (is_reflex(loop)) {
+        stand_firm(state, &loop->nodes.plant);
+        return;
+    }
     if (state->shot.kind == FAULT_TRIP) {
         loop->nodes.plant.motion.held[(int)state->held[0]] = false;
     }
@@ -199,7 +240,7 @@ void injector_person_stop(struct shot_state *state, struct loop *loop)
 void injector_person_hold(struct shot_state *state, struct loop *loop)
 {
     struct plant *plant = &loop->nodes.plant;
-    if (!is_person(loop) || state->shot.kind != FAULT_SLIP) {
+    if (loop->config.plant.kind != PLANT_RECORDED_PERSON || state->shot.kind != FAULT_SLIP) {
         return;
     }
     for (int side = 0; side < SIDE_COUNT; side++) { /* the standing foot slides ahead */

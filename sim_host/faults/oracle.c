@@ -18,7 +18,7 @@ void oracle_begin(struct oracle *oracle, struct loop *loop)
 {
     const struct plant *plant = &loop->nodes.plant;
     *oracle = (struct oracle){.loop = loop,
-                              .person = plant->config.kind == PLANT_RECORDED_PERSON,
+                              .person = plant->config.kind != PLANT_WALKER,
                               .effect_tick = ORACLE_NEVER,
                               .noticed_tick = ORACLE_NEVER,
                               .unloaded_tick = ORACLE_NEVER,

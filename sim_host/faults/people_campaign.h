@@ -16,6 +16,19 @@
 
 enum { PEOPLE_RECORDINGS_MAX = 64, PEOPLE_NAME_MAX = 64 };
 
+/* Who walks by reflexes may fall, and whose fall it is tells the pair: the same scene, seed and time without a part of it.
+ * Values are in results files. */
+enum people_fall {
+    PEOPLE_STOOD = 0,
+    PEOPLE_FELL_ALONE = 1,   /* without the device, too */
+    PEOPLE_FELL_WEARING = 2, /* with the device, without its faults */
+    PEOPLE_FELL_BY_FAULT = 3,
+    PEOPLE_FALLS = 4
+};
+
+/* "the person's own", ... */
+const char *people_fall_name(enum people_fall fall);
+
 struct people_result {
     struct people_plan plan;
     bool assisted; /* the device assisted when the first fault began, or later */
@@ -26,6 +39,7 @@ struct people_result {
     enum supervisor_fault fault;
     unsigned unsafe;        /* bits of enum person_unsafe */
     unsigned unsafe_device; /* bits of enum oracle_unsafe */
+    enum people_fall fall;
 };
 
 struct people_campaign; /* large */
@@ -34,8 +48,12 @@ struct people_campaign; /* large */
  * none). NULL after a complaint on stderr. */
 struct people_campaign *people_campaign_create(const char *person, const char *const *devices,
                                                const char *data);
+/* The same for a person who walks by reflexes. */
+struct people_campaign *people_campaign_create_reflex(const char *person,
+                                                      const char *const *devices);
 void people_campaign_destroy(struct people_campaign *campaign);
 
+/* How many, or PEOPLE_REFLEX_SCENES. */
 unsigned people_campaign_recordings(const struct people_campaign *campaign);
 
 /* "gait_young/limp" or "made 1.12 s, size 0.9 ..." */

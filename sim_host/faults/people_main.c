@@ -12,6 +12,7 @@
 
 /* Of one processor, about. */
 #define RUN_S 0.08
+#define REFLEX_RUN_S 0.8
 
 struct many {
     const struct fault_options *options;
@@ -23,7 +24,9 @@ struct many {
 static bool wants(void *context, uint32_t index)
 {
     const struct many *many = (const struct many *)context;
-    return fault_options_want(many->options, index % FAULT_ALL_KINDS);
+    const uint32_t kind = index % FAULT_ALL_KINDS;
+    return fault_options_want(many->options, kind) &&
+           people_plan_can(many->recordings, (enum fault_kind)kind);
 }
 
 static bool begin(void *context)
@@ -66,6 +69,17 @@ static uint32_t keep_wanted(struct many *many)
     return count;
 }
 
+/* With other recordings other people walk. */
+static void name_files(struct work *work, const struct many *many)
+{
+    const unsigned long long seed = (unsigned long long)many->options->seed;
+    if (many->options->by_reflexes) {
+        snprintf(work->prefix, sizeof work->prefix, "reflex-seed%llu", seed);
+    } else {
+        snprintf(work->prefix, sizeof work->prefix, "people%u-seed%llu", many->recordings, seed);
+    }
+}
+
 static int run_many(const struct fault_options *options, struct people_campaign *campaign)
 {
     struct many many = {.options = options,
@@ -75,15 +89,13 @@ static int run_many(const struct fault_options *options, struct people_campaign 
                         .jobs = options->jobs,
                         .chunk = PEOPLE_BLOCK,
                         .out = options->out,
-                        .run_s = RUN_S,
+                        .run_s = options->by_reflexes ? REFLEX_RUN_S : RUN_S,
                         .context = &many,
                         .wants = wants,
                         .begin = begin,
                         .make = make,
                         .take = take};
-    /* With other recordings other people walk. */
-    snprintf(work.prefix, sizeof work.prefix, "people%u-seed%llu", many.recordings,
-             (unsigned long long)options->seed);
+    name_files(&work, &many);
     many.results = (struct people_result *)calloc(options->runs, sizeof *many.results);
     if (many.results == NULL) {
         program_complain("out of memory");
@@ -118,7 +130,9 @@ static void tell_alone(struct json_writer *json, const void *context)
     json_text(json, "who", name);
     json_text(json, "device", alone->options->device[scene->device]);
     json_text(json, "switches", foot_switch_preset_names[scene->switches]);
-    json_unsigned(json, "recordings", people_campaign_recordings(alone->campaign));
+    if (!alone->options->by_reflexes) {
+        json_unsigned(json, "recordings", people_campaign_recordings(alone->campaign));
+    }
     json_unsigned(json, "seed", alone->options->seed);
     json_unsigned(json, "run", alone->plan->index);
     json_bool(json, "from_power_on", alone->plan->from_power_on);
@@ -131,6 +145,11 @@ static int run_alone(const struct fault_options *options, struct people_campaign
     struct people_result result;
     struct output_file log, ticks;
     people_plan(options->seed, options->run, people_campaign_recordings(campaign), &plan);
+    if (!people_plan_can(people_campaign_recordings(campaign), plan.shot[0].kind)) {
+        program_complain("run %u is \"%s\": who walks by reflexes cannot be told to do that",
+                         options->run, fault_kinds[plan.shot[0].kind].name);
+        return EXIT_USAGE;
+    }
     if (program_open_output(&log, options->log) != 0) {
         return EXIT_USAGE;
     }
@@ -152,7 +171,9 @@ static int run_alone(const struct fault_options *options, struct people_campaign
 int people_main(const struct fault_options *options)
 {
     struct people_campaign *campaign =
-        people_campaign_create(options->person, options->device, options->data);
+        options->by_reflexes
+            ? people_campaign_create_reflex(options->person, options->device)
+            : people_campaign_create(options->person, options->device, options->data);
     if (campaign == NULL) {
         return EXIT_USAGE;
     }

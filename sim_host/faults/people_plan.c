@@ -10,6 +10,7 @@ enum {
     WHOLE_TICKS = 1000000 /* as long as the run */
 };
 static const double PAIRS = 0.2, AT_START = 0.12, ASSEMBLED_AT_START = 0.75;
+static const double DOSE_LEAST = 0.2, DOSE_MOST = 0.8;
 
 /* What copies of a walk there are, in turn: walking comes more often. */
 static const enum copy_kind turns[] = {
@@ -42,6 +43,15 @@ static void draw_made(uint64_t *state, struct made_person_params *made)
     made->seed = (uint64_t)(injector_random(state) * 0x1p53);
 }
 
+static enum foot_switch_preset_kind draw_switches(uint64_t *state)
+{
+    const double preset = injector_random(state);
+    return preset < 0.7   ? FOOT_SWITCH_SEEDED
+           : preset < 0.8 ? FOOT_SWITCH_10MS
+           : preset < 0.9 ? FOOT_SWITCH_20MS
+                          : FOOT_SWITCH_40MS;
+}
+
 static void draw_scene(uint64_t seed, uint32_t block, unsigned recordings,
                        struct people_scene_plan *scene)
 {
@@ -58,13 +68,36 @@ static void draw_scene(uint64_t seed, uint32_t block, unsigned recordings,
     draw_made(&state, &scene->made);
     scene->phase = injector_random(&state);
     scene->device = injector_random(&state) < 0.7 ? 0 : 1;
-    const double preset = injector_random(&state);
-    scene->switches = preset < 0.7   ? FOOT_SWITCH_SEEDED
-                      : preset < 0.8 ? FOOT_SWITCH_10MS
-                      : preset < 0.9 ? FOOT_SWITCH_20MS
-                                     : FOOT_SWITCH_40MS;
+    scene->switches = draw_switches(&state);
     scene->sensors = injector_random(&state) < 0.8 ? SENSORS_17BIT : SENSORS_14BIT;
     scene->seed = (uint64_t)(injector_random(&state) * 0x1p53);
+}
+
+static void draw_reflex_scene(uint64_t seed, uint32_t block, struct people_scene_plan *scene)
+{
+    uint64_t state =
+        seed * UINT64_C(0x9FB21C651E98DF25) + UINT64_C(0x9E3779B97F4A7C15) * (block + 1u);
+    *scene =
+        (struct people_scene_plan){.block = block, .source = PEOPLE_REFLEX, .copy = COPY_PLAIN};
+    (void)injector_random(&state);
+    scene->dose = between(&state, DOSE_LEAST, DOSE_MOST);
+    scene->device = injector_random(&state) < 0.7 ? 0 : 1;
+    scene->switches = draw_switches(&state);
+    scene->sensors = injector_random(&state) < 0.8 ? SENSORS_17BIT : SENSORS_14BIT;
+    scene->seed = (uint64_t)(injector_random(&state) * 0x1p53);
+}
+
+bool people_plan_can(unsigned recordings, enum fault_kind kind)
+{
+    return recordings != PEOPLE_REFLEX_SCENES ||
+           (kind != FAULT_PERSON_STOPS && kind != FAULT_PERSON_TURNS_BACK &&
+            kind != FAULT_PERSON_HURRIES);
+}
+
+bool people_plan_befalls(enum fault_kind kind)
+{
+    return kind == FAULT_PUSH || kind == FAULT_SLIP || kind == FAULT_TRIP || kind == FAULT_STAIRS ||
+           kind == FAULT_PERSON_FALLS;
 }
 
 bool people_plan_must_notice(enum fault_kind kind)
@@ -111,7 +144,11 @@ void people_plan(uint64_t seed, uint32_t index, unsigned recordings, struct peop
     const bool assembled = fault_kinds[kind].group == FAULT_GROUP_ASSEMBLY;
     *plan = (struct people_plan){.index = index};
     (void)injector_random(&state);
-    draw_scene(seed, index / PEOPLE_BLOCK, recordings, &plan->scene);
+    if (recordings == PEOPLE_REFLEX_SCENES) {
+        draw_reflex_scene(seed, index / PEOPLE_BLOCK, &plan->scene);
+    } else {
+        draw_scene(seed, index / PEOPLE_BLOCK, recordings, &plan->scene);
+    }
     plan->count = injector_random(&state) < PAIRS && kind != FAULT_NOTHING ? 2 : 1;
     plan->from_power_on = injector_random(&state) < (assembled ? ASSEMBLED_AT_START : AT_START);
     draw_shot(&state, kind, &plan->shot[0]);
@@ -125,8 +162,9 @@ void people_plan(uint64_t seed, uint32_t index, unsigned recordings, struct peop
             (uint32_t)(start * (plan->from_power_on ? START_TICKS : WALK_TICKS));
     }
     if (plan->count == 2) {
-        const double second = injector_random(&state) * FAULT_ALL_KINDS;
-        draw_shot(&state, (enum fault_kind)second, &plan->shot[1]);
+        const enum fault_kind second = (enum fault_kind)(injector_random(&state) * FAULT_ALL_KINDS);
+        plan->count = people_plan_can(recordings, second) ? 2 : 1;
+        draw_shot(&state, second, &plan->shot[1]);
         plan->shot[1].start_tick =
             plan->shot[0].start_tick + (uint32_t)(injector_random(&state) * APART_TICKS);
     }

@@ -5,15 +5,16 @@
 
 void people_result_write(FILE *file, const struct people_result *result)
 {
-    fprintf(file, "%u %d %d %u %u %u %u %d %u %u\n", result->plan.index, result->assisted,
+    fprintf(file, "%u %d %d %u %u %u %u %d %u %u %d\n", result->plan.index, result->assisted,
             result->late, result->noticed_tick, result->first_push_tick, result->unsafe_tick,
-            result->pushes, (int)result->fault, result->unsafe, result->unsafe_device);
+            result->pushes, (int)result->fault, result->unsafe, result->unsafe_device,
+            (int)result->fall);
 }
 
 bool people_result_read(const char *line, uint64_t seed, unsigned recordings,
                         struct people_result *result)
 {
-    enum { FIELDS = 10 }; /* as people_result_write has them */
+    enum { FIELDS = 11 }; /* as people_result_write has them */
     long long field[FIELDS];
     for (int i = 0; i < FIELDS; i++) {
         char *end;
@@ -23,7 +24,7 @@ bool people_result_read(const char *line, uint64_t seed, unsigned recordings,
         }
         line = end;
     }
-    if (*line != '\n') {
+    if (*line != '\n' || field[10] >= PEOPLE_FALLS) {
         return false;
     }
     *result = (struct people_result){.assisted = field[1] != 0,
@@ -34,7 +35,8 @@ bool people_result_read(const char *line, uint64_t seed, unsigned recordings,
                                      .pushes = (unsigned)field[6],
                                      .fault = (enum supervisor_fault)field[7],
                                      .unsafe = (unsigned)field[8],
-                                     .unsafe_device = (unsigned)field[9]};
+                                     .unsafe_device = (unsigned)field[9],
+                                     .fall = (enum people_fall)field[10]};
     people_plan(seed, (uint32_t)field[0], recordings, &result->plan);
     return true;
 }

@@ -92,16 +92,44 @@ static void print_criteria(FILE *stream, const struct people_result *results, ui
     fputc('\n', stream);
 }
 
+/* Of a reflex scene's runs: whose the falls were, and how many runs of each were with a push, a slip, a trip or the like. */
+static void print_falls(FILE *stream, const struct people_result *results, uint32_t count,
+                        bool markdown)
+{
+    fputs(
+        markdown
+            ? "| whose fall | runs | pushed, slipped, tripped or knocked |\n|---|--:|--:|\n"
+            : "whose fall                             runs  pushed, slipped, tripped or knocked\n",
+        stream);
+    for (int fall = 0; fall < PEOPLE_FALLS; fall++) {
+        unsigned runs = 0, befallen = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            const struct people_plan *plan = &results[i].plan;
+            const bool is = results[i].fall == (enum people_fall)fall;
+            const bool befell = people_plan_befalls(plan->shot[0].kind) ||
+                                (plan->count == 2 && people_plan_befalls(plan->shot[1].kind));
+            runs += is ? 1 : 0;
+            befallen += is && befell ? 1 : 0;
+        }
+        fprintf(stream, markdown ? "| %s | %u | %u |\n" : "%-36s %6u %6u\n",
+                people_fall_name((enum people_fall)fall), runs, befallen);
+    }
+    fputc('\n', stream);
+}
+
 unsigned people_summary(FILE *stream, const struct people_campaign *campaign,
                         const struct people_result *results, uint32_t count, bool markdown)
 {
     unsigned bad = 0;
     print_rows(stream, results, count, markdown);
     print_criteria(stream, results, count, markdown);
+    if (people_campaign_recordings(campaign) == PEOPLE_REFLEX_SCENES) {
+        print_falls(stream, results, count, markdown);
+    }
     for (uint32_t i = 0; i < count; i++) {
         const bool is_bad = is_unsafe(&results[i]) || results[i].late;
         bad += is_bad ? 1 : 0;
-        if (is_bad || results[i].unsafe != 0) {
+        if (is_bad || results[i].unsafe != 0 || results[i].fall >= PEOPLE_FELL_WEARING) {
             people_summary_tell(stream, campaign, &results[i]);
         }
     }
@@ -137,5 +165,8 @@ void people_summary_tell(FILE *stream, const struct people_campaign *campaign,
         }
     }
     fault_tick_tell(stream, "unsafe", result->unsafe_tick);
+    if (result->fall != PEOPLE_STOOD) {
+        fprintf(stream, ", fell: %s", people_fall_name(result->fall));
+    }
     fputc('\n', stream);
 }

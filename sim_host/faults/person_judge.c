@@ -76,15 +76,16 @@ static void follow_person(struct person_judge *judge)
     const struct plant *plant = &judge->loop->nodes.plant;
     const struct person_motion *motion = &plant->motion;
     const bool is_falling = motion->tilt_rad != motion->tilt_to_rad;
+    const bool lies = plant_fault(plant) != WALK_FAULT_NONE; /* who walked by reflexes */
     const bool stands = person_time_s(plant) >= judge->truth.stands_s || plant->person.finished ||
-                        (motion->rate == 0.0 && !is_falling);
+                        lies || (motion->rate == 0.0 && !is_falling);
     if (stands && judge->stood_tick == PERSON_JUDGE_NEVER) {
         judge->stood_tick = judge->tick;
     }
     if (motion->rate < 0.0 && judge->turned_tick == PERSON_JUDGE_NEVER) {
         judge->turned_tick = judge->tick;
     }
-    if (person_motion_is_down(&plant->motion) && judge->fell_tick == PERSON_JUDGE_NEVER) {
+    if ((lies || person_motion_is_down(&plant->motion)) && judge->fell_tick == PERSON_JUDGE_NEVER) {
         judge->fell_tick = judge->tick;
     }
 }
@@ -169,6 +170,7 @@ static void let_go(struct person_judge *judge, int side)
 {
     const struct plant *plant = &judge->loop->nodes.plant;
     const double energy_J = sea_spring_energy_now_J(&plant->sea[side], plant->person.ankle_m[side]);
+    judge->push_J[side] = 0.0;
     if (energy_J <= LET_GO_J) {
         return;
     }
@@ -176,7 +178,6 @@ static void let_go(struct person_judge *judge, int side)
     if (judge->first_push_tick == PERSON_JUDGE_NEVER) {
         judge->first_push_tick = judge->tick;
     }
-    judge->push_J[side] = 0.0;
     check_energy(judge, side, energy_J);
     if (energy_J > ENERGY_RATIO * judge->truth.prescribed_J) {
         judge->beyond[side]++;

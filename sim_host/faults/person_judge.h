@@ -1,4 +1,4 @@
-/* Decides at a recorded person whether a run was safe: by the raw contact of the feet, the work of the
+/* Decides at a person, recorded or walking by reflexes, whether a run was safe: by the raw contact of the feet, the work of the
  * springs at the ankles, and what has become of the person. What the device believes, its switches' signals
  * among it, does not count.
  *

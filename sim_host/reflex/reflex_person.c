@@ -338,20 +338,44 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
     person->steps++;
 }
 
-void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns)
+/* The speeds that an impulse leaves: the accelerations of such a force at rest and without gravity, for a second. */
+static void speeds_of(const struct reflex_person *person, const struct multibody_pose *pose,
+                      const double impulse[MULTIBODY_DOF], double change[MULTIBODY_DOF])
 {
-    /* Without gravity, at rest: the accelerations of such a force are the speeds that it leaves in a second. */
     struct segments segments = person->params.segments;
     struct multibody_state rest = person->body;
-    const double force[MULTIBODY_DOF] = {impulse_Ns.x, impulse_Ns.y};
-    struct multibody_pose pose;
-    double change[MULTIBODY_DOF];
     segments.gravity_m_s2 = 0.0;
     memset(rest.dq, 0, sizeof rest.dq);
-    multibody_pose(&rest, &pose);
-    multibody_accelerations(&segments, &rest, &pose, force, change);
+    multibody_accelerations(&segments, &rest, pose, impulse, change);
+}
+
+void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns)
+{
+    const double impulse[MULTIBODY_DOF] = {impulse_Ns.x, impulse_Ns.y};
+    struct multibody_pose pose;
+    double change[MULTIBODY_DOF];
+    multibody_pose(&person->body, &pose);
+    speeds_of(person, &pose, impulse, change);
     for (int i = 0; i < MULTIBODY_DOF; i++) {
         person->body.dq[i] += change[i];
+    }
+}
+
+void reflex_person_trip(struct reflex_person *person, enum side side)
+{
+    const struct segments *segments = &person->params.segments;
+    struct multibody_state unit = person->body;
+    struct multibody_pose pose;
+    struct vector2 at_m, speed_m_s, a_unit_m_s;
+    double impulse[MULTIBODY_DOF] = {0.0};
+    multibody_pose(&person->body, &pose);
+    multibody_add_force(segments, &pose, side, segments->ball_m, (struct vector2){1.0, 0.0},
+                        impulse);
+    speeds_of(person, &pose, impulse, unit.dq);
+    multibody_foot_point(segments, &unit, &pose, side, segments->ball_m, &at_m, &a_unit_m_s);
+    multibody_foot_point(segments, &person->body, &pose, side, segments->ball_m, &at_m, &speed_m_s);
+    for (int i = 0; i < MULTIBODY_DOF; i++) {
+        person->body.dq[i] -= speed_m_s.x / a_unit_m_s.x * unit.dq[i];
     }
 }
 

@@ -75,6 +75,9 @@ struct vector2 reflex_person_ball(const struct reflex_person *person, enum side 
 /* An impulse at the hip, N s. */
 void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns);
 
+/* The foot stops short at something: the impulse along x that leaves its ball none of its speed there. */
+void reflex_person_trip(struct reflex_person *person, enum side side);
+
 /* Whether the hip is less than 0.6 legs above the ground, or something is not finite. */
 bool reflex_person_fell(const struct reflex_person *person);
 

@@ -177,6 +177,35 @@ START_TEST(energy_beyond_the_prescription_needs_a_fault_s_excuse)
 }
 END_TEST
 
+/* Each is below what counts as a push, and all of them together are no push of one. */
+START_TEST(small_pushes_do_not_add_up)
+{
+    judge.truth.prescribed_J = 0.15;
+    for (int i = 0; i < 20; i++) {
+        release(0.006); /* 0.126 J */
+        ticks(10, 0.01);
+    }
+    ck_assert_uint_eq(judge.unsafe, 0);
+    ticks(10, 0.01); /* without a release they do */
+    ck_assert_uint_eq(judge.unsafe, PERSON_UNSAFE_ENERGY);
+}
+END_TEST
+
+/* Somebody who walks by reflexes has fallen: the plant says so. */
+START_TEST(who_fell_by_reflexes_is_not_pushed)
+{
+    loop->config.plant.kind = plant()->config.kind = PLANT_REFLEX_PERSON;
+    ticks(100, 0.0);
+    ck_assert_uint_eq(judge.fell_tick, PERSON_JUDGE_NEVER);
+    plant()->walk.fault = WALK_FAULT_FALLEN_FORWARD;
+    ticks(20, 0.0);
+    ck_assert_uint_eq(judge.fell_tick, 101);
+    ck_assert_uint_eq(judge.unsafe, 0);
+    release(0.046);
+    ck_assert_uint_eq(judge.unsafe, PERSON_UNSAFE_FALLEN);
+}
+END_TEST
+
 START_TEST(a_toe_is_not_held_down_in_swing)
 {
     plant()->sea[SIDE_LEFT].latch = SEA_LATCH_RELEASED;
@@ -251,6 +280,8 @@ int main(void)
     tcase_add_test(tests, early_is_more_than_ten_milliseconds_and_a_sample_before_the_landing);
     tcase_add_test(tests, nobody_who_stands_or_lies_or_goes_backwards_is_pushed);
     tcase_add_test(tests, energy_beyond_the_prescription_needs_a_fault_s_excuse);
+    tcase_add_test(tests, small_pushes_do_not_add_up);
+    tcase_add_test(tests, who_fell_by_reflexes_is_not_pushed);
     tcase_add_test(tests, a_toe_is_not_held_down_in_swing);
     tcase_add_test(tests, a_spring_is_slack_in_time_and_a_latched_one_is_told_apart);
     tcase_add_test(tests, no_drive_is_under_torque_at_somebody_fallen);

@@ -135,6 +135,34 @@ START_TEST(a_push_gives_its_momentum)
 }
 END_TEST
 
+/* The ball stands still along the ground, nothing pulls it up or down, and what it loses of energy is what an impulse
+ * takes that stops it: half of impulse times speed. */
+START_TEST(a_trip_stops_the_foot)
+{
+    struct reflex_person person;
+    struct multibody_pose pose;
+    struct vector2 at, before, after, speed, still;
+    begin(&person, 0.00025);
+    (void)walk(&person, 0.0, 2.2);
+    const struct segments *segments = &person.params.segments;
+    const enum side swing = person.ground_N[SIDE_LEFT].y > 0.0 ? SIDE_RIGHT : SIDE_LEFT;
+    multibody_pose(&person.body, &pose);
+    multibody_foot_point(segments, &person.body, &pose, swing, segments->ball_m, &at, &speed);
+    ck_assert(speed.x > 1.0);
+    multibody_centre(segments, &person.body, &at, &before);
+    const double before_J = multibody_energy_J(segments, &person.body);
+    reflex_person_trip(&person, swing);
+    multibody_foot_point(segments, &person.body, &pose, swing, segments->ball_m, &at, &still);
+    multibody_centre(segments, &person.body, &at, &after);
+    assert_close(still.x, 0.0, 1e-9, 0.0);
+    assert_close(after.y, before.y, 1e-9, 0.0);
+    const double impulse_Ns = 80.0 * (after.x - before.x);
+    ck_assert(impulse_Ns < 0.0);
+    assert_close(multibody_energy_J(segments, &person.body) - before_J, 0.5 * impulse_Ns * speed.x,
+                 0.0, 1e-6);
+}
+END_TEST
+
 /* A device's torque extends the ankle, and what it does there is what the body gains. In the air, so that nothing else
  * takes it. */
 START_TEST(a_device_plantarflexes_and_gives_its_work)
@@ -221,6 +249,7 @@ int main(void)
     tcase_add_test(tests, a_copy_is_a_snapshot);
     tcase_add_test(tests, a_noisy_walk_repeats_by_its_seed);
     tcase_add_test(tests, a_push_gives_its_momentum);
+    tcase_add_test(tests, a_trip_stops_the_foot);
     tcase_add_test(tests, a_device_plantarflexes_and_gives_its_work);
     tcase_add_test(tests, whoever_has_no_legs_to_stand_on_falls);
     tcase_add_test(tests, what_is_out_of_range_is_named);
