@@ -70,23 +70,24 @@ static void post_events(struct plant *plant, const struct recorded_person_state 
     }
 }
 
-/* What the spring does at the ankle: its force over the lever's arm there. */
-static double torque_Nm(const struct plant *plant, enum side side, double ankle_m, double *force_N)
+static double force_N(const struct plant *plant, enum side side, double ankle_m)
 {
-    *force_N = plant->config.unworn ? 0.0 : sea_ankle_force_N(&plant->sea[side], ankle_m);
-    return *force_N * plant_ankle_lever_m(plant, side, ankle_m);
+    return plant->config.unworn ? 0.0 : sea_ankle_force_N(&plant->sea[side], ankle_m);
 }
 
-static void run_period(struct plant *plant, double now_s)
+/* A drive period. ankle_m: of both sides, at its begin, and then at its end. */
+static void run_period(struct plant *plant, double now_s, double ankle_m[SIDE_COUNT])
 {
     struct reflex_person_loads loads = {.ankle_Nm = {0.0}};
-    double before_m[SIDE_COUNT], before_N[SIDE_COUNT];
+    double before_N[SIDE_COUNT];
     for (int k = 0; k < SIDE_COUNT; k++) {
         const enum side side = (enum side)k;
-        before_m[k] = ankle_m_of(plant, side);
-        plant_run_latch(plant, side, before_m[k], now_s);
-        sea_drive_period(&plant->sea[k], before_m[k]);
-        loads.ankle_Nm[k] = torque_Nm(plant, side, before_m[k], &before_N[k]);
+        plant_run_latch(plant, side, ankle_m[k], now_s);
+        sea_drive_period(&plant->sea[k], ankle_m[k]);
+        before_N[k] = force_N(plant, side, ankle_m[k]);
+        if (before_N[k] != 0.0) {
+            loads.ankle_Nm[k] = before_N[k] * plant_ankle_lever_m(plant, side, ankle_m[k]);
+        }
     }
     if (plant->tick >= plant->config.recording_start_tick && plant->walk.fault == WALK_FAULT_NONE) {
         reflex_person_step(&plant->reflex, &loads);
@@ -95,9 +96,9 @@ static void run_period(struct plant *plant, double now_s)
         const enum side side = (enum side)k;
         const double after_m = ankle_m_of(plant, side);
         sea_finish_period(&plant->sea[k]);
-        double after_N;
-        (void)torque_Nm(plant, side, after_m, &after_N);
-        plant->person_work_J[k] += 0.5 * (before_N[k] + after_N) * (after_m - before_m[k]);
+        plant->person_work_J[k] +=
+            0.5 * (before_N[k] + force_N(plant, side, after_m)) * (after_m - ankle_m[k]);
+        ankle_m[k] = after_m;
     }
 }
 
@@ -124,8 +125,9 @@ void plant_advance_reflex_person(struct plant *plant)
     const struct recorded_person_state before = plant->person;
     plant_run_switches(plant, true);
     plant_lay_reflex_ground(plant);
+    double ankle_m[SIDE_COUNT] = {ankle_m_of(plant, SIDE_LEFT), ankle_m_of(plant, SIDE_RIGHT)};
     for (int i = 0; i < periods; i++) {
-        run_period(plant, plant_now_s(plant) + (double)i * period_s);
+        run_period(plant, plant_now_s(plant) + (double)i * period_s, ankle_m);
     }
     look(plant, &plant->person);
     post_events(plant, &before);

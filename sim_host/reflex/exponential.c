@@ -9,7 +9,23 @@
 #define LN2_LOW 1.90821492927058770002e-10
 #define LOWEST (-700.0)
 
-enum { TERMS = 13, EXPONENT_BIAS = 1023, FRACTION_BITS = 52 };
+/* 1 / n!, of Taylor's series */
+static const double PART[] = {1.0,
+                              1.0,
+                              1.0 / 2,
+                              1.0 / 6,
+                              1.0 / 24,
+                              1.0 / 120,
+                              1.0 / 720,
+                              1.0 / 5040,
+                              1.0 / 40320,
+                              1.0 / 362880,
+                              1.0 / 3628800,
+                              1.0 / 39916800,
+                              1.0 / 479001600,
+                              1.0 / 6227020800.0};
+
+enum { TERMS = sizeof PART / sizeof PART[0], EXPONENT_BIAS = 1023, FRACTION_BITS = 52 };
 
 double exponential(double x)
 {
@@ -21,9 +37,9 @@ double exponential(double x)
     }
     const int halvings = (int)(0.5 - x * LOG2E);                        /* nearest, for x < 0 */
     const double rest = (x + halvings * LN2_HIGH) + halvings * LN2_LOW; /* within +-ln 2 / 2 */
-    double sum = 1.0;
-    for (int i = TERMS; i > 0; i--) { /* Taylor's, from the smallest on */
-        sum = 1.0 + sum * rest / i;
+    double sum = 0.0;
+    for (int i = TERMS; i > 0; i--) { /* from the smallest on */
+        sum = PART[i - 1] + sum * rest;
     }
     const uint64_t bits = (uint64_t)(EXPONENT_BIAS - halvings) << FRACTION_BITS;
     double power;

@@ -5,6 +5,7 @@
 #include "model/trig.h"
 
 enum { HIP_AXES = 2 };
+static const double NEAR_RAD = 0.02;
 
 /* Of one segment: the vectors from joint to joint that lead to its centre of mass, turned to where they are. */
 struct chain {
@@ -22,6 +23,23 @@ void multibody_pose(const struct multibody_state *state, struct multibody_pose *
 {
     for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
         trig_sincos_f64(state->q[i], &pose->sine[i], &pose->cosine[i]);
+    }
+}
+
+void multibody_pose_near(const struct multibody_state *state, const struct multibody_state *close,
+                         const struct multibody_pose *close_pose, struct multibody_pose *pose)
+{
+    for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
+        const double d = state->q[i] - close->q[i], dd = d * d;
+        if (!(d < NEAR_RAD && d > -NEAR_RAD)) {
+            trig_sincos_f64(state->q[i], &pose->sine[i], &pose->cosine[i]);
+            continue;
+        }
+        const double sine = d * (1.0 - dd / 6.0 * (1.0 - dd / 20.0)); /* the next: d^7 / 5040 */
+        const double less = dd / 2.0 * (1.0 - dd / 12.0 * (1.0 - dd / 30.0)); /* 1 - cos d */
+        const double sine0 = close_pose->sine[i], cosine0 = close_pose->cosine[i];
+        pose->sine[i] = sine0 + (cosine0 * sine - sine0 * less);
+        pose->cosine[i] = cosine0 - (sine0 * sine + cosine0 * less);
     }
 }
 

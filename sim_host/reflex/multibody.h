@@ -63,6 +63,11 @@ static inline int multibody_leg(enum side side)
 
 void multibody_pose(const struct multibody_state *state, struct multibody_pose *pose);
 
+/* The same of a state whose angles lie close to those of another one (0.02 rad), by that one's pose: turned by the
+ * difference, to rounding. A fifth of the time; further away it is multibody_pose(). */
+void multibody_pose_near(const struct multibody_state *state, const struct multibody_state *close,
+                         const struct multibody_pose *close_pose, struct multibody_pose *pose);
+
 /* The accelerations under gravity and generalised forces (N, N, then N m in the sense of each angle). */
 void multibody_accelerations(const struct segments *segments, const struct multibody_state *state,
                              const struct multibody_pose *pose, const double force[MULTIBODY_DOF],

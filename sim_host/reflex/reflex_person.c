@@ -211,6 +211,8 @@ struct held {
     double torque_Nm[SIDE_COUNT][JOINT_COUNT]; /* of muscles and device */
     struct ground_frame ground[SIDE_COUNT];
     const struct reflex_person_loads *loads;
+    struct multibody_state start; /* the body at the step's begin */
+    struct multibody_pose pose;
 };
 
 static void accelerate(const struct reflex_person *person, const struct held *held,
@@ -220,7 +222,7 @@ static void accelerate(const struct reflex_person *person, const struct held *he
     const struct reflex_person_params *params = &person->params;
     double force[MULTIBODY_DOF] = {held->loads->push_N.x, held->loads->push_N.y};
     struct multibody_pose pose;
-    multibody_pose(body, &pose);
+    multibody_pose_near(body, &held->start, &held->pose, &pose);
     for (int side = 0; side < SIDE_COUNT; side++) {
         double torque[JOINT_COUNT];
         struct joint_angles joints;
@@ -252,7 +254,7 @@ static void advance_body(struct reflex_person *person, const struct held *held)
 {
     static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
     const double step_s = person->params.step_s;
-    const struct multibody_state start = person->body;
+    const struct multibody_state start = held->start;
     struct multibody_state slope = {{0}, {0}}, sum = {{0}, {0}};
     for (int stage = 0; stage < 4; stage++) {
         struct multibody_state here;
@@ -304,7 +306,7 @@ static void pull(struct reflex_person *person, const struct reflex_person_loads 
 void reflex_person_step(struct reflex_person *person, const struct reflex_person_loads *loads)
 {
     const struct reflex_person_params *params = &person->params;
-    struct held held = {.loads = loads};
+    struct held held = {.loads = loads, .start = person->body};
     const uint64_t a_sense = (uint64_t)(SENSE_PERIOD_S / params->step_s + 0.5);
     if (person->steps % a_sense == 0) {
         struct reflex_moment moment;
@@ -323,9 +325,10 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
         held.ground[side] = ground_frame_of(&person->ground[side]);
         pull(person, loads, (enum side)side, held.torque_Nm[side]);
     }
+    multibody_pose(&held.start, &held.pose);
     advance_body(person, &held);
     struct multibody_pose pose;
-    multibody_pose(&person->body, &pose);
+    multibody_pose_near(&person->body, &held.start, &held.pose, &pose);
     for (int side = 0; side < SIDE_COUNT; side++) {
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;

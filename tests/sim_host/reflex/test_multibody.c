@@ -110,6 +110,27 @@ START_TEST(a_force_at_a_foot_moves_the_whole_body)
 }
 END_TEST
 
+/* To rounding, close by and far away. */
+START_TEST(a_pose_close_by_is_the_pose)
+{
+    struct multibody_pose at, near, exact;
+    multibody_pose(&moving, &at);
+    for (double step = 1e-9; step < 3.0; step *= 1.5) {
+        struct multibody_state state = moving;
+        for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
+            state.q[i] += i % 2 == 0 ? step : -step;
+        }
+        multibody_pose_near(&state, &moving, &at, &near);
+        multibody_pose(&state, &exact);
+        for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
+            assert_close(near.sine[i], sin(state.q[i]), 4e-16, 0.0);
+            assert_close(near.cosine[i], cos(state.q[i]), 4e-16, 0.0);
+            ck_assert(step < 0.02 || near.sine[i] == exact.sine[i]);
+        }
+    }
+}
+END_TEST
+
 START_TEST(the_feet_are_where_geometry_puts_them)
 {
     struct multibody_state state = {{0}, {0}};
@@ -138,6 +159,7 @@ int main(void)
     tcase_add_test(tests, accelerations_are_those_of_lagrange);
     tcase_add_test(tests, a_fall_keeps_the_energy_and_follows_the_parabola);
     tcase_add_test(tests, a_force_at_a_foot_moves_the_whole_body);
+    tcase_add_test(tests, a_pose_close_by_is_the_pose);
     tcase_add_test(tests, the_feet_are_where_geometry_puts_them);
     suite_add_tcase(suite, tests);
     return run_suite(suite);

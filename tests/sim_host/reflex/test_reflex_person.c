@@ -143,12 +143,15 @@ START_TEST(a_trip_stops_the_foot)
     struct multibody_pose pose;
     struct vector2 at, before, after, speed, still;
     begin(&person, 0.00025);
-    (void)walk(&person, 0.0, 2.2);
+    (void)walk(&person, 0.0, 2.0);
     const struct segments *segments = &person.params.segments;
-    const enum side swing = person.ground_N[SIDE_LEFT].y > 0.0 ? SIDE_RIGHT : SIDE_LEFT;
-    multibody_pose(&person.body, &pose);
-    multibody_foot_point(segments, &person.body, &pose, swing, segments->ball_m, &at, &speed);
-    ck_assert(speed.x > 1.0);
+    const enum side swing = SIDE_LEFT;
+    do { /* until that foot swings */
+        reflex_person_step(&person, &alone);
+        multibody_pose(&person.body, &pose);
+        multibody_foot_point(segments, &person.body, &pose, swing, segments->ball_m, &at, &speed);
+    } while (speed.x < 1.0 && person.steps < 20000);
+    ck_assert(speed.x >= 1.0);
     multibody_centre(segments, &person.body, &at, &before);
     const double before_J = multibody_energy_J(segments, &person.body);
     reflex_person_trip(&person, swing);
