@@ -42,7 +42,7 @@ SRC_HAL := $(filter-out hal/port_%,$(wildcard hal/*.c hal/*/*.c)) $(wildcard hal
 SRC_FIRMWARE := $(wildcard firmware/*.c)
 SRC_SIM := $(filter-out sim_host/programs/% sim_host/python/%,$(wildcard sim_host/*/*.c sim_host/*/*/*.c))
 # What computes with the model computes in double; what holds a controller, in float as it does.
-SRC_SIM_F32_STUDIES := $(wildcard $(foreach room,laws observer size person,sim_host/study/$(room)/*.c))
+SRC_SIM_F32_STUDIES := $(wildcard $(foreach room,laws observer size person dose,sim_host/study/$(room)/*.c))
 SRC_SIM_F64 := $(filter-out $(SRC_SIM_F32_STUDIES),$(filter sim_host/plant/% sim_host/reflex/% sim_host/gait/% sim_host/study/% sim_host/batch/%,$(SRC_SIM)))
 SRC_SIM_F32 := $(filter-out $(SRC_SIM_F64),$(SRC_SIM))
 # One program with a sub-command a file, and the benchmarks, which stay programs of their own.

@@ -2,6 +2,7 @@
 #include "sim_host/cli/exit_status.h"
 #include "sim_host/cli/program.h"
 #include "sim_host/programs/commands.h"
+#include "sim_host/study/dose/dose_study.h"
 #include "sim_host/study/laws/laws_main.h"
 #include "sim_host/study/observer/commands.h"
 #include "sim_host/study/paper/command.h"
@@ -22,6 +23,7 @@ static const struct program_command table[] = {
      "basin as a volume, plane of push-off and stiffness, point by point"},
     {"laws", laws_main, "the laws that choose the push-off, beside each other"},
     {"latch", latch_main, "what each law bears of a latch that opens late"},
+    {"dose", dose_main, "what a push-off does to a person who walks by reflexes"},
     {"observe", command_observe, "how well the controller knows the gait, and what it costs"},
     {"observer-gains", command_observer_gains, "the model observer's gains, as C"},
     {"tune-person", tune_person_main, "gains for a person who walks by reflexes, by CMA-ES"},

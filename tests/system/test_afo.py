@@ -11,7 +11,7 @@ from afo import AFO, ROOT, run
 
 COMMANDS = ("sim", "compare", "study", "faults", "soak", "replay", "view", "report", "import", "export", "walker", "host", "ctl", "commission", "blackbox", "update", "settings", "size", "device", "eds", "pil", "g474", "slcan")
 STUDIES = ("fixed-point", "continue", "doublings", "bifurcation", "basin", "gain", "noise", "map", "atlas", "laws",
-           "latch", "observe", "observer-gains", "tune-person", "validate-person", "table", "page")
+           "latch", "dose", "observe", "observer-gains", "tune-person", "validate-person", "table", "page")
 DEVICE_COMMANDS = ("check", "show", "keys", "frames", "import", "convert")
 ALL = ([(name,) for name in COMMANDS if name not in ("study", "device")] + [("study", name) for name in STUDIES] +
        [("device", name) for name in DEVICE_COMMANDS])

@@ -105,3 +105,55 @@ def test_the_dose_and_its_time_are_asked_for():
 def test_what_cannot_be_asked_is_refused(options, words):
     refused = run(*options, "--steps", "3")
     assert refused.returncode == 2 and words in refused.stderr
+
+
+def dose(*arguments):
+    return run("dose", "--person", "sim_host/persons/adult70.ini", "--device", "sim_host/devices/virtual-adult.ini",
+               *arguments, command="study")
+
+
+def test_a_dose_is_set_beside_the_walk_without_it(tmp_path):
+    """The pair without the device is the walk of `afo sim --without-device`; walks that are kept are not walked again."""
+    asked = ("--r0", "0.005", "--late-ms", "0,20", "--steps", "12", "--push-step", "0", "--jobs", "2", "--out", tmp_path / "kept")
+    table, picture = tmp_path / "dose.csv", tmp_path / "dose.svg"
+    done = dose(*asked, "--csv", table, "--plot", picture)
+    assert done.returncode == 0, done.stderr
+    said = [line for line in done.stdout.splitlines() if line.startswith(("  r0", "sim_host"))]
+    assert len(said) == 3 and all("this model" in line for line in said)
+    with table.open(newline="", encoding="utf-8") as file:
+        alone, *doses = list(csv.DictReader(file))
+    assert alone["device"] == "0" and alone["r0_m"] == "" and float(alone["device_J_m"]) == 0
+    assert [(row["r0_m"], row["late_s"]) for row in doses] == [("0.005", "0"), ("0.005", "0.02")]
+    assert all(row["fell"] == "0" and row["ankle_J_m"] != alone["ankle_J_m"] for row in doses)
+    assert picture.read_text(encoding="utf-8").count("<svg") == 1
+    ticks = tmp_path / "ticks.csv"
+    told("--steps", "14", f"--ticks={ticks}")
+    with ticks.open(newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if 4.0 < float(row["time_s"]) < 8.0]
+    speed_m_s = -(float(rows[-1]["hip_x_m"]) - float(rows[0]["hip_x_m"])) / (float(rows[-1]["time_s"]) - float(rows[0]["time_s"]))
+    assert float(alone["speed_m_s"]) == pytest.approx(speed_m_s, rel=0.02)
+    again = dose(*asked, "--json")
+    assert again.returncode == 0 and "runs by" not in again.stderr
+    assert [walk["steps"] for walk in json.loads(again.stdout)["walks"]] == [12, 12, 12]
+
+
+@pytest.mark.long
+def test_a_push_margin_is_the_largest_that_is_survived(tmp_path):
+    """By bisection, to its step; 0 where the next larger one is already too much."""
+    table = tmp_path / "dose.csv"
+    assert dose("--r0", "0.005", "--steps", "12", "--push-step", "20", "--csv", table).returncode == 0
+    with table.open(newline="", encoding="utf-8") as file:
+        margins = [float(row["push_margin_N"]) for row in csv.DictReader(file)]
+    assert margins[0] > 0 and all(margin % 20 == 0 and margin < 400 for margin in margins)
+
+
+@pytest.mark.parametrize("words, told_of", [(("--r0", "0.02,0.01"), "rising numbers"), (("--late-ms", "60"), "0 to 49"),
+                                            (("--r0", "0.01,"), "rising numbers"), (("--seeds", "0"), "--seeds")])
+def test_a_dose_that_cannot_be_is_refused(words, told_of):
+    refused = dose(*words)
+    assert refused.returncode == 2 and told_of in refused.stderr
+
+
+def test_a_dose_needs_a_person():
+    refused = run("dose", "--device", "sim_host/devices/virtual-adult.ini", command="study")
+    assert refused.returncode == 2 and "--person FILE" in refused.stderr

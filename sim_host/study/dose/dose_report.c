@@ -1,0 +1,276 @@
+/* What afo study dose says, writes and draws. */
+#include <math.h>
+#include <string.h>
+
+#include "sim_host/cli/figure.h"
+#include "sim_host/cli/json_writer.h"
+#include "sim_host/study/dose/dose_study.h"
+
+enum { DIGITS = 9, NAME_MAX_BYTES = 96 };
+
+/* ---- rows ------------------------------------------------------------------------------ */
+
+static void csv_row(FILE *stream, const struct dose_trial *trial, const struct dose_result *result)
+{
+    fprintf(stream, "%s,%llu,%d,", trial->person_path, (unsigned long long)trial->seed,
+            !trial->without_device);
+    if (trial->without_device) {
+        fputs(",", stream);
+    } else {
+        fprintf(stream, "%.9g,%.9g", trial->r0_m, trial->late_s);
+    }
+    fprintf(stream, ",%d,%u", result->fell, result->steps);
+#define FIELD(name, unit, what)                \
+    fputs(",", stream);                        \
+    if (!result->fell) {                       \
+        fprintf(stream, "%.9g", result->name); \
+    }
+    DOSE_MEASURES(FIELD)
+#undef FIELD
+    fputs("\n", stream);
+}
+
+void dose_report_csv(FILE *stream, const struct dose_study *study)
+{
+    fputs("person,seed,device,r0_m,late_s,fell,steps", stream);
+#define NAME(name, unit, what) fputs("," #name, stream);
+    DOSE_MEASURES(NAME)
+#undef NAME
+    fputs("\n", stream);
+    for (uint32_t i = 0; i < dose_study_walks(study); i++) {
+        struct dose_trial trial;
+        dose_study_trial(study, i, &trial);
+        csv_row(stream, &trial, &study->result[i]);
+    }
+}
+
+static void json_row(struct json_writer *json, const struct dose_trial *trial,
+                     const struct dose_result *result)
+{
+    json_open_object(json, NULL);
+    json_text(json, "person", trial->person_path);
+    json_unsigned(json, "seed", trial->seed);
+    json_bool(json, "device", !trial->without_device);
+    if (!trial->without_device) {
+        json_number(json, "r0_m", trial->r0_m, DIGITS);
+        json_number(json, "late_s", trial->late_s, DIGITS);
+    }
+    json_bool(json, "fell", result->fell);
+    json_unsigned(json, "steps", result->steps);
+    if (!result->fell) {
+#define FIELD(name, unit, what) json_number(json, #name, result->name, DIGITS);
+        DOSE_MEASURES(FIELD)
+#undef FIELD
+    }
+    json_close_object(json);
+}
+
+void dose_report_json(FILE *stream, const struct dose_study *study)
+{
+    struct json_writer json;
+    json_begin(&json, stream);
+    json_open_object(&json, NULL);
+    json_text(&json, "of", "this model, and no people");
+    json_text(&json, "device", study->device);
+    json_number(&json, "push_step_N", study->push_step_N, DIGITS);
+    json_open_list(&json, "walks");
+    for (uint32_t i = 0; i < dose_study_walks(study); i++) {
+        struct dose_trial trial;
+        dose_study_trial(study, i, &trial);
+        json_row(&json, &trial, &study->result[i]);
+    }
+    json_close_list(&json);
+    json_close_object(&json);
+    json_end(&json);
+}
+
+/* ---- sentences ------------------------------------------------------------------------- */
+
+/* Of the seeds in which neither of a pair fell. */
+struct pairs {
+    uint32_t count, fell, fell_alone, earliest;
+    struct dose_result with, alone;     /* means */
+    double least_percent, most_percent; /* change of ankle work */
+};
+
+static double percent(double now, double before)
+{
+    return 100.0 * (now / before - 1.0);
+}
+
+static void add(const struct dose_result *result, struct dose_result *sum)
+{
+#define ADD(name, unit, what) sum->name += result->name;
+    DOSE_MEASURES(ADD)
+#undef ADD
+}
+
+static void divide(struct dose_result *sum, uint32_t count)
+{
+#define DIVIDE(name, unit, what) sum->name /= count;
+    DOSE_MEASURES(DIVIDE)
+#undef DIVIDE
+}
+
+static void pair_up(const struct dose_study *study, uint32_t person, uint32_t late, uint32_t r0,
+                    struct pairs *pairs)
+{
+    *pairs = (struct pairs){
+        .earliest = study->steps, .least_percent = HUGE_VAL, .most_percent = -HUGE_VAL};
+    for (uint32_t seed = 0; seed < study->seeds; seed++) {
+        const struct dose_result *with = dose_study_with(study, person, seed, late, r0);
+        const struct dose_result *alone = dose_study_alone(study, person, seed);
+        pairs->fell += with->fell ? 1 : 0;
+        pairs->fell_alone += alone->fell ? 1 : 0;
+        pairs->earliest =
+            with->fell && with->steps < pairs->earliest ? with->steps : pairs->earliest;
+        if (!with->fell && !alone->fell) {
+            const double change = percent(with->ankle_J_m, alone->ankle_J_m);
+            add(with, &pairs->with);
+            add(alone, &pairs->alone);
+            pairs->least_percent = fmin(pairs->least_percent, change);
+            pairs->most_percent = fmax(pairs->most_percent, change);
+            pairs->count++;
+        }
+    }
+    if (pairs->count > 0) {
+        divide(&pairs->with, pairs->count);
+        divide(&pairs->alone, pairs->count);
+    }
+}
+
+static void tell_dose(FILE *stream, const struct dose_study *study, uint32_t person, uint32_t late,
+                      uint32_t r0)
+{
+    struct pairs pairs;
+    pair_up(study, person, late, r0, &pairs);
+    const struct dose_result *with = &pairs.with, *alone = &pairs.alone;
+    fprintf(stream, "  r0 %g m", study->r0_m[r0]);
+    if (pairs.fell > 0) {
+        fprintf(
+            stream,
+            ": this model falls in %u of %u walks, after %u steps at the earliest; without the device in %u",
+            pairs.fell, study->seeds, pairs.earliest, pairs.fell_alone);
+    }
+    if (pairs.count > 0) {
+        fprintf(
+            stream,
+            ": this model's own ankle work a metre changes by %+.1f %% (%+.1f to %+.1f in %u pairs), its hip work by "
+            "%+.1f %%, its activation by %+.1f %%; it walks at %.3f m/s (%.3f without), with %.1f steps a minute (%.1f)",
+            percent(with->ankle_J_m, alone->ankle_J_m), pairs.least_percent, pairs.most_percent,
+            pairs.count, percent(with->hip_J_m, alone->hip_J_m),
+            percent(with->activation, alone->activation), with->speed_m_s, alone->speed_m_s,
+            with->cadence_per_min, alone->cadence_per_min);
+    }
+    if (pairs.count > 0 && study->push_step_N > 0.0) {
+        fprintf(stream, "; it survives %.0f N forward (%.0f)", with->push_margin_N,
+                alone->push_margin_N);
+    }
+    fputs("\n", stream);
+}
+
+static void tell_alone(FILE *stream, const struct dose_study *study, uint32_t person)
+{
+    uint32_t fell = 0;
+    for (uint32_t seed = 0; seed < study->seeds; seed++) {
+        fell += dose_study_alone(study, person, seed)->fell ? 1 : 0;
+    }
+    const struct dose_result *first = dose_study_alone(study, person, 0);
+    fprintf(stream, "\n%s, without the device: this model falls in %u of %u walks of %u steps",
+            study->person[person], fell, study->seeds, study->steps);
+    if (!first->fell) {
+        fprintf(stream, "; with seed 1 it does %.1f J of ankle work and %.1f J of hip work a metre",
+                first->ankle_J_m, first->hip_J_m);
+    }
+    fputs("\n", stream);
+}
+
+void dose_report_text(FILE *stream, const struct dose_study *study)
+{
+    fprintf(stream, "\nAll of it is what this model does; it says nothing about people.\n");
+    if (study->push_step_N > 0.0) {
+        fprintf(
+            stream,
+            "A push is a force forward at the hip for 0.2 s, in one phase of one walk; its margin is known to "
+            "%g N.\n",
+            study->push_step_N);
+    }
+    for (uint32_t person = 0; person < study->persons; person++) {
+        tell_alone(stream, study, person);
+        for (uint32_t late = 0; late < study->lates; late++) {
+            fprintf(stream, " latches %g ms late\n", 1000.0 * study->late_s[late]);
+            for (uint32_t r0 = 0; r0 < study->r0s; r0++) {
+                tell_dose(stream, study, person, late, r0);
+            }
+        }
+    }
+}
+
+/* ---- picture --------------------------------------------------------------------------- */
+
+/* A number of the axis for each r0, and before them the walk without the device. */
+static void axis(const struct dose_study *study, char *text, size_t size)
+{
+    size_t used = (size_t)snprintf(text, size, "1: without the device; then r0");
+    for (uint32_t i = 0; i < study->r0s && used < size; i++) {
+        used +=
+            (size_t)snprintf(text + used, size - used, "%s %g", i > 0 ? "," : "", study->r0_m[i]);
+    }
+    if (used < size) {
+        (void)snprintf(text + used, size - used, " m");
+    }
+}
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash != NULL ? slash + 1 : path;
+}
+
+enum { PANELS = 6, POINTS = DOSE_VALUES_MAX + 1 };
+
+static double measure_of(const struct dose_result *result, int panel)
+{
+    const double values[PANELS] = {result->ankle_J_m,       result->hip_J_m,
+                                   result->activation,      result->speed_m_s,
+                                   result->cadence_per_min, result->push_margin_N};
+    return result->fell ? (double)NAN : values[panel];
+}
+
+void dose_report_picture(FILE *stream, const struct dose_study *study)
+{
+    static const char *const titles[PANELS] = {"Own ankle work (J/m)", "Own hip work (J/m)",
+                                               "Activation",           "Speed (m/s)",
+                                               "Steps a minute",       "Push survived (N)"};
+    static double number[POINTS], value[PANELS][FIGURE_SERIES_MOST][POINTS];
+    static char name[FIGURE_SERIES_MOST][NAME_MAX_BYTES];
+    static struct figure_panel panels[PANELS];
+    const uint32_t lines = study->persons * study->seeds * study->lates;
+    char across[256];
+    axis(study, across, sizeof across);
+    for (int point = 0; point < POINTS; point++) {
+        number[point] = point + 1;
+    }
+    for (int panel = 0; panel < PANELS; panel++) {
+        panels[panel] =
+            (struct figure_panel){.title = titles[panel], .x_title = across, .mark = FIGURE_LINE};
+    }
+    for (uint32_t i = 0; i < lines && i < FIGURE_SERIES_MOST; i++) {
+        const uint32_t late = i % study->lates, seed = i / study->lates % study->seeds,
+                       person = i / study->lates / study->seeds;
+        (void)snprintf(name[i], NAME_MAX_BYTES, "%.60s, seed %u, %g ms",
+                       base_name(study->person[person]), seed + 1, 1000.0 * study->late_s[late]);
+        for (int panel = 0; panel < PANELS; panel++) {
+            value[panel][i][0] = measure_of(dose_study_alone(study, person, seed), panel);
+            for (uint32_t r0 = 0; r0 < study->r0s; r0++) {
+                value[panel][i][r0 + 1] =
+                    measure_of(dose_study_with(study, person, seed, late, r0), panel);
+            }
+            panels[panel].series[i] =
+                (struct figure_series){name[i], number, value[panel][i], NULL, study->r0s + 1};
+            panels[panel].series_count = i + 1;
+        }
+    }
+    figure_write(stream, "What this model does with a dose of push-off; a gap is a fall", panels,
+                 study->push_step_N > 0.0 ? PANELS : PANELS - 1);
+}
