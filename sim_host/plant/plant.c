@@ -8,34 +8,6 @@
 /* Streams of one seed. */
 enum { STREAM_SENSOR = 0x5E0, STREAM_GROUND = 0x60D, STREAM_FOOT = 0xF00 };
 
-/* Height of foothold n (from 1 on) above the slope line. */
-static double height_of_foothold(struct plant *plant, uint64_t n)
-{
-    const struct plant_config *config = &plant->config;
-    double height_m = 0.0;
-    if (n >= 1 && n <= config->heights_count) {
-        height_m = config->heights_m[n - 1];
-    }
-    if (config->roughness_m > 0.0) {
-        height_m += config->roughness_m * rng_normal(&plant->ground_rng);
-    }
-    return height_m;
-}
-
-static void lay_next_foothold(struct plant *plant)
-{
-    const double height_m = height_of_foothold(plant, plant->footholds + 1);
-    walk_set_next_height(&plant->walk, height_m - plant->foothold_height_m);
-    plant->next_foothold_height_m = height_m;
-}
-
-void plant_pass_foothold(struct plant *plant)
-{
-    plant->footholds++;
-    plant->foothold_height_m = plant->next_foothold_height_m;
-    lay_next_foothold(plant);
-}
-
 enum plant_error plant_init(struct plant *plant, const struct plant_config *config, char *message)
 {
     message[0] = '\0';
@@ -71,7 +43,7 @@ enum plant_error plant_init(struct plant *plant, const struct plant_config *conf
     rng_init(&plant->ground_rng, config->seed, STREAM_GROUND);
     start_hold_init(&plant->start_hold, &config->start_hold);
     walk_init(&plant->walk, &config->walk, &config->start);
-    lay_next_foothold(plant);
+    plant_lay_foothold(plant);
     return PLANT_OK;
 }
 
@@ -144,7 +116,7 @@ static void run_start_hold(struct plant *plant)
         break;
     case START_HOLD_TAKE_HOLD:
         walk_hold(&plant->walk, &plant->config.start);
-        lay_next_foothold(plant);
+        plant_lay_foothold(plant);
         break;
     }
 }

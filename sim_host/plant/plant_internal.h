@@ -27,6 +27,8 @@ void plant_init_reflex_person(struct plant *plant);
 void plant_advance_reflex_person(struct plant *plant);
 /* Slope and footholds below them; once a tick. */
 void plant_lay_reflex_ground(struct plant *plant);
+/* Draws the next foothold's height. */
+void plant_lay_foothold(struct plant *plant);
 /* A foothold has been taken: the next one is drawn. */
 void plant_pass_foothold(struct plant *plant);
 void plant_reflex_truth(const struct plant *plant, struct plant_truth *truth);

@@ -23,6 +23,8 @@ struct dose_study {
 
 /* Walks go by person, seed, and in each: without the device, then by delay and r0. */
 uint32_t dose_study_walks(const struct dose_study *study);
+/* The first walk's number of a person's seed: that without the device. */
+uint32_t dose_study_number(const struct dose_study *study, uint32_t person, uint32_t seed);
 void dose_study_trial(const struct dose_study *study, uint32_t index, struct dose_trial *trial);
 const struct dose_result *dose_study_alone(const struct dose_study *study, uint32_t person,
                                            uint32_t seed);
