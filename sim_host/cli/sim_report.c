@@ -120,13 +120,25 @@ void sim_report_csv(FILE *stream, const struct walk_record *record, double targe
     }
 }
 
-void sim_tick_header(FILE *stream)
+/* A reflex person's segments, each against the vertical or the ground: positive leaning forward, swung forward, toes up. */
+static bool has_segments(const struct loop *loop)
+{
+    return loop->config.plant.kind == PLANT_REFLEX_PERSON;
+}
+
+void sim_tick_header(FILE *stream, const struct loop *loop)
 {
     fputs("tick,time_s,stance,phase,theta_left_rad,theta_right_rad,rate_left_rad_s,"
           "rate_right_rad_s,ankle_left_m,ankle_right_m,motor_left_m,motor_right_m,hip_x_m,hip_y_m,"
           "event,supervisor,toe_left_x_m,toe_left_y_m,toe_right_x_m,toe_right_y_m,"
-          "ground_left_x_N,ground_left_y_N,ground_right_x_N,ground_right_y_N\n",
+          "ground_left_x_N,ground_left_y_N,ground_right_x_N,ground_right_y_N",
           stream);
+    if (has_segments(loop)) {
+        fputs(",trunk_lean_rad,thigh_left_rad,shank_left_rad,foot_left_rad,thigh_right_rad,"
+              "shank_right_rad,foot_right_rad",
+              stream);
+    }
+    fputc('\n', stream);
 }
 
 static const char *event_name(int event)
@@ -176,6 +188,15 @@ static void write_numbers(FILE *stream, const double *number, int count, bool ar
     }
 }
 
+static void segments(FILE *stream, const struct plant *plant)
+{
+    const double *angle = plant->reflex.body.q;
+    fprintf(stream, ",%.6f", -angle[MULTIBODY_TRUNK]);
+    for (int i = MULTIBODY_TRUNK + 1; i < MULTIBODY_DOF; i++) {
+        fprintf(stream, ",%.6f", angle[i]);
+    }
+}
+
 void sim_tick_line(FILE *stream, const struct loop *loop, int event, double origin_s)
 {
     static const char *const phases[] = {"held", "single", "double", "down"};
@@ -197,6 +218,9 @@ void sim_tick_line(FILE *stream, const struct loop *loop, int event, double orig
     write_numbers(stream, truth.toe_m[1], 2, truth.has_place);
     write_numbers(stream, truth.ground_force_N[0], 2, truth.has_place);
     write_numbers(stream, truth.ground_force_N[1], 2, truth.has_place);
+    if (has_segments(loop)) {
+        segments(stream, &loop->nodes.plant);
+    }
     fputc('\n', stream);
 }
 

@@ -25,7 +25,7 @@ void sim_report_csv(FILE *stream, const struct walk_record *record, double targe
 
 /* Per tick: header, then one line for each call. event: enum walk_event_kind or -1. Times count from
  * origin_s of the plant. */
-void sim_tick_header(FILE *stream);
+void sim_tick_header(FILE *stream, const struct loop *loop);
 void sim_tick_line(FILE *stream, const struct loop *loop, int event, double origin_s);
 
 #endif

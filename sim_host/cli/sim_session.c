@@ -174,7 +174,7 @@ void sim_session_walk(struct sim_session *session, const volatile sig_atomic_t *
                    session->options.steps != UINT32_MAX ? session->options.steps : 0,
                    session->options.quiet || session->options.json);
     if (tick_stream(session) != NULL) {
-        sim_tick_header(tick_stream(session));
+        sim_tick_header(tick_stream(session), session->loop);
     }
     if (session->options.real_time) {
         pacer_start(&session->pacer, UINT64_C(1000) * TICK_PERIOD_US);

@@ -242,7 +242,7 @@ void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, F
     injector_begin(&injector, loop, plan->shot, plan->count);
     oracle_begin(&oracle, loop);
     if (ticks != NULL) {
-        sim_tick_header(ticks);
+        sim_tick_header(ticks, loop);
     }
     const uint32_t end = shots_end(plan);
     for (uint32_t tick = 0; tick < end + CAMPAIGN_TAIL_TICKS && tick < CAMPAIGN_TICKS; tick++) {

@@ -215,7 +215,7 @@ bool people_campaign_run(struct people_campaign *campaign, const struct people_p
     oracle_begin(&oracle, loop);
     person_judge_begin(&judge, loop, &truth);
     if (ticks != NULL) {
-        sim_tick_header(ticks);
+        sim_tick_header(ticks, loop);
     }
     walk_run(campaign, plan, ticks, &judge, &oracle, result);
     campaign->log = NULL;

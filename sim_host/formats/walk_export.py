@@ -149,7 +149,7 @@ def to_picture(names, columns, told, path):
     if told.get("who", {}).get("recording"):
         raise Refusal("a recorded person has no hip in the table of ticks: the picture is of a simulated walker")
     kept = {name: columns[names.index(name)] if name in ("stance", "phase") else [number(x) for x in columns[names.index(name)]]
-            for name in walk_picture.NEEDED}
+            for name in (*walk_picture.NEEDED, *walk_picture.BODY) if name in names}
     rows = [dict(zip(kept, row)) for row in zip(*kept.values())]
     path.write_text(walk_picture.draw(rows, told), encoding="utf-8")
 

@@ -2,6 +2,7 @@
 import csv
 import json
 import math
+import xml.etree.ElementTree
 
 import pytest
 
@@ -157,3 +158,26 @@ def test_a_dose_that_cannot_be_is_refused(words, told_of):
 def test_a_dose_needs_a_person():
     refused = run("dose", "--device", "sim_host/devices/virtual-adult.ini", command="study")
     assert refused.returncode == 2 and "--person FILE" in refused.stderr
+
+
+def points_of(text):
+    return [tuple(float(number) for number in point.split(",")) for point in text.split()]
+
+
+def test_the_person_as_a_picture_that_moves_with_a_strip_below(tmp_path):
+    """Thigh and shank keep their length in every frame, some foot is on the ground, and the strip has a figure each 0.1 s."""
+    ticks, picture = tmp_path / "ticks.csv", tmp_path / "walk.svg"
+    told("--steps", "6", f"--ticks={ticks}")
+    done = run(ticks, "--out", picture, command="export")
+    assert done.returncode == 0, done.stderr
+    svg = "{http://www.w3.org/2000/svg}"
+    lines = list(xml.etree.ElementTree.parse(picture).iter(f"{svg}polyline"))
+    moving = [line.find(f"{svg}animate").get("values").split(";") for line in lines if len(line)]
+    assert len(moving) == 3 and len(lines) - 3 == pytest.approx(3 * 27, abs=6)
+    legs = [[points_of(frame) for frame in line] for line in (moving[0], moving[2])]
+    for leg in legs:
+        assert len(leg) > 50
+        for hip, knee, ankle, _, _ in leg:
+            assert math.dist(hip, knee) == pytest.approx(110, abs=0.3) and math.dist(knee, ankle) == pytest.approx(110, abs=0.3)
+    for left, right in zip(*legs):
+        assert max(y for _, y in left[3:] + right[3:]) == pytest.approx(360, abs=8)  # pixels: 237 are a metre
