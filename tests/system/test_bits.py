@@ -7,7 +7,8 @@ VARIANTS = ["gcc-O1", "gcc-O3", "clang", "clang-O1", "clang-O3", "asan"]
 WALKER = ("--speed", "0.5", "--steps", 25)
 PERSON = ("--plant", "reflex", "--person", "sim_host/persons/adult70.ini", "--device", "sim_host/devices/virtual-adult.ini",
           "--steps", 10)
-WALKS = {"ideal": (*WALKER, "--sensors", "ideal"), "17bit": (*WALKER, "--sensors", "17bit"), "reflex person": PERSON}
+WALKS = {"ideal": (*WALKER, "--sensors", "ideal"), "17bit": (*WALKER, "--sensors", "17bit"), "reflex person": PERSON,
+         "noisy reflex person": ("--plant", "reflex", "--person", "sim_host/persons/reflex-new.ini", *PERSON[4:])}
 
 
 @pytest.fixture(scope="module", params=WALKS)

@@ -136,5 +136,5 @@ double objective_of(const struct gait_summary *summary, double until_s)
     for (int i = 0; i < OBJECTIVE_TERMS; i++) {
         sum += objective_share(&objective_terms[i], summary);
     }
-    return fmin(sum, OBJECTIVE_FALL);
+    return sum / (1.0 + sum / OBJECTIVE_FALL);
 }

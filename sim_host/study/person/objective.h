@@ -1,8 +1,9 @@
 /* What a person is tuned for, as one number; lower is better.
  *
- * A walk that ends in a fall costs 100, and up to 100 more the earlier it ends. Any other walk costs the sum over
- * objective_terms of  weight (d / unit)^2,  d being how far a measure lies outside its band, and 100 at most. The value is
- * the mean over some walks, each with its own seed of noise and with pushes at the hip.
+ * A walk that ends in a fall costs 100, and up to 100 more the earlier it ends. Of any other walk the sum is taken over
+ * objective_terms of  weight (d / unit)^2,  d being how far a measure lies outside its band; it costs
+ * sum / (1 + sum / 100), which stays below a fall's. The value is the mean over some walks, each with its own seed of
+ * noise and with pushes at the hip.
  * The bands of the joints are single marks of the curves, rounded from Perry & Burnfield (2010), Gait Analysis, ch. 3-6.
  */
 #ifndef SIM_HOST_STUDY_PERSON_OBJECTIVE_H
