@@ -98,7 +98,8 @@ static void measure(const struct sums *from, const struct sums *to, uint32_t ste
 }
 
 /* Walks the steps; the second half of them is measured, from foothold to foothold. */
-static void walk(const struct dose_trial *trial, struct loop *loop, struct dose_result *result)
+static void walk_steps(const struct dose_trial *trial, struct loop *loop,
+                       struct dose_result *result)
 {
     const struct plant *plant = &loop->nodes.plant;
     const uint32_t half = trial->steps / 2;
@@ -178,7 +179,7 @@ int dose_trial_run(const struct dose_trial *trial, struct dose_result *result, c
         snprintf(message, DOSE_MESSAGE_MAX, "out of memory");
     } else if (configure(trial, config, message) == 0 &&
                loop_init(loop, config, NULL, message) == 0) {
-        walk(trial, loop, result);
+        walk_steps(trial, loop, result);
         if (!result->fell && trial->push_step_N > 0.0) {
             memcpy(saved, loop, sizeof *saved);
             result->push_margin_N = margin_N(loop, saved, trial->push_step_N);
