@@ -283,7 +283,8 @@ static void what_was_asked(FILE *stream, const struct sim_options *options, cons
         if (share > REFLEX_NOISE_NONE) {
             snprintf(noise, sizeof noise, "%g %%", 100.0 * share);
         }
-        fprintf(stream, "  wearer     a person who walks by reflexes, noise of these: %s%s\n", noise,
+        fprintf(stream, "  wearer     a person who walks by reflexes, noise of these: %s%s\n",
+                noise,
                 options->recording.without_device ? "; and feels nothing of the device" : "");
     }
     fprintf(stream, "  who        %s (M %g kg, m %g kg, l %g m, k %g N/m)\n",
