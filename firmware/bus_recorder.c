@@ -2,29 +2,86 @@
 
 #include "hal/bus/frame_table.h"
 
-/* The SYNC, four answers, the targets. */
-enum { QUIET_FRAMES = 6 };
+/* Fixed point of what is usual. */
+enum { PARTS = 8 };
+
+/* Frames that have come are told from what waits in the port: an answer to a tool costs more than it shows. */
+static bool is_usual(const struct bus_recorder *recorder)
+{
+    return !recorder->special && recorder->frames <= (recorder->usual_parts + PARTS / 2) / PARTS;
+}
+
+/* SDO, heartbeats: not of each period. */
+static bool is_special(const struct can_msg *message)
+{
+    return message->id >= (uint32_t)FRAME_SDO_ANSWER_BASE;
+}
+
+static void count_frame(struct bus_recorder *recorder, const struct can_msg *message)
+{
+    recorder->frames++;
+    recorder->special = recorder->special || is_special(message);
+    black_box_record(recorder->box, message);
+}
+
+/* Towards the median of the frames of a period: a device with more on the bus has quiet periods, too. */
+static void follow_usual(struct bus_recorder *recorder)
+{
+    const uint32_t now_parts = recorder->frames * PARTS;
+
+    if (now_parts > recorder->usual_parts) {
+        recorder->usual_parts++;
+    } else if (now_parts < recorder->usual_parts) {
+        recorder->usual_parts--;
+    }
+}
+
+/* In the periods of gait events the controller has much to do, in those of heartbeats and
+ * the like the CANopen node: a snapshot waits for a quieter one, unless the block is full before. None
+ * while a node is being set up or asked: what was asked of it is not kept, and its answer would mean nothing to
+ * a replay. */
+static bool may_open(const struct bus_recorder *recorder, bool quiet)
+{
+    const struct control_task *task = recorder->source.task;
+    const bool asks = task->bring_up.setup.under_way || task->audit.under_way;
+
+    return quiet || recorder->box->header.state == (uint32_t)BLACK_BOX_CLOSING ||
+           (!asks && black_box_is_full(recorder->box));
+}
+
+bool bus_recorder_end_period(struct bus_recorder *recorder)
+{
+    const struct black_box *box = recorder->box;
+    const uint32_t next = box->header.next_sequence;
+    const bool quiet = is_usual(recorder) && !control_task_was_busy(recorder->source.task);
+
+    follow_usual(recorder);
+    if (may_open(recorder, quiet)) {
+        black_box_end_tick(recorder->box, recorder->source.task->tick, snapshot_save,
+                           &recorder->source);
+    }
+    recorder->ended = true;
+    recorder->special = false;
+    recorder->frames = 0;
+    return quiet && box->header.next_sequence == next;
+}
 
 static enum can_result bus_send(void *context, const struct can_msg *message)
 {
     struct bus_recorder *recorder = context;
-    enum can_result result = can_bus_send(&recorder->inner, message);
+    const bool is_sync = message->id == FRAME_SYNC;
 
-    if (result == CAN_OK && message->id != FRAME_SYNC) { /* the SYNC counts when it comes back */
+    if (is_sync && !recorder->ended) {
+        (void)bus_recorder_end_period(recorder);
+    }
+    recorder->ended = recorder->ended && !is_sync;
+    const enum can_result result = can_bus_send(&recorder->inner, message);
+    if (result == CAN_OK && !is_sync) { /* the SYNC counts when it comes back */
         struct can_msg own = *message;
         own.flags |= CAN_FRAME_OWN;
-        recorder->frames++;
-        black_box_record(recorder->box, &own);
+        count_frame(recorder, &own);
     }
     return result;
-}
-
-/* In the ticks of gait events the controller has much to do, in those of heartbeats and
- * the like the CANopen node: a snapshot waits for a quieter one. None while a node is being
- * set up: what was asked of it is not kept, and its answer would mean nothing to a replay. */
-static bool was_dear(const struct bus_recorder *recorder)
-{
-    return recorder->frames > QUIET_FRAMES || control_task_was_busy(recorder->source.task);
 }
 
 static void end_tick(struct bus_recorder *recorder)
@@ -39,11 +96,7 @@ static void end_tick(struct bus_recorder *recorder)
         }
         recorder->fault = fault;
     }
-    if (!was_dear(recorder)) {
-        black_box_end_tick(recorder->box, task->tick, snapshot_save, &recorder->source);
-    }
     recorder->in_tick = false;
-    recorder->frames = 0;
 }
 
 static enum can_result bus_receive(void *context, struct can_msg *message, uint64_t *time_ns)
@@ -56,8 +109,7 @@ static enum can_result bus_receive(void *context, struct can_msg *message, uint6
     }
     result = can_bus_receive(&recorder->inner, message, time_ns);
     if (result == CAN_OK) {
-        black_box_record(recorder->box, message);
-        recorder->frames++;
+        count_frame(recorder, message);
         recorder->in_tick = message->id == FRAME_SYNC && (message->flags & CAN_FRAME_OWN) != 0;
     }
     return result;
@@ -85,7 +137,8 @@ void bus_recorder_init(struct bus_recorder *recorder, const struct can_bus *inne
     recorder->source = *source;
     recorder->in_tick = false;
     recorder->fault = SUPERVISOR_FAULT_NONE;
-    recorder->frames = 0;
+    recorder->ended = recorder->special = false;
+    recorder->frames = recorder->usual_parts = 0;
 }
 
 struct can_bus bus_recorder_interface(struct bus_recorder *recorder)

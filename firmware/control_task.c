@@ -365,7 +365,8 @@ bool control_task_was_busy(const struct control_task *task)
 
     return task->output.new_step || event[GAIT_APEX].happened || event[GAIT_HEEL_STRIKE].happened ||
            event[GAIT_LIFT_OFF].happened || observer->apex.work.busy ||
-           task->bring_up.setup.under_way || task->audit.under_way;
+           task->bring_up.setup.under_way || task->audit.under_way ||
+           task->controller.derate.tick == task->tick || observer->model.since_tick == task->tick;
 }
 
 void control_task_show_cycles(struct control_task *task, uint32_t cycles)

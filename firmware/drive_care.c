@@ -65,7 +65,9 @@ void drive_care_update(struct controller *controller, const struct derate_limits
                        const struct sea_drives *drives, uint32_t tick, bool busy,
                        struct co_device *device)
 {
-    const uint32_t since = tick - controller->derate.tick;
+    const struct derate *derate = &controller->derate;
+    const uint32_t since =
+        derate->begun ? tick - derate->tick : tick + (uint32_t)DRIVE_CARE_PHASE_TICKS;
     struct derate_reading reading[SIDE_COUNT];
     if (since < (uint32_t)DRIVE_CARE_TICKS || (busy && since < 2u * (uint32_t)DRIVE_CARE_TICKS)) {
         return;

@@ -13,6 +13,8 @@
 
 /* Between two looks; a busy tick puts one off, for up to as long again. */
 enum { DRIVE_CARE_TICKS = TICKS_OF_MS(100) };
+/* The first look, between two telegrams of the state, which come as often. */
+enum { DRIVE_CARE_PHASE_TICKS = DRIVE_CARE_TICKS / 2 };
 
 /* The limits that hold, and which springs nothing unloads on link loss, by a description that was
  * checked. Start-up only; O(1). */

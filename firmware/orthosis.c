@@ -196,16 +196,6 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     }
 }
 
-static bool was_quiet(struct orthosis *orthosis)
-{
-    const uint32_t block = orthosis->recorder.box->header.next_sequence;
-    const bool opened = block != orthosis->seen_block;
-
-    orthosis->seen_block = block;
-    return !opened && orthosis->recorder.frames <= (uint32_t)ORTHOSIS_QUIET_FRAMES &&
-           !control_task_was_busy(&orthosis->task);
-}
-
 /* What it reads is used in the next tick, and told in that tick's state: a replay reads it back. */
 static void look_after_wearer(struct orthosis *orthosis)
 {
@@ -230,7 +220,7 @@ static void look_after_program(struct orthosis *orthosis)
 
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
-    if (was_quiet(orthosis)) {
+    if (bus_recorder_end_period(&orthosis->recorder)) {
         if (orthosis->program != NULL) {
             look_after_program(orthosis);
         }

@@ -26,10 +26,7 @@
 #include "hal/wearer_panel.h"
 
 /* Words of the program that a tick looks at: 260 instructions, 64 KiB in 9 s. */
-enum {
-    ORTHOSIS_PROGRAM_WORDS = 1,
-    ORTHOSIS_QUIET_FRAMES = 7 /* with more, nothing is looked at */
-};
+enum { ORTHOSIS_PROGRAM_WORDS = 1 };
 
 struct orthosis_config {
     struct can_bus bus;
@@ -68,7 +65,6 @@ struct orthosis {
     void (*in_quiet_ticks)(void);
     bool program_damaged;
     uint32_t program_rounds; /* that found it whole; saturates */
-    uint32_t seen_block;     /* of the black box: a tick that opened one has done enough */
     struct program_update update;
     uint64_t fed_ns;                    /* the watchdog, while settings are saved or forgotten */
     enum supervisor_fault forced_fault; /* keeps this fault latched for good; NONE = does not */

@@ -120,7 +120,7 @@ static inline bool frame_is_masters(uint32_t id)
 }
 
 /* SDO requests go to this identifier and the number of the node (CiA 301, 7.3.5). */
-enum { FRAME_SDO_REQUEST_BASE = 0x600, NODE_NUMBER_LAST = 127 };
+enum { FRAME_SDO_ANSWER_BASE = 0x580, FRAME_SDO_REQUEST_BASE = 0x600, NODE_NUMBER_LAST = 127 };
 
 /* SDO requests to nodes of any number but the controller's: while they run only the controller
  * configures its nodes, so it must hear who else asks. */

@@ -3,6 +3,8 @@
 #include <assert.h>
 #include <string.h>
 
+#include "hal/bus/bytes.h"
+
 static_assert(sizeof(struct black_box) == BLACK_BOX_BYTES, "the image fills its section");
 static_assert(sizeof(((struct black_box_block *)0)->data) >=
                   BLACK_BOX_SNAPSHOT_MAX + 2 * BLACK_BOX_TICK_RESERVE,
@@ -149,11 +151,8 @@ static uint32_t put_raw(uint8_t *out, const struct can_msg *message)
     out[0] = BLACK_BOX_RAW;
     out[1] = message->flags;
     out[2] = (uint8_t)length;
-    out[3] = (uint8_t)message->id;
-    out[4] = (uint8_t)(message->id >> 8);
-    out[5] = (uint8_t)(message->id >> 16);
-    out[6] = (uint8_t)(message->id >> 24);
-    memcpy(out + 7, message->data, length);
+    bytes_put_u32(out + 3, message->id);
+    memcpy(out + 7, message->data, CAN_FRAME_DATA_MAX); /* there is room for the longest */
     return 7U + length;
 }
 
@@ -206,6 +205,17 @@ static void open_block(struct black_box *box, uint32_t tick, black_box_snapshot 
     header->current = next;
 }
 
+static bool has_room(const struct black_box *box, uint32_t bytes)
+{
+    return is_open(box) &&
+           box->blocks[box->header.current].used + bytes <= sizeof box->blocks[0].data;
+}
+
+bool black_box_is_full(const struct black_box *box)
+{
+    return box->header.state != (uint32_t)BLACK_BOX_FROZEN && !has_room(box, BLACK_BOX_TICK_LEAST);
+}
+
 void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot snapshot,
                         const void *context)
 {
@@ -218,8 +228,7 @@ void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot
         header->state = BLACK_BOX_FROZEN;
         return;
     }
-    if (!is_open(box) ||
-        box->blocks[header->current].used + BLACK_BOX_TICK_RESERVE > sizeof box->blocks[0].data) {
+    if (!has_room(box, BLACK_BOX_TICK_RESERVE)) {
         open_block(box, tick, snapshot, context);
     }
 }

@@ -27,7 +27,8 @@ enum {
     BLACK_BOX_BLOCK_MAGIC = 0x4B4C4242, /* "BBLK" in memory order */
     BLACK_BOX_BLOCK_COUNT = 4,
     BLACK_BOX_SNAPSHOT_MAX = 6656,
-    BLACK_BOX_TICK_RESERVE = 512, /* room a block must have left to take one more tick */
+    BLACK_BOX_TICK_RESERVE = 1024, /* with less room a block should be followed by another */
+    BLACK_BOX_TICK_LEAST = 256,    /* with less, a tick's frames may not fit */
     BLACK_BOX_ROW_MAX = 48
 };
 
@@ -102,6 +103,9 @@ void black_box_record(struct black_box *box, const struct can_msg *message);
  * Loop only; below 100 instructions, plus the snapshot when it opens one. */
 void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot snapshot,
                         const void *context);
+
+/* Whether the next block can wait no longer. O(1). */
+bool black_box_is_full(const struct black_box *box);
 
 /* Freezes the recording `more_ticks` ticks after `tick`; the first trigger wins.
  * `reason` is kept with the image. Any context; O(1). */

@@ -147,9 +147,11 @@ static void run(int ticks)
 }
 
 /* With so much on the bus that no tick is quiet. */
+enum { MANY_ANSWERS = 14 };
+
 static void run_busy(int ticks)
 {
-    run_with(ticks, 2 * ORTHOSIS_QUIET_FRAMES);
+    run_with(ticks, MANY_ANSWERS);
 }
 
 static enum supervisor_state state(void)

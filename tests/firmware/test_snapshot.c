@@ -160,6 +160,97 @@ START_TEST(only_a_fault_that_comes_freezes_the_recording)
 }
 END_TEST
 
+/* A period with the own SYNC and so many answers. */
+static bool period(struct bus_recorder *recorder, struct fake_bus *fake, unsigned answers,
+                   uint32_t id)
+{
+    const struct can_bus bus = bus_recorder_interface(recorder);
+    const struct can_msg sync = {.id = FRAME_SYNC, .flags = CAN_FRAME_OWN};
+    struct can_msg answer = {.id = id, .length = 8}, message;
+    fake_bus_clear(fake);
+    fake_bus_put(fake, &sync);
+    for (unsigned i = 0; i < answers; i++) {
+        answer.data[i % 8]++;
+        fake_bus_put(fake, &answer);
+    }
+    while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
+    }
+    task.tick++;
+    return bus_recorder_end_period(recorder);
+}
+
+static void begin(struct bus_recorder *recorder, struct fake_bus *fake, struct black_box *box)
+{
+    memset(&task, 0, sizeof task);
+    task.controller.derate.tick = task.controller.observer.model.since_tick = UINT32_MAX;
+    fake_bus_init(fake);
+    const struct can_bus inner = fake_bus_interface(fake);
+    black_box_start(box, 1, 2);
+    bus_recorder_init(recorder, &inner, box, &source);
+}
+
+/* Whatever a device has on the bus: its usual periods are the quiet ones, and the box goes on from block to block. */
+START_TEST(a_device_with_more_on_the_bus_is_recorded_on)
+{
+    static struct black_box box;
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    begin(&recorder, &fake, &box);
+    unsigned quiet = 0;
+    for (int i = 0; i < 3000; i++) {
+        quiet += period(&recorder, &fake, 12, 0x181) ? 1u : 0u;
+    }
+    ck_assert_uint_gt(box.header.next_sequence, (uint32_t)BLACK_BOX_BLOCK_COUNT);
+    ck_assert_uint_eq(box.header.lost_frames, 0);
+    ck_assert_uint_gt(quiet, 2800);
+}
+END_TEST
+
+/* An answer to a tool, a heartbeat or one frame more than usual: nothing that can wait is done. */
+START_TEST(a_period_with_more_than_usual_is_not_quiet)
+{
+    static struct black_box box;
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    begin(&recorder, &fake, &box);
+    for (int i = 0; i < 200; i++) {
+        (void)period(&recorder, &fake, 6, 0x181);
+    }
+    const uint32_t blocks = box.header.next_sequence;
+    ck_assert(period(&recorder, &fake, 6, 0x181));
+    ck_assert(!period(&recorder, &fake, 7, 0x181));
+    ck_assert(!period(&recorder, &fake, 1, 0x610));
+    ck_assert(!period(&recorder, &fake, 1, 0x701));
+    task.audit.under_way = true;
+    ck_assert(!period(&recorder, &fake, 6, 0x181));
+    task.audit.under_way = false;
+    ck_assert(period(&recorder, &fake, 6, 0x181));
+    ck_assert_uint_eq(box.header.next_sequence, blocks);
+}
+END_TEST
+
+/* Never quiet, the block that is full is followed by another all the same; not while a node is asked. */
+START_TEST(a_full_block_does_not_wait_for_a_quiet_period)
+{
+    static struct black_box box;
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    begin(&recorder, &fake, &box);
+    for (int i = 0; i < 2000; i++) {
+        (void)period(&recorder, &fake, 5, 0x701);
+    }
+    ck_assert_uint_gt(box.header.next_sequence, (uint32_t)BLACK_BOX_BLOCK_COUNT);
+    ck_assert_uint_eq(box.header.lost_frames, 0);
+    const uint32_t blocks = box.header.next_sequence;
+    task.audit.under_way = true;
+    for (int i = 0; i < 2000; i++) {
+        (void)period(&recorder, &fake, 5, 0x701);
+    }
+    ck_assert_uint_eq(box.header.next_sequence, blocks);
+    ck_assert_uint_gt(box.header.lost_frames, 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("snapshot");
@@ -168,6 +259,9 @@ int main(void)
     tcase_add_test(tests, where_it_is_put_makes_no_difference);
     tcase_add_test(tests, what_was_saved_comes_back);
     tcase_add_test(tests, the_recorder_hands_on_what_the_bus_says_and_is_asked);
+    tcase_add_test(tests, a_device_with_more_on_the_bus_is_recorded_on);
+    tcase_add_test(tests, a_period_with_more_than_usual_is_not_quiet);
+    tcase_add_test(tests, a_full_block_does_not_wait_for_a_quiet_period);
     tcase_add_test(tests, only_the_own_sync_begins_a_tick);
     tcase_add_test(tests, only_a_fault_that_comes_freezes_the_recording);
     suite_add_tcase(suite, tests);
