@@ -24,9 +24,9 @@ IMAGE_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--no-enum-size-warning -Wl,
 
 # How much each room may take of the flash for its speed. What a tick runs through is worth some;
 # what runs once a step, on request or at start-up is not. The measure is `make budgets`.
-ROOMS_SMALL := model/% controller/laws/% hal/canopen/%
-ROOMS_FAST := controller/estimator/% hal/bus/% hal/devices/% hal/port_cortex_m/%
-ROOMS_FASTEST := controller/% firmware/% hal/storage/% hal/port_fdcan/%
+ROOMS_SMALL := model/% controller/laws/%
+ROOMS_FAST := controller/estimator/% hal/bus/% hal/canopen/% hal/port_cortex_m/%
+ROOMS_FASTEST := controller/% firmware/% hal/devices/% hal/storage/% hal/port_fdcan/%
 IMAGE_OPT = $(if $(filter $(ROOMS_SMALL),$(1)),-Os,$(if $(filter $(ROOMS_FAST),$(1)),-O2,$(if $(filter $(ROOMS_FASTEST),$(1)),-O3,-Os)))
 
 IMAGE_SRC := $(SRC_MODEL) $(SRC_CONTROLLER) $(filter-out hal/port_%,$(SRC_HAL)) $(SRC_FIRMWARE)

@@ -37,11 +37,10 @@ static void restart_model(const struct body_tick *now)
     const uint32_t centre = tick - LEG_RATE_HALF_WINDOW;
     const real *stance = now->history->angle_rad[gait->stance];
     const real *swing = now->history->angle_rad[side_other(gait->stance)];
-    const real state[SINGLE_SUPPORT_STATES] = {
-        [STANCE_ANGLE] = stance[centre % GAIT_HISTORY],
-        [SWING_ANGLE] = swing[centre % GAIT_HISTORY],
-        [STANCE_RATE] = person_events_rate(stance, GAIT_HISTORY, centre),
-        [SWING_RATE] = person_events_rate(swing, GAIT_HISTORY, centre)};
+    const real state[SINGLE_SUPPORT_STATES] = {[STANCE_ANGLE] = stance[centre % GAIT_HISTORY],
+                                               [SWING_ANGLE] = swing[centre % GAIT_HISTORY],
+                                               [STANCE_RATE] = person_events_rate(stance, centre),
+                                               [SWING_RATE] = person_events_rate(swing, centre)};
     model_observer_begin(now->model, gait->stance, tick, state,
                          (real)LEG_RATE_HALF_WINDOW * CONTROL_PERIOD_S);
 }

@@ -135,7 +135,7 @@ static void update(struct body_state *body, const struct body_tick *now)
     struct leg_view view = {.walking_speed_rad_s = walking_speed_at(now->speed, now->params, tick)};
     for (int i = 0; i < SIDE_COUNT; i++) {
         const struct leg_measurement *leg = &now->input->leg[i];
-        view.rate_rad_s = person_events_rate(now->history->angle_rad[i], GAIT_HISTORY, centre);
+        view.rate_rad_s = person_events_rate(now->history->angle_rad[i], centre);
         view.ahead_rad = angle_history_at(now->history, i, centre) -
                          angle_history_at(now->history, 1 - i, centre);
         view.extension = leg->ankle_extension_m * per_leg_length;

@@ -38,7 +38,7 @@
 
 #define HALF_WINDOW_S ((real)LEG_RATE_HALF_WINDOW * CONTROL_PERIOD_S)
 
-real person_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick)
+real person_events_rate(const real angle_rad[GAIT_HISTORY], uint32_t centre_tick)
 {
     /* Twice the sum of n^2 over the half window, a whole number. */
     enum {
@@ -47,8 +47,8 @@ real person_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_ti
     };
     real sum = REAL(0.0);
     for (uint32_t n = 1; n <= LEG_RATE_HALF_WINDOW; n++) {
-        sum +=
-            (real)n * (angle_rad[(centre_tick + n) % size] - angle_rad[(centre_tick - n) % size]);
+        sum += (real)n * (angle_rad[(centre_tick + n) % (uint32_t)GAIT_HISTORY] -
+                          angle_rad[(centre_tick - n) % (uint32_t)GAIT_HISTORY]);
     }
     return sum / ((real)SQUARES * CONTROL_PERIOD_S);
 }

@@ -20,6 +20,7 @@
 
 #include <stdint.h>
 
+#include "controller/estimator/angle_history.h"
 #include "controller/estimator/ankle_push.h"
 #include "controller/signals.h"
 
@@ -67,8 +68,8 @@ struct leg_view {
 };
 
 /* Slope of the line through the samples within LEG_RATE_HALF_WINDOW of `centre`, rad/s;
- * angle_rad[tick % size] as in apex_fit.h. About 200 operations. */
-real person_events_rate(const real *angle_rad, uint32_t size, uint32_t centre_tick);
+ * angle_rad[tick % GAIT_HISTORY]. About 200 operations. */
+real person_events_rate(const real angle_rad[GAIT_HISTORY], uint32_t centre_tick);
 
 /* One tick of one leg, every tick in order. Constant cost, tens of operations. */
 struct leg_event person_events_update(struct person_events *leg, const struct leg_view *view,

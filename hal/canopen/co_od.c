@@ -1,5 +1,6 @@
 #include "hal/canopen/co_od.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 #include "hal/bus/bytes.h"
@@ -29,16 +30,26 @@ unsigned co_type_size(enum co_type type)
     return 0;
 }
 
-/* Position of the first entry that is not below index:sub. */
-static unsigned lower_bound(const struct co_dictionary *dictionary, uint16_t index, uint8_t sub)
+static uint32_t key_of(const struct co_entry *entry)
 {
-    const uint32_t wanted = (uint32_t)index << 8 | sub;
+    return (uint32_t)entry->index << 8 | entry->sub;
+}
+
+/* Most objects asked for are of one dictionary, and each spans a range of indexes. */
+static bool may_hold(const struct co_dictionary *dictionary, uint16_t index)
+{
+    return dictionary->count > 0 && dictionary->entries[0].index <= index &&
+           dictionary->entries[dictionary->count - 1U].index >= index;
+}
+
+/* Position of the first entry that is not below `wanted`. */
+static unsigned lower_bound(const struct co_dictionary *dictionary, uint32_t wanted)
+{
     unsigned low = 0;
     unsigned high = dictionary->count;
     while (low < high) {
         const unsigned middle = (low + high) / 2;
-        const struct co_entry *entry = &dictionary->entries[middle];
-        if (((uint32_t)entry->index << 8 | entry->sub) < wanted) {
+        if (key_of(&dictionary->entries[middle]) < wanted) {
             low = middle + 1;
         } else {
             high = middle;
@@ -53,15 +64,20 @@ const struct co_entry *co_od_find(const struct co_dictionary *dictionaries, unsi
     *abort_code = CO_ABORT_NO_OBJECT;
     for (unsigned i = 0; i < count; i++) {
         const struct co_dictionary *dictionary = &dictionaries[i];
-        const unsigned at = lower_bound(dictionary, index, sub);
-        if (at < dictionary->count && dictionary->entries[at].index == index &&
-            dictionary->entries[at].sub == sub) {
+        const struct co_entry *entries = dictionary->entries;
+        if (!may_hold(dictionary, index)) {
+            continue;
+        }
+        const uint32_t wanted = (uint32_t)index << 8 | sub;
+        const unsigned at = lower_bound(dictionary, wanted);
+        if (at < dictionary->count && key_of(&entries[at]) == wanted) {
             *base = dictionary->base;
             *abort_code = CO_ABORT_NONE;
-            return &dictionary->entries[at];
+            return &entries[at];
         }
-        const unsigned first = lower_bound(dictionary, index, 0);
-        if (first < dictionary->count && dictionary->entries[first].index == index) {
+        /* The other subs of an index stand beside the place of the missing one. */
+        if ((at < dictionary->count && entries[at].index == index) ||
+            (at > 0 && entries[at - 1U].index == index)) {
             *abort_code = CO_ABORT_NO_SUB;
         }
     }

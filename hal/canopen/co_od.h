@@ -72,7 +72,7 @@ unsigned co_type_size(enum co_type type);
 
 /* Finds index:sub in `count` dictionaries. Returns the entry and its struct in
  * *base, or NULL with *abort_code CO_ABORT_NO_OBJECT or CO_ABORT_NO_SUB.
- * Cost: two binary searches a dictionary. */
+ * Cost: a binary search in each dictionary whose range of indexes it is in. */
 const struct co_entry *co_od_find(const struct co_dictionary *dictionaries, unsigned count,
                                   uint16_t index, uint8_t sub, void **base, uint32_t *abort_code);
 

@@ -45,24 +45,40 @@ static bool ring_has_room_for(const struct fdcan *can, uint32_t frames)
     return FDCAN_RX_RING - (can->ring_in - can->ring_out) >= frames;
 }
 
-static void ring_put(struct fdcan *can, const struct can_msg *message, uint64_t time_ns)
+/* Where the next frame goes; there must be room. */
+static struct fdcan_received *ring_slot(struct fdcan *can)
 {
-    struct fdcan_received *slot = &can->ring[can->ring_in % FDCAN_RX_RING];
+    return &can->ring[can->ring_in % FDCAN_RX_RING];
+}
 
-    if (!ring_has_room_for(can, 1)) {
-        count(&can->status.rx_overflow, 1);
-        return;
-    }
-    slot->message = *message;
-    slot->time_ns = time_ns;
+/* Frames of that kind do not wait for the tick to end. */
+static bool is_urgent(const struct can_msg *message)
+{
+    return (message->flags & CAN_FRAME_OWN) != 0U ||
+           message->id - (uint32_t)FDCAN_URGENT_ID <=
+               (uint32_t)(FDCAN_URGENT_LAST - FDCAN_URGENT_ID);
+}
+
+/* The slot is filled: hands it to the loop. */
+static void ring_close(struct fdcan *can)
+{
+    const uint32_t before = can->ring_in, in = before + 1U;
+    const struct can_msg *message = &can->ring[before % FDCAN_RX_RING].message;
+
     mmio_barrier(); /* the slot is complete before the loop can see it */
-    const uint32_t in = can->ring_in + 1U;
     can->ring_in = in;
-    if ((message->flags & CAN_FRAME_OWN) != 0U ||
-        (message->id >= (uint32_t)FDCAN_URGENT_ID && message->id <= (uint32_t)FDCAN_URGENT_LAST) ||
-        in - can->ring_out >= (uint32_t)FDCAN_BATCH) {
+    if (is_urgent(message) || in - can->ring_out >= (uint32_t)FDCAN_BATCH) {
         can->ring_due = in;
     }
+}
+
+/* When it was that many bit times ago; 0 where nobody asks for times. */
+static uint64_t time_ns(const struct fdcan *can, uint32_t age_bits)
+{
+    if (can->config.now_ns == NULL) {
+        return 0;
+    }
+    return can->config.now_ns(can->config.now_context) - (uint64_t)age_bits * NS_PER_BIT;
 }
 
 struct fifo {
@@ -100,26 +116,48 @@ static uint32_t first_bytes(uint32_t count)
     return count >= 4U ? UINT32_MAX : (1U << (8U * count)) - 1U;
 }
 
+/* One store: the core is little-endian, as the bus is. */
+static void put_word(uint8_t *at, uint32_t word)
+{
+    memcpy(at, &word, sizeof word);
+}
+
 static void read_element(uint32_t address, bool is_event, struct can_msg *message)
 {
     uint32_t word0 = mmio_read(address), word1 = mmio_read(address + 4U);
     uint32_t length = (word1 >> FDCAN_E1_DLC_POS) & FDCAN_E1_DLC_MASK;
 
-    *message = (struct can_msg){0};
+    uint32_t data0 = 0, data1 = 0;
     message->id = (word0 >> FDCAN_E0_STANDARD_ID_POS) & (uint32_t)CAN_ID_STANDARD_MAX;
     message->length = (uint8_t)(length > CAN_FRAME_DATA_MAX ? CAN_FRAME_DATA_MAX : length);
+    message->flags = 0;
     if (is_event) {
         message->flags = CAN_FRAME_OWN;
-        return;
-    }
-    if ((word0 & FDCAN_E0_RTR) != 0U) { /* filtered out; a second line of defence */
+    } else if ((word0 & FDCAN_E0_RTR) != 0U) { /* filtered out; a second line of defence */
         message->flags = CAN_FRAME_REMOTE;
+    } else {
+        data0 = mmio_read(address + 8U) & first_bytes(length);
+        data1 = length > 4U ? mmio_read(address + 12U) & first_bytes(length - 4U) : 0U;
+    }
+    put_word(message->data, data0);
+    put_word(message->data + 4, data1);
+}
+
+/* A frame for which there is no room is lost, and counted. */
+static void take(struct fdcan *can, uint32_t address, bool is_event, uint32_t age_bits)
+{
+    struct fdcan_received *slot = ring_slot(can);
+
+    if (!is_event) {
+        count(&can->status.rx_frames, 1);
+    }
+    if (!ring_has_room_for(can, 1)) {
+        count(&can->status.rx_overflow, 1);
         return;
     }
-    bytes_put_u32(message->data, mmio_read(address + 8U) & first_bytes(length));
-    if (length > 4U) {
-        bytes_put_u32(message->data + 4, mmio_read(address + 12U) & first_bytes(length - 4U));
-    }
+    read_element(address, is_event, &slot->message);
+    slot->time_ns = time_ns(can, age_bits);
+    ring_close(can);
 }
 
 /* Start-of-frame time of an element: the core counts bit times in 16 bits. */
@@ -137,13 +175,13 @@ static void receive_all(struct fdcan *can)
         uint32_t now_bits = get(FDCAN_TSCV) & FDCAN_E1_TIME_MASK;
         uint32_t best_age = 0, best_index = 0, best_address = 0, waiting = 0;
         int best = -1;
-        struct can_msg message;
 
         for (int i = 0; i < FIFO_COUNT; i++) {
             uint32_t index = 0, address = oldest(&fifos[i], &index, &waiting);
-            if (address != 0U && (best < 0 || age_in_bits(address, now_bits) > best_age)) {
+            const uint32_t age = address != 0U ? age_in_bits(address, now_bits) : 0U;
+            if (address != 0U && (best < 0 || age > best_age)) {
                 best = i;
-                best_age = age_in_bits(address, now_bits);
+                best_age = age;
                 best_index = index;
                 best_address = address;
             }
@@ -151,13 +189,8 @@ static void receive_all(struct fdcan *can)
         if (best < 0) {
             return;
         }
-        read_element(best_address, best == FIFO_EVENTS, &message);
+        take(can, best_address, best == FIFO_EVENTS, best_age);
         put(fifos[best].acknowledge, best_index);
-        if (best != FIFO_EVENTS) {
-            count(&can->status.rx_frames, 1);
-        }
-        ring_put(can, &message,
-                 can->config.now_ns(can->config.now_context) - (uint64_t)best_age * NS_PER_BIT);
         if (waiting ==
             1U) { /* what has come since interrupts again: the flags were cleared before */
             return;
@@ -288,13 +321,14 @@ static bool load_directly(struct fdcan *can, const struct can_msg *message)
     return true;
 }
 
-/* Buffers whose request is gone were sent or cancelled. */
-static void collect_sent(struct fdcan *can)
+/* Buffers whose request is gone were sent or cancelled. Returns true when there are any: then others can be
+ * loaded. */
+static bool collect_sent(struct fdcan *can)
 {
     const uint32_t done = can->pending != 0U ? can->pending & ~get(FDCAN_TXBRP) : 0U;
 
     if (done == 0U) {
-        return;
+        return false;
     }
     const uint32_t sent = get(FDCAN_TXBTO);
     for (uint32_t buffer = 0; buffer < FDCAN_TX_BUFFERS; buffer++) {
@@ -310,6 +344,7 @@ static void collect_sent(struct fdcan *can)
             queue_put_back(can, &can->in_buffer[buffer]);
         }
     }
+    return true;
 }
 
 static void drop_waiting(struct fdcan *can)
@@ -364,7 +399,8 @@ static void report_error(struct fdcan *can)
      * out. Changes of state are few and always told. */
     room_needed = can->status.error_state == before ? FDCAN_RX_RING / 2 : 1U;
     if (ring_has_room_for(can, room_needed)) {
-        ring_put(can, &message, can->config.now_ns(can->config.now_context));
+        *ring_slot(can) = (struct fdcan_received){message, time_ns(can, 0)};
+        ring_close(can);
     }
 }
 
@@ -377,11 +413,11 @@ void fdcan_interrupt(struct fdcan *can)
         count(&can->status.rx_overflow, 1); /* at least one; the core does not count them */
     }
     receive_all(can);
-    collect_sent(can);
+    const bool changed = collect_sent(can);
     if ((flags & ERROR_INTERRUPTS) != 0U) {
         report_error(can);
     }
-    if (can->status.error_state != CAN_BUS_OFF) {
+    if (changed && can->status.error_state != CAN_BUS_OFF) {
         refill(can);
     }
 }

@@ -42,7 +42,8 @@ struct fdcan_config {
     uint32_t kernel_clock_hz;           /* of the core: a multiple of 24 MHz's 24 quanta a bit */
     const struct fdcan_filter *filters; /* the caller's, read at init only */
     uint32_t filter_count;              /* at most 28 */
-    uint64_t (*now_ns)(void *context);  /* the port's clock; callable from the ISR */
+    /* The port's clock; callable from the ISR. NULL: nobody asks when a frame came, and each is cheaper. */
+    uint64_t (*now_ns)(void *context);
     void *now_context;
 };
 

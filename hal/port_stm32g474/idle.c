@@ -10,10 +10,12 @@ uint32_t idle_until_interrupt(const struct fdcan *can, const struct tim2_clock *
     const uint32_t state = mmio_lock();
     uint32_t slept = 0;
 
-    if (!fdcan_is_due(can) && clock->waiting == 0U) {
+    while (!fdcan_is_due(can) && clock->waiting == 0U) {
         const uint32_t before = cycle_counter();
         mmio_sleep();
-        slept = cycle_counter() - before;
+        slept += cycle_counter() - before;
+        mmio_unlock(state); /* most frames can wait: the loop is not woken for each */
+        (void)mmio_lock();
     }
     mmio_unlock(state);
     return slept;

@@ -433,13 +433,15 @@ static void asleep(void)
 {
     sleeps++;
     counter[1] += 1000;
-    locked_asleep = mmio_model_locked();
+    locked_asleep += mmio_model_locked() ? 1 : 0;
+    can.ring_in++; /* a frame that can wait, and then a period */
+    timer.waiting = sleeps == 2 ? 1 : 0;
 }
 
 START_TEST(the_loop_does_not_sleep_over_what_has_come)
 {
     memset(&can, 0, sizeof can);
-    sleeps = 0;
+    sleeps = locked_asleep = 0;
     mmio_model_on_sleep(asleep);
     mmio_model_map_memory(0xE0001000, sizeof counter, counter);
     counter[1] = 0xFFFFFFF0;
@@ -451,9 +453,9 @@ START_TEST(the_loop_does_not_sleep_over_what_has_come)
     ck_assert_uint_eq(idle_until_interrupt(&can, &timer), 0);
     ck_assert_int_eq(sleeps, 0);
     timer.waiting = 0;
-    ck_assert_uint_eq(idle_until_interrupt(&can, &timer), 1000); /* over the wrap */
-    ck_assert_int_eq(sleeps, 1);
-    ck_assert_int_eq(locked_asleep, 1); /* from the look on no interrupt is handled */
+    ck_assert_uint_eq(idle_until_interrupt(&can, &timer), 2000); /* over the wrap */
+    ck_assert_int_eq(sleeps, 2);
+    ck_assert_int_eq(locked_asleep, 2); /* from the look on no interrupt is handled */
     ck_assert_int_eq(mmio_model_locked(), 0);
 }
 END_TEST
