@@ -15,6 +15,8 @@ enum {
     KEY_COSTS,
     KEY_BOARD,
     KEY_TRACE,
+    KEY_PROFILE,
+    KEY_RECORDING,
     KEY_GDB
 };
 
@@ -22,6 +24,8 @@ static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The run:", 3},
     {"core", KEY_CORE, "FILE", 0, "the Unicorn engine's shared library (that in build/venv)", 0},
     {"seconds", KEY_SECONDS, "T", 0, "walk at least this long (0)", 0},
+    {"recording", KEY_RECORDING, "FILE.csv", 0,
+     "recorded walking in the walker's place, to its end", 0},
     {"fault", KEY_FAULT, "NAME", 0,
      "emergency-stop, lost-sensor, lost-drive, destroyed-frames, hang, crystal-stops, no-crystal, "
      "torn-settings, ecc-error, save-cut, load-cut, lost-write, half-written, "
@@ -41,6 +45,8 @@ static const struct argp_option option_list[] = {
      "wait at 127.0.0.1:PORT until gdb attaches (target remote); 0: a free port", 4},
     {"board", KEY_BOARD, 0, 0, "then ask the image what `afo ctl board' asks a board", 4},
     {"costs", KEY_COSTS, "FILE", 0, "instructions of every tick", 4},
+    {"profile", KEY_PROFILE, "FILE", 0,
+     "instructions of the worst tick by place; scripts/tick-profile names the functions", 4},
     {0}};
 
 static error_t take(int key, char *text, struct argp_state *state)
@@ -81,6 +87,12 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_LOG:
         options->log_path = text;
+        return 0;
+    case KEY_PROFILE:
+        options->profile_path = text;
+        return 0;
+    case KEY_RECORDING:
+        options->recording_path = text;
         return 0;
     case KEY_TRACE:
         options->trace_path = text;

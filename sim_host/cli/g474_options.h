@@ -20,7 +20,7 @@ struct g474_options {
     double seconds;
     enum chip_fault fault;
     uint32_t fault_step, cut, every, lose;
-    const char *log_path, *costs_path, *trace_path;
+    const char *log_path, *costs_path, *trace_path, *profile_path, *recording_path;
     bool board, alike, gdb;
     unsigned gdb_port;
 };

@@ -275,3 +275,17 @@ int recording_options_apply(const struct recording_options *options, struct loop
     apply_switches(options, config);
     return 0;
 }
+
+int recording_options_play(const char *path, bool open_loop, struct loop_config *config,
+                           char *message)
+{
+    struct recording_options options;
+
+    if (path == NULL) {
+        return 0;
+    }
+    recording_options_init(&options);
+    options.path = path;
+    options.open_loop = open_loop;
+    return recording_options_apply(&options, config, message);
+}

@@ -39,6 +39,11 @@ void recording_options_init(struct recording_options *options);
 int recording_options_apply(const struct recording_options *options, struct loop_config *config,
                             char *message);
 
+/* The same for a recording with the default format and switches, for who has no other option of it;
+ * `path` NULL: nothing is done. */
+int recording_options_play(const char *path, bool open_loop, struct loop_config *config,
+                           char *message);
+
 /* Whether a person stands in the walker's place. */
 static inline bool recording_options_person(const struct recording_options *options)
 {

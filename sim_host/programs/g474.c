@@ -8,6 +8,7 @@
 #include "sim_host/cli/program.h"
 #include "sim_host/cli/program_output.h"
 #include "sim_host/cli/progress.h"
+#include "sim_host/cli/recording_options.h"
 #include "sim_host/ctl/ctl.h"
 #include "sim_host/emulator/g474/chip_gdb.h"
 #include "sim_host/emulator/g474/chip_trial.h"
@@ -16,7 +17,8 @@
 struct g474 {
     struct g474_options options;
     struct chip_session session;
-    struct output_file log, costs, trace;
+    struct output_file log, costs, trace, profile_file;
+    struct chip_profile profile;
     struct progress progress;
     struct chip_gdb gdb;
 };
@@ -34,16 +36,20 @@ static int prepare(struct g474 *g474)
     char message[LOOP_MESSAGE_MAX] = "";
 
     if (sensing_options_configure(&options->sensing, &options->walk, &options->sensor, &config,
-                                  message) != 0) {
+                                  message) != 0 ||
+        recording_options_play(options->recording_path, options->walk.open_loop, &config,
+                               message) != 0) {
         return program_complain("%s", message);
     }
     if (program_open_output(&g474->log, options->log_path) != 0 ||
         program_open_output(&g474->costs, options->costs_path) != 0 ||
-        program_open_output(&g474->trace, options->trace_path) != 0) {
+        program_open_output(&g474->trace, options->trace_path) != 0 ||
+        program_open_output(&g474->profile_file, options->profile_path) != 0) {
         return -1;
     }
     session->steps = options->emulator.steps;
     session->seconds = options->seconds;
+    session->is_recording = options->recording_path != NULL;
     session->fault = options->fault;
     session->fault_step = options->fault_step;
     session->cuts.at = options->cut;
@@ -59,6 +65,10 @@ static int prepare(struct g474 *g474)
     session->bridge.corrupt_frame = options->emulator.corrupt_frame;
     session->bridge.costs = g474->costs.stream;
     session->chip.trace = g474->trace.stream;
+    if (g474->profile_file.stream != NULL) {
+        g474->profile.out = g474->profile_file.stream;
+        session->chip.profile = &g474->profile;
+    }
     if (options->gdb && chip_gdb_open(&g474->gdb, &session->chip, options->gdb_port) != 0) {
         return program_complain("%s", g474->gdb.link.message);
     }
@@ -120,7 +130,8 @@ static int run(struct g474 *g474)
     const double wall_s = now_s() - start_s;
     chip_gdb_close(&g474->gdb);
     if (program_commit_output(&g474->log) != 0 || program_commit_output(&g474->costs) != 0 ||
-        program_commit_output(&g474->trace) != 0) {
+        program_commit_output(&g474->trace) != 0 ||
+        program_commit_output(&g474->profile_file) != 0) {
         return EXIT_BAD;
     }
     if (g474->options.emulator.json) {
@@ -143,6 +154,7 @@ int afo_g474(int argc, char **argv)
     output_file_discard(&g474.log);
     output_file_discard(&g474.costs);
     output_file_discard(&g474.trace);
+    output_file_discard(&g474.profile_file);
     chip_session_free(&g474.session);
     return status;
 }

@@ -37,17 +37,10 @@ static int configure(struct pil *pil)
     char message[LOOP_MESSAGE_MAX] = "";
 
     if (sensing_options_configure(&options->sensing, &options->walk, &options->sensor, &pil->config,
-                                  message) != 0) {
+                                  message) != 0 ||
+        recording_options_play(options->recording_path, options->walk.open_loop, &pil->config,
+                               message) != 0) {
         return program_complain("%s", message);
-    }
-    if (options->recording_path != NULL) {
-        struct recording_options recording;
-        recording_options_init(&recording);
-        recording.path = options->recording_path;
-        recording.open_loop = options->walk.open_loop;
-        if (recording_options_apply(&recording, &pil->config, message) != 0) {
-            return program_complain("%s", message);
-        }
     }
     return 0;
 }

@@ -5,11 +5,18 @@ import pathlib
 import re
 import struct
 import subprocess
+import sys
 import zlib
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "system"))
+
+import gait_play  # noqa: E402
+from afo import recording  # noqa: E402
+from made_gait import made_gait  # noqa: E402
+
 AFO = ROOT / "build" / "afo"
 ENGINE = list((ROOT / "build" / "venv").glob("lib/python3*/site-packages/unicorn/lib/libunicorn.so.2"))
 CYCLES_OF_A_TICK = 170000
@@ -55,6 +62,36 @@ def test_a_device_of_others_walks_on_the_chip(device):
     walk = g474("--steps", "3", "--speed", "0.8", "--device", f"sim_host/devices/{device}.ini")
     assert walk["steps"] == 3 and not walk["fell"] and walk["findings"] == 0
     assert walk["differences"] == 0 and walk["compared_frames"] > 5000
+    # Above the limit in one tick: five heartbeats, two slow telegrams and the controller's own come together.
+    assert walk["worst_tick_instructions"] <= (12100 if device == "epos4" else INSTRUCTIONS_OF_A_TICK)
+
+
+@pytest.fixture(name="person", params=["made", pytest.param("recorded", marks=pytest.mark.data)])
+def walk_of_a_person(request, tmp_path):
+    if request.param == "recorded":
+        return recording()
+    return gait_play.write(tmp_path / "made.csv", made_gait(20.0))
+
+
+def test_a_person_walks_on_the_chip(person, tmp_path):
+    """The first 20 s of a walk: the rules for a person cost more than those for a compass."""
+    part = tmp_path / "part.csv"
+    part.write_text("".join(person.read_text(encoding="utf-8").splitlines(keepends=True)[:4001]), encoding="utf-8")
+    walk = g474("--recording", str(part))
+    assert walk["steps"] >= 30 and walk["differences"] == 0 and walk["findings"] == 0
+    assert walk["worst_tick_instructions"] <= INSTRUCTIONS_OF_A_TICK
+
+
+def test_the_worst_tick_is_told_by_function(tmp_path):
+    """Each new worst tick is in the file; the last is the worst of all."""
+    profile = tmp_path / "profile.csv"
+    walk = g474("--steps", "1", "--speed", "0.8", "--profile", str(profile))
+    text = subprocess.run([str(ROOT / "scripts" / "tick-profile"), str(profile)], cwd=ROOT, capture_output=True, text=True,
+                          check=True).stdout
+    assert f"tick {walk['worst_tick']}: {walk['worst_tick_instructions']} instructions" in text
+    rows = {line.split()[2]: line.split() for line in text.splitlines()[1:]}
+    assert rows["controller_update_f32"][1] == "1" and int(rows["fdcan1_handler"][1]) >= 5
+    assert sum(int(row[0]) for row in rows.values()) == walk["worst_tick_instructions"]
 
 
 @pytest.mark.parametrize("frame", ["5", "3000"])
@@ -137,6 +174,7 @@ def test_a_mark_gives_a_pulse_at_once_wherever_it_comes_in_the_tick():
     """afo g474 itself checks that each mark has one pulse, and that the frames stay the host's."""
     end = g474("--fault", "mark", "--speed", "0.45", "--fault-step", "2")
     assert end["marks"] == 40 and end["differences"] == 0 and end["fault"] == "none"
+    assert end["worst_tick_instructions"] <= INSTRUCTIONS_OF_A_TICK
     assert 0 < end["mark_delay_us"][0] <= end["mark_delay_us"][1] < 100
     assert end["mark_delay_us"][1] - end["mark_delay_us"][0] < 50
     assert all(abs(length - 10000) <= 1 for length in end["pulse_us"])

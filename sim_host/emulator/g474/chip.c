@@ -99,6 +99,9 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
     const uint32_t count = instructions_of_block(chip, address, bytes);
     chip->cycles += count;
     chip->instructions += count;
+    if (chip->profile != NULL) {
+        chip_profile_note(chip->profile, address, count);
+    }
 }
 
 /* Until an exception is pending, whether masked or not. */

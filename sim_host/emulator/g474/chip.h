@@ -22,6 +22,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "sim_host/emulator/g474/chip_profile.h"
 #include "sim_host/emulator/g474/fdcan_model.h"
 #include "sim_host/emulator/g474/flash_model.h"
 #include "sim_host/emulator/g474/unicorn_core.h"
@@ -166,6 +167,7 @@ struct chip {
     void *debug_context;
     bool debug_halted, debug_step; /* it stops before the next instruction, or after it */
     bool dirty_ram;                /* a program that begins finds anything in RAM */
+    struct chip_profile *profile;  /* NULL = not asked for; the caller's */
     FILE *trace; /* what a debugger records of the trace port; NULL = none listens */
     char message[CORE_MESSAGE_MAX];
 };

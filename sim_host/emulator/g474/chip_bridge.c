@@ -299,29 +299,39 @@ void chip_bridge_connect(struct chip_bridge *bridge, struct loop *loop)
 
 /* ---- A period ---------------------------------------------------------------------------------------- */
 
-static void note_costs(struct chip_bridge *bridge)
+/* Of a period, or of as much of it as passed until the bridge saw that no SYNC comes. A start is no tick. */
+static void note_instructions(struct chip_bridge *bridge)
 {
     struct chip *chip = bridge->chip;
-    const uint64_t now_ns = chip_now_ns(chip);
     const uint32_t cost = (uint32_t)(chip->instructions - bridge->tick_began_instructions);
+    const bool counts = bridge->ticks > 0 && chip->resets == bridge->tick_began_resets;
+    const bool worst = counts && cost > bridge->worst_instructions;
 
-    if (bridge->ticks > 0) { /* the first is the start */
-        if (bridge->costs != NULL) {
-            fprintf(bridge->costs, "%u,%u\n", bridge->ticks, cost);
-        }
-        if (cost > bridge->worst_instructions) {
-            bridge->worst_instructions = cost;
-            bridge->worst_tick = bridge->ticks;
-        }
-        const uint64_t took_ns = now_ns - bridge->sync_ns;
-        const uint64_t late_ns = took_ns > PERIOD_NS ? took_ns - PERIOD_NS : PERIOD_NS - took_ns;
-        /* The first period is short: the clock ran while the rest started. */
-        if (bridge->ticks > 1 && bridge->silent_periods == 0 && late_ns > bridge->sync_late_ns) {
-            bridge->sync_late_ns = late_ns;
-            bridge->sync_late_tick = bridge->ticks;
-        }
+    if (counts && bridge->costs != NULL) {
+        fprintf(bridge->costs, "%u,%u\n", bridge->ticks, cost);
+    }
+    if (worst) {
+        bridge->worst_instructions = cost;
+        bridge->worst_tick = bridge->ticks;
+    }
+    if (chip->profile != NULL) {
+        chip_profile_end_tick(chip->profile, bridge->ticks, worst);
     }
     bridge->tick_began_instructions = chip->instructions;
+    bridge->tick_began_resets = chip->resets;
+}
+
+static void note_lateness(struct chip_bridge *bridge)
+{
+    const uint64_t now_ns = chip_now_ns(bridge->chip);
+    const uint64_t took_ns = now_ns - bridge->sync_ns;
+    const uint64_t late_ns = took_ns > PERIOD_NS ? took_ns - PERIOD_NS : PERIOD_NS - took_ns;
+
+    /* The first period is short: the clock ran while the rest started. */
+    if (bridge->ticks > 1 && bridge->silent_periods == 0 && late_ns > bridge->sync_late_ns) {
+        bridge->sync_late_ns = late_ns;
+        bridge->sync_late_tick = bridge->ticks;
+    }
     bridge->sync_ns = now_ns;
 }
 
@@ -341,7 +351,8 @@ static void check_permit(struct chip_bridge *bridge)
 
 static void begin_tick(struct chip_bridge *bridge)
 {
-    note_costs(bridge);
+    note_instructions(bridge);
+    note_lateness(bridge);
     if (bridge->ticks > 0) {
         loop_end_period(bridge->loop, sim_bus_now_ns(&bridge->loop->bus));
     }
@@ -370,6 +381,7 @@ void chip_bridge_tick(struct chip_bridge *bridge)
         begin_tick(bridge);
         return;
     }
+    note_instructions(bridge);
     bridge->silent_periods++;
     if (bridge->ticks > 0) {
         loop_end_period(bridge->loop, sim_bus_now_ns(&bridge->loop->bus));

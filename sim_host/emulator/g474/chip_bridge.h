@@ -48,6 +48,7 @@ struct chip_bridge {
     /* Results. */
     uint32_t ticks, silent_periods; /* SYNCs, and periods without one since the last */
     uint64_t tick_began_instructions;
+    uint32_t tick_began_resets;
     uint32_t worst_instructions, worst_tick;
     uint64_t sync_ns, sync_late_ns; /* the last SYNC; the worst deviation from a period */
     uint32_t sync_late_tick;

@@ -10,16 +10,10 @@
 #include "sim_host/emulator/g474/mmio_model.h"
 #include "sim_host/log/black_box_log.h"
 #include "sim_host/log/sdo_upload.h"
+#include "sim_host/loop/walk_watch.h"
 #include "sim_host/subjects/settings_image.h"
 
-enum {
-    FIRST_STEP_TICKS = 20000,
-    STEP_TICKS = 10000,
-    RECORD_DELAY_TICKS = 150,
-    STANDBY_TICKS = 3000,
-    PORT_C = 2,
-    STUCK_AT = 0x5A40
-};
+enum { STANDBY_TICKS = 3000, PORT_C = 2, STUCK_AT = 0x5A40 };
 
 #define BIT(fault) (1u << SUPERVISOR_FAULT_##fault)
 #define CRASHES_OF_A_WILD_PROGRAM                                                \
@@ -221,57 +215,63 @@ void chip_session_pass(struct chip_session *session, unsigned ticks)
     }
 }
 
-static bool has_walked(const struct chip_session *session, uint64_t last_progress)
+/* Nobody walks before the fault. */
+static bool never_walks(enum chip_fault fault)
 {
-    const struct walk_record *record = &session->record;
+    return fault == CHIP_FAULT_NO_CRYSTAL || fault == CHIP_FAULT_TORN_SETTINGS || stands(fault) ||
+           fault == CHIP_FAULT_LOST_WRITE || fault == CHIP_FAULT_HALF_WRITTEN ||
+           fault == CHIP_FAULT_STUCK_RAM || is_first_start(fault);
+}
 
-    return record->count >= session->steps &&
-           (record->rows[session->steps - 1].measured ||
-            session->loop->tick - last_progress > RECORD_DELAY_TICKS) &&
-           (double)session->bridge.ticks * 1e-6 * TICK_PERIOD_US >= session->seconds;
+static void tell_step(const struct chip_session *session, const struct walk_watch *watch)
+{
+    if (session->on_step != NULL && session->record.count != watch->seen) {
+        session->on_step(session->context, session->record.count);
+    }
+}
+
+static void tell_fall(struct chip_session *session)
+{
+    session->fell = true;
+    snprintf(session->trouble, sizeof session->trouble, "fell: %s",
+             walk_fault_name(plant_fault(&session->loop->nodes.plant)));
+}
+
+static bool is_long_enough(const struct chip_session *session)
+{
+    return (double)session->bridge.ticks * 1e-6 * TICK_PERIOD_US >= session->seconds;
 }
 
 void chip_session_walk(struct chip_session *session)
 {
-    const bool never = session->fault == CHIP_FAULT_NO_CRYSTAL ||
-                       session->fault == CHIP_FAULT_TORN_SETTINGS || stands(session->fault) ||
-                       session->fault == CHIP_FAULT_LOST_WRITE ||
-                       session->fault == CHIP_FAULT_HALF_WRITTEN ||
-                       session->fault == CHIP_FAULT_STUCK_RAM || is_first_start(session->fault);
-    uint64_t last_progress = 0;
-    uint32_t seen = 0, waited = 0;
+    struct walk_watch watch;
+    unsigned standby = 0;
 
-    while (!never && !has_walked(session, last_progress)) {
+    walk_watch_init(&watch, session->steps, session->is_recording);
+    while (!never_walks(session->fault)) {
         tick(session);
-        const struct plant *plant = &session->loop->nodes.plant;
-        if (session->record.count != seen) {
-            seen = session->record.count;
-            if (session->on_step != NULL) {
-                session->on_step(session->context, seen);
-            }
-            last_progress = session->loop->tick;
-            waited = 0;
-        }
-        if (session->fault != CHIP_FAULT_NONE && seen >= session->fault_step) {
+        tell_step(session, &watch);
+        const enum walk_end end = walk_watch_tick(&watch, &session->record, session->loop);
+        if (end == WALK_RECORDING_OVER || (end == WALK_DONE && is_long_enough(session))) {
+            session->reached = watch.seen > 0;
             return;
         }
-        if (plant_fault(plant) != WALK_FAULT_NONE) {
-            session->fell = true;
-            snprintf(session->trouble, sizeof session->trouble, "fell: %s",
-                     walk_fault_name(plant_fault(plant)));
+        if (session->fault != CHIP_FAULT_NONE && watch.seen >= session->fault_step) {
             return;
         }
-        if (waited++ > (seen == 0 ? FIRST_STEP_TICKS : STEP_TICKS) && seen < session->steps) {
-            chip_session_complain(session, session->bridge.ticks > 0 ? "no step within its time"
-                                                                     : "the image sends no SYNC");
+        if (end == WALK_FELL) {
+            tell_fall(session);
             return;
         }
-        if (session->bridge.ticks == 0 && waited > STANDBY_TICKS) {
+        if (end == WALK_STALLED) {
+            chip_session_complain(session, "no step within its time");
+            return;
+        }
+        if (session->bridge.ticks == 0 && standby++ > STANDBY_TICKS) {
             chip_session_complain(session, "the image sends no SYNC");
             return;
         }
     }
-    session->reached = !never;
 }
 
 bool chip_session_is_safe(const struct chip_session *session)

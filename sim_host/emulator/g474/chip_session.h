@@ -76,7 +76,8 @@ struct chip_marks {
 struct chip_session {
     /* Before chip_session_start: what to do. */
     uint32_t steps, fault_step;
-    double seconds; /* walks at least this long */
+    double seconds;    /* walks at least this long */
+    bool is_recording; /* a recorded person walks: to the last step or the recording's end */
     enum chip_fault fault;
     struct chip_cuts cuts;              /* its `every` and `at` */
     uint32_t old_crc, new_crc, cut_crc; /* of programs: at first, ordered and running, sent */
