@@ -434,7 +434,10 @@ START_TEST(the_gate_lets_no_motion_out_of_its_stage)
         request[SIDE_LEFT] = (struct sea_request){0.006f, true, true};
         command_guard_limit(&guard, true, request);
     }
-    ck_assert(!request[SIDE_LEFT].enable && !request[SIDE_LEFT].latch_armed);
+    /* Held where it ends, not switched off: a drive would let its loaded spring go. */
+    const float stage_m = 0.05f * params.r0_max_m + params.sea_tolerance_m;
+    ck_assert(request[SIDE_LEFT].enable && !request[SIDE_LEFT].latch_armed);
+    ck_assert(request[SIDE_LEFT].precompression_m <= stage_m && stage_m < 0.006f);
 }
 END_TEST
 
