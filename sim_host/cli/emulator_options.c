@@ -6,7 +6,9 @@ enum { KEY_IMAGE = 0x800, KEY_STEPS, KEY_CORRUPT };
 
 static const struct argp_option option_list[] = {
     {0, 0, 0, 0, "The image:", 2},
-    {"image", KEY_IMAGE, "ELF", 0, "what the emulator runs (build/arm/afo-mps2-an386.elf)", 0},
+    {"image", KEY_IMAGE, "ELF", 0,
+     "what the emulator runs (build/arm/afo-mps2-an386.elf; g474: build/arm/afo-nucleo-g474re.bin)",
+     0},
     {"steps", KEY_STEPS, "N", 0,
      "walk this many steps (pil: 200; slcan, where one takes some seconds: 3)", 0},
     {"corrupt", KEY_CORRUPT, "N", 0, "flip a bit of the image's N-th frame: must be noticed", 0},

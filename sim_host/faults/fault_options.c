@@ -39,8 +39,8 @@ static const struct argp_option option_list[] = {
      "the source tree, where the persons and devices are",
      0},
     {"plant", KEY_PLANT, "KIND", 0,
-     "reflex: a person who walks by reflexes, --person's or an adult, with --device or two of this tree; whose fall "
-     "a fall was tells the same walk without the device",
+     "reflex: a person who walks by reflexes, that of --person or an adult, with --device or two devices of this "
+     "tree. Each fall is compared with the same walk without the device",
      0},
     {"data", KEY_DATA, "DIR", 0,
      "with --people: a folder of recordings, such as DIR/NAME.csv and DIR/people/NAME.csv (default: AFO_DATA)",

@@ -41,7 +41,10 @@ def read(path):
 
 
 def number(text):
-    return float(text) if text else math.nan
+    try:
+        return float(text) if text else math.nan
+    except ValueError:
+        raise Refusal(f"'{text}' where a number was expected") from None
 
 
 def typed(column):
@@ -130,6 +133,11 @@ def to_storage(names, columns, told, path):
     lacking = [name for name in TICK_COLUMNS if name not in names]
     if lacking:
         raise Refusal(f"a motion is made of a table of ticks (afo sim --ticks=FILE), and this one lacks {listed(lacking)}")
+    who = told.get("who", {})
+    if who.get("recording"):
+        raise Refusal("a recorded person has no hip in the table of ticks: the motion is of a simulated walker")
+    if who.get("plant") == "reflex":
+        raise Refusal("a motion has straight knees, and this person bends theirs; a picture (.svg) or Parquet has them")
     values = {name: [number(text) for text in columns[names.index(name)]] for name in TICK_COLUMNS}
     wanted = {"time": values["time_s"], "pelvis_tilt": [0.0] * len(values["time_s"]),
               "pelvis_tx": [-x for x in values["hip_x_m"]], "pelvis_ty": values["hip_y_m"]}
@@ -151,6 +159,8 @@ def to_picture(names, columns, told, path):
     kept = {name: columns[names.index(name)] if name in ("stance", "phase") else [number(x) for x in columns[names.index(name)]]
             for name in (*walk_picture.NEEDED, *walk_picture.BODY) if name in names}
     rows = [dict(zip(kept, row)) for row in zip(*kept.values())]
+    if len(rows) < 2:
+        raise Refusal("a moving picture needs two rows or more")
     path.write_text(walk_picture.draw(rows, told), encoding="utf-8")
 
 

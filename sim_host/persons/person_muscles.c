@@ -50,7 +50,7 @@ static const struct muscle_key keys[PERSON_MUSCLE_KEYS] = {
     STRENGTH("glu", MUSCLE_GLU, "glutei"),
     STRENGTH("hfl", MUSCLE_HFL, "hip flexors"),
     {"tuned_seed", "1", 0.0, MOST_WHOLE, FIELD(tuned_seed), KIND_WHOLE, "seed of the tuning"},
-    {"tuned_walks", "1", 0.0, MOST_WHOLE, FIELD(tuned_walks), KIND_WHOLE, "persons it tried"},
+    {"tuned_walks", "1", 0.0, MOST_WHOLE, FIELD(tuned_walks), KIND_WHOLE, "persons tried"},
     {"tuned_value", "1", 0.0, 1e6, FIELD(tuned_value), KIND_NUMBER,
      "the objective's value of these gains"},
     {"tuned_with", "", 0.0, 0.0, FIELD(tuned_with), KIND_TEXT, "the device worn meanwhile"},

@@ -111,10 +111,10 @@ static int check_person(const struct afo_walk_settings *s, const struct walk_opt
     } else if (options->person && (s->speed_rad_s > 0.0 || s->walking_m_s > 0.0)) {
         wrong =
             "speed is the walker's: the person of recording or plant = reflex chooses their own";
-    } else if (options->person &&
+    } else if (s->recording != NULL &&
                (s->slope_deg != 0.0 || s->terrain_mm > 0.0 || s->push_Ns != 0.0)) {
-        wrong = "slope_deg, terrain_mm and push act on the simulated walker, not on the person of "
-                "recording or plant = reflex";
+        wrong = "slope_deg, terrain_mm and push act on a body that answers, and a recorded person "
+                "walks as they did: use plant = reflex or the walker";
     } else if (options->person && s->own_law == NULL && options->law_given &&
                options->law != LAW_PERSON) {
         wrong = "the law of a person is \"person\", \"open-loop\" or a function; the others know a "

@@ -15,7 +15,7 @@ NEEDS = {"csv": (), "json": (), "parquet": (("pyarrow", "pyarrow"),), "mcap": ((
 def provenance(walk):
     told = {key: value for key, value in walk.told.items() if key not in ("subject", "parameters")}
     return {"trial": walk.name, **told, "person": walk.subject["person"], "device": walk.subject["device"],
-            "made_by": f"afo export, {walk.subject['version']}", "parameters": walk.subject["parameters"]}
+            "made_by": f"afo report --export, {walk.subject['version']}", "parameters": walk.subject["parameters"]}
 
 
 def units():
@@ -89,7 +89,7 @@ def _channel(writer, topic, schema):
 
 
 def main(arguments):
-    parser = argparse.ArgumentParser(prog="afo export", description=__doc__)
+    parser = argparse.ArgumentParser(prog="afo report --export", description=__doc__)
     parser.add_argument("trial", type=pathlib.Path)
     parser.add_argument("--afo", required=True)
     parser.add_argument("--subject")
@@ -114,7 +114,7 @@ def main(arguments):
             report.write(to_json(walk), options.out.with_name(options.out.name + ".json"))
         report.write(made, options.out)
     except (OSError, trial.TrialError, frames.BadLine) as error:
-        print(f"afo export: {error}", file=sys.stderr)
+        print(f"afo report --export: {error}", file=sys.stderr)
         return EXIT_USAGE
     return 0
 

@@ -87,7 +87,7 @@ def test_a_shipped_person_walks_a_hundred_steps_thrice(name):
 
 def test_the_healthy_person_walks_like_people_who_were_not_tuned_with():
     """Honest bounds: people's would be r 0.9 for every angle and 0.8 for every moment. Missed: ankle angle, knee moment,
-    step time (0.62 s)."""
+    step time (0.627 s, asked 0.61 s at most), load on a foot (1.41, asked 1.35)."""
     told = validate(held("reflex-new"))
     for walk in told["walks"]:
         assert not walk["fell"] and walk["steps"] >= 100

@@ -85,6 +85,8 @@ def gather(study, quick):
         down = study.rows(f"branch_{branch}_down", "continue", "--branch", branch, "--from", 0.05 * l, "--to",
                           0.002 * l, "--step", 0.05, may_fail=True)
         data[branch] = down[:0:-1] + data[branch]
+    if not data["long"]:
+        raise PageError(f"the long branch could not be followed from r0 = {0.05 * l:g} m")
     top = data["long"][-1]["parameter"]
     ends = {"table1": (0.05, 0.1), "table2": (0.3, 0.23)} if strict else {"table1": (0.05, top / l), "table2": (top / l, 0.05)}
     for name, (start, end) in ends.items():

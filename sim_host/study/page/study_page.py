@@ -37,6 +37,9 @@ def main(arguments):
     except page_data.PageError as error:
         print(f"afo study page: {error}", file=sys.stderr)
         return EXIT_BAD
+    except (ValueError, KeyError, IndexError) as error:
+        print(f"afo study page: {options.afo}: its output is not what a study prints ({error})", file=sys.stderr)
+        return EXIT_USAGE
     except OSError as error:
         print(f"afo study page: {error.filename}: {error.strerror}", file=sys.stderr)
         return EXIT_USAGE

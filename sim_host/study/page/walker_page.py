@@ -6,10 +6,6 @@ from paper_page import CAPTIONS, STYLE, row
 FEIGENBAUM = 4.669201609  # 1978
 
 
-def listed(values, digits=6):
-    return ", ".join(f"{value:.{digits}g}" for value in values)
-
-
 def gait_table(gait):
     """The gait that the page begins with, at a twentieth of the leg."""
     lines = [row(f"at r<sub>0</sub> = {gait['r0_m']:.5g} m", "found", tag="th")]

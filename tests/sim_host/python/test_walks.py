@@ -193,7 +193,7 @@ def test_a_law_that_does_not_do(afo, law, kind, words):
     ({"plant": "person"}, "plant = 'person' is none of walker, reflex"),
     ({"plant": "reflex"}, "name a person of 10 kg or more"),
     ({"plant": "reflex", "law": "dlqr"}, "the law of a person is"),
-    ({"plant": "reflex", "slope_deg": 1.0}, "act on the simulated walker"),
+    ({"recording": __file__, "slope_deg": 1.0}, "a recorded person walks as they did"),
     ({"switches": "exact"}, "under the feet of the person"),
     ({"switches": "new"}, "switches = 'new' are none of none, seeded"),
     ({"r0": 0.1}, "r0 is the constant of the law open-loop; with another law say speed"),
