@@ -45,8 +45,7 @@ static bool may_open(const struct bus_recorder *recorder, bool quiet)
     const struct control_task *task = recorder->source.task;
     const bool asks = task->bring_up.setup.under_way || task->audit.under_way;
 
-    return quiet || recorder->box->header.state == (uint32_t)BLACK_BOX_CLOSING ||
-           (!asks && black_box_is_full(recorder->box));
+    return quiet || (!asks && black_box_is_full(recorder->box));
 }
 
 bool bus_recorder_end_period(struct bus_recorder *recorder)
@@ -56,6 +55,7 @@ bool bus_recorder_end_period(struct bus_recorder *recorder)
     const bool quiet = is_usual(recorder) && !control_task_was_busy(recorder->source.task);
 
     follow_usual(recorder);
+    black_box_freeze_when_due(recorder->box, recorder->source.task->tick);
     if (may_open(recorder, quiet)) {
         black_box_end_tick(recorder->box, recorder->source.task->tick, snapshot_save,
                            &recorder->source);

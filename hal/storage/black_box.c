@@ -216,19 +216,20 @@ bool black_box_is_full(const struct black_box *box)
     return box->header.state != (uint32_t)BLACK_BOX_FROZEN && !has_room(box, BLACK_BOX_TICK_LEAST);
 }
 
-void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot snapshot,
-                        const void *context)
+void black_box_freeze_when_due(struct black_box *box, uint32_t tick)
 {
     struct black_box_header *header = &box->header;
 
-    if (header->state == (uint32_t)BLACK_BOX_FROZEN) {
-        return;
-    }
     if (header->state == (uint32_t)BLACK_BOX_CLOSING && (int32_t)(tick - header->close_tick) >= 0) {
         header->state = BLACK_BOX_FROZEN;
-        return;
     }
-    if (!has_room(box, BLACK_BOX_TICK_RESERVE)) {
+}
+
+void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot snapshot,
+                        const void *context)
+{
+    black_box_freeze_when_due(box, tick);
+    if (box->header.state != (uint32_t)BLACK_BOX_FROZEN && !has_room(box, BLACK_BOX_TICK_RESERVE)) {
         open_block(box, tick, snapshot, context);
     }
 }

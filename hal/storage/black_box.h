@@ -104,6 +104,9 @@ void black_box_record(struct black_box *box, const struct can_msg *message);
 void black_box_end_tick(struct black_box *box, uint32_t tick, black_box_snapshot snapshot,
                         const void *context);
 
+/* The part of it that no tick may leave out: the recording ends with the tick that its trigger set. O(1). */
+void black_box_freeze_when_due(struct black_box *box, uint32_t tick);
+
 /* Whether the next block can wait no longer. O(1). */
 bool black_box_is_full(const struct black_box *box);
 

@@ -251,6 +251,30 @@ START_TEST(a_full_block_does_not_wait_for_a_quiet_period)
 }
 END_TEST
 
+/* The last blocks before a fault are kept by the same rules: a snapshot that asks for a node's answer would not replay. */
+START_TEST(a_recording_that_ends_opens_no_block_while_a_node_is_asked)
+{
+    static struct black_box box;
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    begin(&recorder, &fake, &box);
+    (void)period(&recorder, &fake, 6, 0x181);
+    struct black_box_block *block = &box.blocks[box.header.current];
+    block->used = (uint32_t)sizeof block->data - (uint32_t)BLACK_BOX_TICK_RESERVE + 1u;
+    const uint32_t blocks = box.header.next_sequence;
+    black_box_trigger(&box, 1, task.tick, 3);
+    task.audit.under_way = true;
+    (void)period(&recorder, &fake, 6, 0x181);
+    ck_assert_uint_eq(box.header.next_sequence, blocks);
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_CLOSING);
+    for (int i = 0; i < 3; i++) {
+        (void)period(&recorder, &fake, 6, 0x181);
+    }
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_FROZEN);
+    ck_assert_uint_eq(box.header.next_sequence, blocks);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("snapshot");
@@ -262,6 +286,7 @@ int main(void)
     tcase_add_test(tests, a_device_with_more_on_the_bus_is_recorded_on);
     tcase_add_test(tests, a_period_with_more_than_usual_is_not_quiet);
     tcase_add_test(tests, a_full_block_does_not_wait_for_a_quiet_period);
+    tcase_add_test(tests, a_recording_that_ends_opens_no_block_while_a_node_is_asked);
     tcase_add_test(tests, only_the_own_sync_begins_a_tick);
     tcase_add_test(tests, only_a_fault_that_comes_freezes_the_recording);
     suite_add_tcase(suite, tests);
