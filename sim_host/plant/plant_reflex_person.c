@@ -17,17 +17,30 @@ static void virtual_leg(const struct reflex_person *reflex, enum side side, doub
     *rate_rad_s = 0.5 * (rate[PART_THIGH] + rate[PART_SHANK]);
 }
 
-static double plantarflexion_rad(const struct reflex_person *reflex, enum side side)
+struct flexion {
+    double angle_rad, rate_rad_s;
+};
+
+static struct flexion plantarflexion(const struct reflex_person *reflex, enum side side)
 {
     struct joint_angles joints;
     muscles_joint_angles(&reflex->body, side, &joints);
-    return joints.angle_rad[JOINT_ANKLE] - RIGHT_ANGLE_RAD;
+    return (struct flexion){joints.angle_rad[JOINT_ANKLE] - RIGHT_ANGLE_RAD,
+                            joints.rate_rad_s[JOINT_ANKLE]};
 }
 
 static double ankle_m_of(const struct plant *plant, enum side side)
 {
     return recording_ankle_m(&plant->config.recording_format.ankle[side],
-                             plantarflexion_rad(&plant->reflex, side));
+                             plantarflexion(&plant->reflex, side).angle_rad);
+}
+
+static double ankle_rate_m_s_of(const struct plant *plant, enum side side)
+{
+    const struct recording_ankle *ankle = &plant->config.recording_format.ankle[side];
+    const struct flexion now = plantarflexion(&plant->reflex, side);
+    return sea_lever_at_m(&ankle->lever_table, ankle->lever_m, now.angle_rad - ankle->neutral_rad) *
+           now.rate_rad_s;
 }
 
 static void look(const struct plant *plant, struct recorded_person_state *person)
@@ -36,6 +49,8 @@ static void look(const struct plant *plant, struct recorded_person_state *person
         const enum side side = (enum side)k;
         virtual_leg(&plant->reflex, side, &person->leg_angle_rad[k], &person->leg_rate_rad_s[k]);
         person->ankle_m[k] = ankle_m_of(plant, side);
+        person->ankle_rate_m_s[k] =
+            person->ankle_m[k] > 0.0 ? ankle_rate_m_s_of(plant, side) : 0.0; /* the heel is down */
         person->contact[k] = plant->reflex.ground_N[k].y > CONTACT_N;
     }
 }

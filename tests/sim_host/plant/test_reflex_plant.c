@@ -309,6 +309,36 @@ START_TEST(the_spring_extends_the_ankle)
 }
 END_TEST
 
+/* What a sensor is told of the ankle's speed is how its way changes. */
+START_TEST(the_ankle_has_its_rate)
+{
+    struct plant_truth before, now, after;
+    double fastest_m_s = 0.0;
+    configure();
+    begin();
+    for (int i = 0; i < 3000; i++) {
+        tick(0.0);
+        plant_truth(&plant, &before);
+        tick(0.0);
+        plant_truth(&plant, &now);
+        tick(0.0);
+        plant_truth(&plant, &after);
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            const double rate_m_s =
+                (after.ankle_m[side] - before.ankle_m[side]) / (2.0 * config.tick_s);
+            if (before.ankle_m[side] > 0.0 && now.ankle_m[side] > 0.0 &&
+                after.ankle_m[side] > 0.0) {
+                ck_assert_msg(fabs(now.ankle_rate_m_s[side] - rate_m_s) <
+                                  0.05 + 0.2 * fabs(rate_m_s),
+                              "%g m/s, not %g", now.ankle_rate_m_s[side], rate_m_s);
+                fastest_m_s = fmax(fastest_m_s, fabs(rate_m_s));
+            }
+        }
+    }
+    ck_assert(fastest_m_s > 0.1);
+}
+END_TEST
+
 /* Pushed backwards (+x) and forwards, alike. */
 START_TEST(a_push_is_the_worlds)
 {
@@ -387,6 +417,7 @@ int main(void)
     tcase_add_test(tests, who_does_not_wear_it_feels_nothing);
     tcase_add_test(tests, who_has_fallen_lies_still);
     tcase_add_test(tests, the_spring_extends_the_ankle);
+    tcase_add_test(tests, the_ankle_has_its_rate);
     tcase_add_test(tests, a_push_is_the_worlds);
     tcase_add_loop_test(tests, a_fall_has_its_direction, 0, 2);
     tcase_add_test(tests, a_copy_has_the_same_future);
