@@ -171,7 +171,6 @@ static void befall_reflex(struct shot_state *state, struct plant *plant)
     const double knock_Ns = KNOCK_NS_PER_KG * plant->reflex.params.mass_kg;
     switch (state->shot.kind) {
     case FAULT_SLIP:
-        state->friction = plant->reflex.params.contact.friction;
         plant->reflex.params.contact.friction = state->shot.magnitude;
         break;
     case FAULT_TRIP:
@@ -193,7 +192,7 @@ static bool is_contact_fault(const struct shot_state *state)
 static void stand_firm(const struct shot_state *state, struct plant *plant)
 {
     if (state->shot.kind == FAULT_SLIP) {
-        plant->reflex.params.contact.friction = state->friction;
+        plant->reflex.params.contact.friction = plant->config.reflex.contact.friction;
     }
 }
 

@@ -30,7 +30,6 @@ struct shot_state {
     double held[2]; /* values a fault holds: angle, ankle, position */
     struct sea_params sea;
     struct walk_params walk;
-    double friction; /* of a reflex person's feet */
     float speed;
     uint32_t changed; /* samples or frames changed */
     uint64_t next_ns; /* foreign node: when its own clock sends next; UINT64_MAX = never */

@@ -414,7 +414,7 @@ def test_a_name_keeps_its_signs_and_a_byte_order_mark_is_read_over(tmp_path):
 @pytest.mark.parametrize("text, start, words", [
     (b"\n[prescription]\nbody = 0.5\n", b"", ["body", "whole number"]),
     (b"\n[prescription]\nengage_steps = 2.5\n", b"", ["engage_steps", "whole number"]),
-    (b"\n[sea]\nstroke_max_m = 0.3\n", b"", ["[sea]", "[person] and [prescription]"]),
+    (b"\n[sea]\nstroke_max_m = 0.3\n", b"", ["[sea]", "[person], [prescription], [muscles]"]),
     (b"", b"torso_mass_kg = 1\n", ['"torso_mass_kg"', "before the first [section]"]),
 ])
 def test_persons_that_are_refused(tmp_path, text, start, words):

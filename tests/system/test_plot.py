@@ -38,6 +38,8 @@ SMALL = {
     "tune-person": (("--person", PERSON, "--out", "FOLDER/person.ini", "--generations", 2, "--walks", 1, "--seconds", 5), 1),
     "validate-person": (("--person", PERSON, "--steps", 12, "--seeds", 1), 2),
     "table": ((), 1),
+    "dose": (("--person", file_of("persons", "reflex-new"), "--device", file_of("devices", "virtual-adult"), "--r0", "0.01,0.02",
+              "--steps", 8, "--push-step", 0), 5),
 }
 LONG = {
     "observe": (("--steps", 10), 4),

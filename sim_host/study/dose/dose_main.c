@@ -9,6 +9,7 @@
 #include "sim_host/cli/program_output.h"
 #include "sim_host/faults/work.h"
 #include "sim_host/study/dose/dose_study.h"
+#include "sim_host/study/plot.h"
 
 enum {
     KEY_PERSON = 0x500,
@@ -20,8 +21,7 @@ enum {
     KEY_PUSH_STEP,
     KEY_JOBS,
     KEY_OUT,
-    KEY_CSV,
-    KEY_PLOT
+    KEY_CSV
 };
 
 static const struct argp_option option_list[] = {
@@ -43,7 +43,6 @@ static const struct argp_option option_list[] = {
     {"out", KEY_OUT, "DIR", 0, "keep the walks there; those that are there are not walked again",
      0},
     {"csv", KEY_CSV, "FILE", 0, "one line a walk; FILE.json says what it is", 0},
-    {"plot", KEY_PLOT, "FILE.svg", 0, "a picture over r0", 0},
     {"json", 'j', 0, 0, "one JSON object on standard output in place of sentences", 0},
     {0}};
 
@@ -118,9 +117,6 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_CSV:
         study->csv_path = text;
-        return 0;
-    case KEY_PLOT:
-        study->plot_path = text;
         return 0;
     case 'j':
         study->json = true;
@@ -252,24 +248,20 @@ static int check(const struct dose_study *study)
 
 static int report(struct dose_study *study)
 {
-    struct output_file csv, plot;
+    struct output_file csv;
     if (program_open_output(&csv, study->csv_path) != 0) {
-        return EXIT_USAGE;
-    }
-    if (program_open_output(&plot, study->plot_path) != 0) {
-        output_file_discard(&csv);
         return EXIT_USAGE;
     }
     if (csv.stream != NULL) {
         dose_report_csv(csv.stream, study);
     }
-    if (plot.stream != NULL) {
-        dose_report_picture(plot.stream, study);
+    FILE *picture = plot_table("dose");
+    if (picture != NULL) {
+        dose_report_plot(picture, study);
     }
     (study->json ? dose_report_json : dose_report_text)(stdout, study);
-    const bool csv_kept = program_commit_table(&csv, study->argc, study->argv, NULL, NULL) == 0;
-    const bool plot_kept = program_commit_output(&plot) == 0;
-    return csv_kept && plot_kept ? EXIT_GOOD : EXIT_USAGE;
+    return program_commit_table(&csv, study->argc, study->argv, NULL, NULL) == 0 ? EXIT_GOOD
+                                                                                 : EXIT_USAGE;
 }
 
 int dose_main(int argc, char **argv)
@@ -294,7 +286,7 @@ int dose_main(int argc, char **argv)
                                .push_step_N = 10.0,
                                .argc = argc,
                                .argv = argv};
-    option_parse(&parser, argc, argv, &study);
+    plot_option_parse(&parser, argc, argv, &study);
     const double pushes_s = study.push_step_N > 0.0 ? PUSHES_S : 0.0;
     struct work work = {.runs = dose_study_walks(&study),
                         .jobs = study.jobs,
@@ -311,5 +303,5 @@ int dose_main(int argc, char **argv)
     int status = study.result == NULL || check(&study) != 0 ? EXIT_USAGE : work_do(&work);
     status = status == EXIT_GOOD ? report(&study) : status;
     free(study.result);
-    return status;
+    return plot_finish(status);
 }

@@ -1,8 +1,7 @@
-/* What afo study dose says, writes and draws. */
+/* What afo study dose says and writes. */
 #include <math.h>
 #include <string.h>
 
-#include "sim_host/cli/figure.h"
 #include "sim_host/cli/json_writer.h"
 #include "sim_host/study/dose/dose_study.h"
 
@@ -155,10 +154,10 @@ static void tell_dose(FILE *stream, const struct dose_study *study, uint32_t per
     if (pairs.count > 0) {
         fprintf(
             stream,
-            ": this model's own ankle work a metre changes by %+.1f %% (%+.1f to %+.1f in %u pairs), its hip work by "
-            "%+.1f %%, its activation by %+.1f %%; it walks at %.3f m/s (%.3f without), with %.1f steps a minute (%.1f)",
-            percent(with->ankle_J_m, alone->ankle_J_m), pairs.least_percent, pairs.most_percent,
-            pairs.count, percent(with->hip_J_m, alone->hip_J_m),
+            ": the device gives this model %.2f J a metre; its own ankle work a metre changes by %+.1f %% (%+.1f to %+.1f in %u pairs), its hip work by "
+            "%+.1f %%, its activation by %+.1f %%; this model walks at %.3f m/s (%.3f without), with %.1f steps a minute (%.1f)",
+            with->device_J_m, percent(with->ankle_J_m, alone->ankle_J_m), pairs.least_percent,
+            pairs.most_percent, pairs.count, percent(with->hip_J_m, alone->hip_J_m),
             percent(with->activation, alone->activation), with->speed_m_s, alone->speed_m_s,
             with->cadence_per_min, alone->cadence_per_min);
     }
@@ -208,69 +207,46 @@ void dose_report_text(FILE *stream, const struct dose_study *study)
 
 /* ---- picture --------------------------------------------------------------------------- */
 
-/* A number of the axis for each r0, and before them the walk without the device. */
-static void axis(const struct dose_study *study, char *text, size_t size)
-{
-    size_t used = (size_t)snprintf(text, size, "1: without the device; then r0");
-    for (uint32_t i = 0; i < study->r0s && used < size; i++) {
-        used +=
-            (size_t)snprintf(text + used, size - used, "%s %g", i > 0 ? "," : "", study->r0_m[i]);
-    }
-    if (used < size) {
-        (void)snprintf(text + used, size - used, " m");
-    }
-}
-
 static const char *base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash != NULL ? slash + 1 : path;
 }
 
-enum { PANELS = 6, POINTS = DOSE_VALUES_MAX + 1 };
-
-static double measure_of(const struct dose_result *result, int panel)
+static void plot_row(FILE *stream, const struct dose_study *study, const char *who, double r0_m,
+                     const struct dose_result *result)
 {
-    const double values[PANELS] = {result->ankle_J_m,       result->hip_J_m,
-                                   result->activation,      result->speed_m_s,
-                                   result->cadence_per_min, result->push_margin_N};
-    return result->fell ? (double)NAN : values[panel];
+    const bool asks_for_pushes = study->push_step_N > 0.0;
+    fprintf(stream, "%s,%.9g", who, r0_m);
+#define FIELD(name, unit, what)                                                          \
+    if (result->fell || (&result->name == &result->push_margin_N && !asks_for_pushes)) { \
+        fputs(",", stream);                                                              \
+    } else {                                                                             \
+        fprintf(stream, ",%.9g", result->name);                                          \
+    }
+    DOSE_MEASURES(FIELD)
+#undef FIELD
+    fputs("\n", stream);
 }
 
-void dose_report_picture(FILE *stream, const struct dose_study *study)
+void dose_report_plot(FILE *stream, const struct dose_study *study)
 {
-    static const char *const titles[PANELS] = {"Own ankle work (J/m)", "Own hip work (J/m)",
-                                               "Activation",           "Speed (m/s)",
-                                               "Steps a minute",       "Push survived (N)"};
-    static double number[POINTS], value[PANELS][FIGURE_SERIES_MOST][POINTS];
-    static char name[FIGURE_SERIES_MOST][NAME_MAX_BYTES];
-    static struct figure_panel panels[PANELS];
+    fputs("who,r0_m", stream);
+#define NAME(name, unit, what) fputs("," #name, stream);
+    DOSE_MEASURES(NAME)
+#undef NAME
+    fputs("\n", stream);
     const uint32_t lines = study->persons * study->seeds * study->lates;
-    char across[256];
-    axis(study, across, sizeof across);
-    for (int point = 0; point < POINTS; point++) {
-        number[point] = point + 1;
-    }
-    for (int panel = 0; panel < PANELS; panel++) {
-        panels[panel] =
-            (struct figure_panel){.title = titles[panel], .x_title = across, .mark = FIGURE_LINE};
-    }
-    for (uint32_t i = 0; i < lines && i < FIGURE_SERIES_MOST; i++) {
+    for (uint32_t i = 0; i < lines; i++) {
         const uint32_t late = i % study->lates, seed = i / study->lates % study->seeds,
                        person = i / study->lates / study->seeds;
-        (void)snprintf(name[i], NAME_MAX_BYTES, "%.60s, seed %u, %g ms",
-                       base_name(study->person[person]), seed + 1, 1000.0 * study->late_s[late]);
-        for (int panel = 0; panel < PANELS; panel++) {
-            value[panel][i][0] = measure_of(dose_study_alone(study, person, seed), panel);
-            for (uint32_t r0 = 0; r0 < study->r0s; r0++) {
-                value[panel][i][r0 + 1] =
-                    measure_of(dose_study_with(study, person, seed, late, r0), panel);
-            }
-            panels[panel].series[i] =
-                (struct figure_series){name[i], number, value[panel][i], NULL, study->r0s + 1};
-            panels[panel].series_count = i + 1;
+        char who[NAME_MAX_BYTES];
+        (void)snprintf(who, sizeof who, "%.60s; seed %u; %g ms", base_name(study->person[person]),
+                       seed + 1, 1000.0 * study->late_s[late]);
+        plot_row(stream, study, who, 0.0, dose_study_alone(study, person, seed));
+        for (uint32_t r0 = 0; r0 < study->r0s; r0++) {
+            plot_row(stream, study, who, study->r0_m[r0],
+                     dose_study_with(study, person, seed, late, r0));
         }
     }
-    figure_write(stream, "What this model does with a dose of push-off; a gap is a fall", panels,
-                 study->push_step_N > 0.0 ? PANELS : PANELS - 1);
 }

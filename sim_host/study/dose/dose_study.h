@@ -14,7 +14,7 @@ struct dose_study {
     double r0_m[DOSE_VALUES_MAX], late_s[DOSE_VALUES_MAX];
     uint32_t persons, r0s, lates, seeds, steps, jobs;
     double push_step_N;
-    const char *out, *csv_path, *plot_path;
+    const char *out, *csv_path;
     bool json;
     int argc;
     char **argv;
@@ -36,8 +36,8 @@ void dose_report_csv(FILE *stream, const struct dose_study *study);
 void dose_report_json(FILE *stream, const struct dose_study *study);
 /* Sentences, a paragraph a person and delay. Each tells what this model does, and what the seeds' spread is. */
 void dose_report_text(FILE *stream, const struct dose_study *study);
-/* Panels over r0, a line a person, seed and delay, as many as a picture takes. */
-void dose_report_picture(FILE *stream, const struct dose_study *study);
+/* The table of the picture: a line a person, seed and delay, over r0; at r0 = 0 the walk without the device. */
+void dose_report_plot(FILE *stream, const struct dose_study *study);
 
 /* afo study dose. */
 int dose_main(int argc, char **argv);

@@ -97,6 +97,23 @@ static void measure(const struct sums *from, const struct sums *to, uint32_t ste
     result->soleus = activation->soleus / activation->ticks;
 }
 
+/* Whoever takes no step for so long has stopped walking. */
+struct progress {
+    uint32_t steps;
+    uint64_t last_step_tick;
+};
+
+static bool walks_on(struct progress *progress, const struct loop *loop)
+{
+    const struct plant *plant = &loop->nodes.plant;
+    if (plant_steps(plant) != progress->steps) {
+        progress->steps = (uint32_t)plant_steps(plant);
+        progress->last_step_tick = loop->tick;
+    }
+    return plant_fault(plant) == WALK_FAULT_NONE &&
+           loop->tick <= progress->last_step_tick + TICKS_OF_MS(LONGEST_STEP_MS);
+}
+
 /* Walks the steps; the second half of them is measured, from foothold to foothold. */
 static void walk_steps(const struct dose_trial *trial, struct loop *loop,
                        struct dose_result *result)
@@ -105,7 +122,7 @@ static void walk_steps(const struct dose_trial *trial, struct loop *loop,
     const uint32_t half = trial->steps / 2;
     struct activation activation = {0.0, 0.0, 0};
     struct sums from = {0};
-    uint64_t last_step_tick = 0;
+    struct progress progress = {.last_step_tick = plant->config.recording_start_tick};
     if (trial->steps == 0) {
         return;
     }
@@ -114,17 +131,12 @@ static void walk_steps(const struct dose_trial *trial, struct loop *loop,
         if (result->steps >= half) {
             add_activation(plant, &activation);
         }
-        if (plant_steps(plant) != result->steps) {
-            result->steps = (uint32_t)plant_steps(plant);
-            last_step_tick = loop->tick;
-            if (result->steps == half) {
-                from = sums_of(plant);
-            }
+        result->fell = !walks_on(&progress, loop);
+        if (progress.steps != result->steps && progress.steps == half) {
+            from = sums_of(plant);
         }
-        if (plant_fault(plant) != WALK_FAULT_NONE ||
-            loop->tick > last_step_tick + plant->config.recording_start_tick +
-                             TICKS_OF_MS(LONGEST_STEP_MS)) {
-            result->fell = true;
+        result->steps = progress.steps;
+        if (result->fell) {
             return;
         }
     }
@@ -138,12 +150,13 @@ static bool survives(struct loop *loop, const struct loop *saved, double push_N)
 {
     const double tick_s = saved->config.plant.tick_s;
     memcpy(loop, saved, sizeof *loop);
+    struct progress progress = {(uint32_t)plant_steps(&loop->nodes.plant), loop->tick};
     for (uint32_t tick = 0; tick < TICKS_OF_MS(AFTER_PUSH_MS); tick++) {
         if (tick < TICKS_OF_MS(PUSH_MS)) {
             plant_push(&loop->nodes.plant, -push_N * tick_s, 0.0); /* forward is -x */
         }
         loop_tick(loop);
-        if (plant_fault(&loop->nodes.plant) != WALK_FAULT_NONE) {
+        if (!walks_on(&progress, loop)) {
             return false;
         }
     }

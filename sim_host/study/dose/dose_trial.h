@@ -29,7 +29,8 @@ struct dose_trial {
     X(activation, "1", "activation, the muscles' mean")              \
     X(soleus, "1", "activation of soleus")                           \
     X(device_J_m, "J/m", "the device's work on the person, a metre") \
-    X(push_margin_N, "N", "largest force forward at the hip for 0.2 s that is survived")
+    X(push_margin_N, "N",                                            \
+      "largest force forward at the hip for 0.2 s that is survived; 400: or more, 0: none, or not even none")
 
 #define DOSE_FIELD(name, unit, what) double name;
 struct dose_result {
@@ -41,7 +42,7 @@ struct dose_result {
 
 enum { DOSE_MESSAGE_MAX = 1024 };
 
-/* Returns 0, or -1 with the reason in message. Processor time: about 30 ms a step, and 0.5 s for each of at most 9
+/* Returns 0, or -1 with the reason in message. Processor time: about 30 ms a step, and 0.5 s for each of some 10
  * pushes. */
 int dose_trial_run(const struct dose_trial *trial, struct dose_result *result, char *message);
 

@@ -66,7 +66,7 @@ static void print_objective(void)
 {
     printf(
         "A walk with a fall costs 100, and up to 100 more the earlier it is. Any other one costs\n"
-        "the sum of  weight (d / unit)^2  for the distance d of each measure from its band:\n"
+        "s / (1 + s / 100), where s is the sum of  weight (d / unit)^2  for the distance d of each measure from its band:\n"
         "  %-30s %6s %6s  %5s %6s\n",
         "measure", "from", "to", "unit", "weight");
     for (int i = 0; i < OBJECTIVE_TERMS; i++) {

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "firmware/version.h"
 #include "sim_host/loop/loop.h"
 #include "sim_host/study/person/objective.h"
 #include "sim_host/study/person/tuning_file.h"
@@ -90,7 +91,7 @@ static void compute(void *context, int who)
     double sum = 0.0;
     for (int i = 0; i < walks->each; i++) {
         const double value = value_of_walk(walks, who, i);
-        if (value > OBJECTIVE_FALL) {
+        if (value >= OBJECTIVE_FALL) {
             sum += value * (walks->each - i);
             break;
         }
@@ -122,12 +123,13 @@ static void head_of(const struct tuning *tuning, char head[HEAD_MAX])
             sum += (1 + i + MUSCLE_COUNT * side) * body->muscles.strength[side][i];
         }
     }
-    snprintf(
-        head, HEAD_MAX,
-        "afo tune-person 1: %.17g kg, %.17g m, person %.17g, device %d at %.17g m, seed %" PRIu64
-        ", %d walks of %.17g s, noise %.17g, push %.17g, sigma %.17g, step %.17g",
-        person_walk_mass_kg(body), body->leg_length_m, sum, plan->worn, plan->r0_m, plan->seed,
-        plan->walks, plan->walk_s, plan->noise_share, plan->push_m_s, plan->sigma, plan->step_s);
+    snprintf(head, HEAD_MAX,
+             "afo tune-person 2 of build %08" PRIx32
+             ": %.17g kg, %.17g m, person %.17g, device %.40s at %.17g m, seed %" PRIu64
+             ", %d walks of %.17g s, noise %.17g, push %.17g, sigma %.17g, step %.17g",
+             version_build_id(), person_walk_mass_kg(body), body->leg_length_m, sum,
+             plan->worn ? plan->subject.device.name : "none", plan->r0_m, plan->seed, plan->walks,
+             plan->walk_s, plan->noise_share, plan->push_m_s, plan->sigma, plan->step_s);
 }
 
 int tuning_begin(struct tuning *tuning, const struct tuning_plan *plan, char *message)

@@ -204,13 +204,16 @@ static void print_json(const struct input *input, const struct gait_summary *sum
     json_number(&json, "noise_percent", 100.0 * input->walk.noise_share, 6);
     json_text(&json, "device", input->walk.worn ? input->walk.subject->device.name : NULL);
     json_walks(&json, input, summary);
+    json_unsigned(&json, "curves_of_walk", 1);
     json_curves(&json, summary);
-    json_open_object(&json, "objective");
-    for (int i = 0; i < OBJECTIVE_TERMS; i++) {
-        json_number(&json, objective_terms[i].name, objective_share(&objective_terms[i], summary),
-                    6);
+    if (!summary->fell && summary->has_curve[SIDE_LEFT] && summary->has_curve[SIDE_RIGHT]) {
+        json_open_object(&json, "objective");
+        for (int i = 0; i < OBJECTIVE_TERMS; i++) {
+            json_number(&json, objective_terms[i].name,
+                        objective_share(&objective_terms[i], summary), 6);
+        }
+        json_close_object(&json);
     }
-    json_close_object(&json);
     json_close_object(&json);
     json_end(&json);
 }
