@@ -37,6 +37,7 @@ static void begin_stance(struct placement_leg *leg, real extension_m)
 {
     leg->low_m = leg->high_m = extension_m;
     leg->instants = 1;
+    leg->pushed = false;
 }
 
 /* An ankle is stuck if the other one moves, or if neither ever did in full steps: both sensors dead, or both
@@ -52,7 +53,9 @@ static void end_stance(struct placement *placement, int side, real extension_m)
 {
     struct placement_leg *leg = &placement->leg[side];
     if (leg->instants == INSTANTS_BEFORE_LEAVING) {
-        leg->early = count_while(leg->early, extension_m < leg->high_m - EARLY_M);
+        if (!leg->pushed) {
+            leg->early = count_while(leg->early, extension_m < leg->high_m - EARLY_M);
+        }
         note(leg, extension_m);
         const real moved_m = leg->high_m - leg->low_m;
         if (moved_m > placement->moved_m[side]) {
@@ -111,6 +114,9 @@ void placement_wires(struct placement *placement, const struct controller_input 
         const enum foot_contact at_latch = input->sea[side].contact;
         const enum foot_contact foot = input->leg[1 - side].foot;
         uint16_t *ticks = &placement->leg[side].wire_ticks;
+        if (input->sea[side].latch == LATCH_OPEN) {
+            placement->leg[side].pushed = true;
+        }
         if (at_latch == foot || at_latch == FOOT_UNKNOWN || foot == FOOT_UNKNOWN) {
             *ticks = 0;
         } else if (*ticks < UINT16_MAX) {

@@ -5,7 +5,8 @@
  *     leg in the air turns forwards. A sensor that says otherwise, step after step, is mounted backwards, is
  *     the other leg's, or the person walks backwards: then there is nothing to assist, either.
  *   - A foot pushes off: as it leaves, its ankle is extended further than in the rest of its stance. One that
- *     was extended further before is the other leg's, or mounted backwards.
+ *     was extended further before is the other leg's, or mounted backwards. Where the device pushes it may
+ *     extend earlier, and a late switch sees it leave with its toes up again: such a stance says nothing.
  *   - An ankle that keeps one value through a stance, while the other one moves, is stuck; so are both that
  *     never moved in full steps.
  *   - The contact that is wired to a latch is the other foot's. A latch that says otherwise is on the wrong
@@ -44,7 +45,8 @@ struct placement_leg {
     real low_m, high_m;          /* extension at the instants of this stance so far, */
     uint8_t instants;            /* and how many these are; 0 = its landing was not seen */
     uint8_t turns, stuck, early; /* what was wrong in a row, saturating */
-    uint16_t wire_ticks;         /* the latch has contradicted the other foot for so long */
+    bool pushed; /* the spring was let go in this stance: how the ankle moves is its doing */
+    uint16_t wire_ticks; /* the latch has contradicted the other foot for so long */
 };
 
 struct placement { /* all zeros to begin with */
@@ -62,8 +64,8 @@ struct placement_view {
 /* A foot has landed or left. Constant cost, some 60 operations. */
 void placement_edges(struct placement *placement, const struct placement_view *view);
 
-/* Once a tick: what each foot's switch says, against what the other leg's latch hears of it. What is unknown
- * contradicts nothing. Some 10 operations. */
+/* Once a tick: what each foot's switch says, against what the other leg's latch hears of it, and whether the latch is
+ * open. What is unknown contradicts nothing. Some 12 operations. */
 void placement_wires(struct placement *placement, const struct controller_input *input);
 
 /* Bits of enum placement_finding, 0 without. Pure. */

@@ -6,7 +6,7 @@ import xml.etree.ElementTree
 
 import pytest
 
-from afo import run
+from afo import file_of, run
 
 WORN = ("--plant", "reflex", "--person", "sim_host/persons/adult70.ini", "--device", "sim_host/devices/virtual-adult.ini")
 
@@ -181,3 +181,13 @@ def test_the_person_as_a_picture_that_moves_with_a_strip_below(tmp_path):
             assert math.dist(hip, knee) == pytest.approx(110, abs=0.3) and math.dist(knee, ankle) == pytest.approx(110, abs=0.3)
     for left, right in zip(*legs):
         assert max(y for _, y in left[3:] + right[3:]) == pytest.approx(360, abs=8)  # pixels: 237 are a metre
+
+
+@pytest.mark.parametrize("seed", (1, 2))
+def test_an_ankle_that_answers_to_pushes_is_not_taken_for_misplaced(seed):
+    """With switches that are late: the ankle is extended as the other foot lands, and bent again as its own is seen to leave."""
+    done = run("--plant", "reflex", "--person", file_of("persons", "reflex-new"), "--device", file_of("devices", "virtual-adult"),
+               "--start-r0", 0.03, "--seed", seed, "--steps", 40, "--json", command="sim")
+    told = json.loads(done.stdout)
+    assert done.returncode == 0 and not told["fault"], done.stderr
+    assert told["push"]["left"]["pushes"] > 5 and told["push"]["right"]["pushes"] > 5

@@ -140,6 +140,29 @@ START_TEST(an_ankle_of_the_other_leg_is_found)
 }
 END_TEST
 
+/* A spring that pushes extends the ankle as the other foot lands, and a late switch sees the foot leave when its toes are
+ * up again: nothing of that tells where the sensor is. Before the first push, and in a stance without one, it does. */
+START_TEST(an_ankle_that_the_device_pushes_is_nobody_elses)
+{
+    for (int assisted = 0; assisted < 2; assisted++) {
+        struct walk walk = healthy();
+        struct controller_input input = {0};
+        ck_assert_uint_eq(found_after(&walk, 10), 0);
+        for (int i = 0; i < 20; i++) {
+            const int side = i % 2;
+            /* The foot that the last step left behind: pushed at its end. */
+            input.sea[side].latch = assisted ? LATCH_OPEN : LATCH_CLOSED;
+            walk.resting_m[side] = PUSHED_M;
+            walk.pushed_m[side] = 0.6 * PUSHED_M;
+            placement_wires(&walk.placement, &input);
+            step(&walk, side);
+            input.sea[side].latch = LATCH_CLOSED;
+        }
+        ck_assert_uint_eq(placement_found(&walk.placement), assisted ? 0 : 3 * PLACEMENT_ANKLE);
+    }
+}
+END_TEST
+
 START_TEST(what_is_no_step_says_nothing)
 {
     struct walk walk = healthy();
@@ -189,6 +212,7 @@ int main(void)
     tcase_add_test(tcase, legs_that_turn_the_wrong_way_are_found);
     tcase_add_test(tcase, a_stuck_ankle_is_found);
     tcase_add_test(tcase, an_ankle_of_the_other_leg_is_found);
+    tcase_add_test(tcase, an_ankle_that_the_device_pushes_is_nobody_elses);
     tcase_add_test(tcase, what_is_no_step_says_nothing);
     tcase_add_test(tcase, a_latch_hears_the_other_foot);
     suite_add_tcase(suite, tcase);
