@@ -112,7 +112,7 @@ bool person_muscles_given(const struct person_muscles *muscles)
 
 static double *number_at(struct person_muscles *muscles, const struct muscle_key *key)
 {
-    return (double *)((char *)muscles + key->offset);
+    return (double *)(void *)((char *)muscles + key->offset);
 }
 
 static int take_number(struct person_muscles *muscles, const struct muscle_key *key,
@@ -294,7 +294,8 @@ static void write_key(FILE *stream, const struct person_muscles *muscles, int se
         write_number(stream, key, muscles->strength[section - 1][key->offset]);
         return;
     default:
-        write_number(stream, key, *(const double *)((const char *)muscles + key->offset));
+        write_number(stream, key,
+                     *(const double *)(const void *)((const char *)muscles + key->offset));
     }
 }
 

@@ -79,7 +79,7 @@ static void strategy_of(const struct cma_es *search, struct strategy *s)
     double sum = 0.0, squares = 0.0;
     s->parents = search->lambda / 2;
     for (int i = 0; i < s->parents; i++) {
-        s->weight[i] = log(half) - log(i + 1.0);
+        s->weight[i] = log(half) - log1p(i);
         sum += s->weight[i];
     }
     for (int i = 0; i < s->parents; i++) {
