@@ -10,7 +10,8 @@
 
 enum { SIGNS_BAUD = 115200, SIGNS_POLLS = 20000 };
 
-/* Switches pin and port on; `clock_hz` is what the core runs at. Start-up only. */
+/* Switches pin and port on; `clock_hz` is what the core runs at. A port whose pin does not hold its function
+ * stays off, and takes what is sent without a word. Start-up only. */
 void signs_init(uint32_t clock_hz);
 
 /* LD2. O(1). */

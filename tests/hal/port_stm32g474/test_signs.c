@@ -72,6 +72,34 @@ START_TEST(each_character_waits_for_the_one_before)
 }
 END_TEST
 
+static uint32_t port_read(void *context, uint32_t offset)
+{
+    (void)context;
+    return port_a[offset / 4];
+}
+
+static void port_write_lost(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context;
+    (void)offset;
+    (void)value;
+}
+
+/* Whose pins did not become its own: it stays off, and nobody waits for it. */
+START_TEST(a_port_without_its_pin_says_nothing)
+{
+    mmio_model_reset();
+    mmio_model_map_memory(0x40021000, sizeof rcc, rcc);
+    mmio_model_map(0x48000000, sizeof port_a, port_read, port_write_lost, NULL);
+    mmio_model_map(0x40008000, sizeof uart, uart_read, uart_write, NULL);
+    signs_init(16000000);
+    ck_assert_uint_eq(uart[0], 0);
+    ck_assert(signs_try_put('x'));
+    signs_write("fault");
+    ck_assert_uint_eq(said_count, 0);
+}
+END_TEST
+
 START_TEST(a_port_that_never_takes_anything_holds_nobody_up)
 {
     signs_init(16000000);
@@ -128,6 +156,7 @@ int main(void)
     tcase_add_checked_fixture(tcase, setup, NULL);
     tcase_add_loop_test(tcase, the_port_is_lpuart1_on_pa2_at_115200_baud, 0, 2);
     tcase_add_test(tcase, each_character_waits_for_the_one_before);
+    tcase_add_test(tcase, a_port_without_its_pin_says_nothing);
     tcase_add_test(tcase, a_port_that_never_takes_anything_holds_nobody_up);
     tcase_add_test(tcase, a_line_goes_out_while_other_things_go_on);
     tcase_add_test(tcase, ld2_flashes_as_often_as_the_number_says);
