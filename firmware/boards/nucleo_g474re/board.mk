@@ -54,6 +54,6 @@ $(Q)gdb-multiarch $(call IMAGE,nucleo_g474re).elf -ex 'target extended-remote | 
 endef
 
 .PHONY: g474
-g474: firmware programs ## the very image that is flashed, in an emulated STM32G474: a walk, its replay, faults, broken drivers (10 min)
+g474: firmware programs ## the very image that is flashed, in an emulated STM32G474: a walk, its replay, faults, broken drivers (4 min)
 	$(Q)scripts/setup test
 	$(Q)scripts/chip-in-the-loop --build $(BUILD)
