@@ -54,6 +54,25 @@ void program_announce(double seconds, const char *format, ...)
     }
 }
 
+void program_command_text(int argc, char *const argv[], char *text, size_t size)
+{
+    size_t used = 0;
+    for (int i = 0; i < argc && used < size; i++) {
+        used += (size_t)snprintf(text + used, size - used, "%s%s", i > 0 ? " " : "", argv[i]);
+    }
+    if (used >= size) { /* no part of a letter is left (UTF-8) */
+        size_t lead = size - 1;
+        while (lead > 0 && ((unsigned char)text[lead - 1] & 0xC0u) == 0x80u) {
+            lead--;
+        }
+        const unsigned char first = lead > 0 ? (unsigned char)text[lead - 1] : 0u;
+        const size_t bytes = first >= 0xF0u ? 4 : first >= 0xE0u ? 3 : first >= 0xC0u ? 2 : 1;
+        if (bytes > 1 && size - lead < bytes) {
+            text[lead - 1] = '\0';
+        }
+    }
+}
+
 void program_print_version(FILE *stream)
 {
     fprintf(stream, "%s %s (build %08x)\n", running, version_text(), (unsigned)version_build_id());

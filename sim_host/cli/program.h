@@ -35,6 +35,9 @@ int program_complain(const char *format, ...) __attribute__((format(printf, 1, 2
 void program_announce(double seconds, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* The words of a command with spaces between, as whole letters as far as they fit: for people to read. size > 0. */
+void program_command_text(int argc, char *const argv[], char *text, size_t size);
+
 /* "NAME VERSION (build ID)" and an end of line. */
 void program_print_version(FILE *stream);
 

@@ -90,15 +90,6 @@ static void choose_numbers(struct options *options)
     }
 }
 
-/* The command as one may type it again. */
-static void write_command(int argc, char **argv, char *text, size_t size)
-{
-    size_t used = 0;
-    for (int i = 0; i < argc && used < size; i++) {
-        used += (size_t)snprintf(text + used, size - used, "%s%s", i > 0 ? " " : "", argv[i]);
-    }
-}
-
 int afo_study_page(int argc, char **argv)
 {
     static const struct argp parser = {
@@ -124,7 +115,7 @@ int afo_study_page(int argc, char **argv)
     for (int i = 0; i < NUMBERS; i++) {
         (void)snprintf(number[i], NUMBER_TEXT, "%.17g", options.number[i]);
     }
-    write_command(argc, argv, command, sizeof command);
+    program_command_text(argc, argv, command, sizeof command);
     if (make_folder(options.out) == 0 &&
         python_tool_find(&tool, "study/page", "study_page.py") == 0) {
         const char *words[] = {

@@ -56,16 +56,6 @@ static void discard_at_exit(void)
     output_file_discard(&plot.file);
 }
 
-/* The command as one may type it again. */
-static void keep_command(int argc, char **argv)
-{
-    size_t used = 0;
-    for (int i = 0; i < argc && used < sizeof plot.title; i++) {
-        used += (size_t)snprintf(plot.title + used, sizeof plot.title - used, "%s%s",
-                                 i > 0 ? " " : "", argv[i]);
-    }
-}
-
 void plot_option_parse(const struct argp *parser, int argc, char **argv, void *input)
 {
     static const struct argp own = {option_list, take, 0, 0, 0, 0, 0};
@@ -80,7 +70,7 @@ void plot_option_parse(const struct argp *parser, int argc, char **argv, void *i
     }
     children[count] = (struct argp_child){&own, 0, 0, 0};
     whole.children = children;
-    keep_command(argc, argv);
+    program_command_text(argc, argv, plot.title, sizeof plot.title);
     (void)atexit(discard_at_exit);
     option_parse(&whole, argc, argv, input);
 }
@@ -189,11 +179,12 @@ static void begin_panel(struct drawing *drawing, const struct picture_panel *ask
 /* One panel of the picture, or one for each text of its column `per`. 0, or -1 without memory. */
 static int add_panels(struct drawing *drawing, const struct picture_panel *asked)
 {
-    const char *texts[PANELS_MOST] = {NULL};
+    const char *texts[PANELS_MOST + 1] = {NULL};
     size_t count = 1;
     if (asked->per != NULL) {
-        count = plot_texts(&drawing->table, asked->per, texts, PANELS_MOST);
+        count = plot_texts(&drawing->table, asked->per, texts, PANELS_MOST + 1);
     }
+    drawing->table.is_cut = drawing->table.is_cut || drawing->count + count > PANELS_MOST;
     for (size_t i = 0; i < count && drawing->count < PANELS_MOST; i++) {
         begin_panel(drawing, asked, texts[i]);
         struct figure_panel *panel = &drawing->panels[drawing->count];
@@ -222,6 +213,10 @@ static int draw(const struct picture *picture)
                          plot.file.path);
         output_file_discard(&plot.file);
     } else {
+        if (drawing->table.is_cut) {
+            program_complain("%s takes %d panels of %d lines each: more was found than is drawn",
+                             plot.file.path, (int)PANELS_MOST, (int)FIGURE_SERIES_MOST);
+        }
         figure_write(plot.file.stream, plot.title, drawing->panels, drawing->count);
         done = program_commit_output(&plot.file);
     }

@@ -226,8 +226,12 @@ static int add_series(struct plot_columns *table, const struct curve *curve,
         }
         was_in = is_its;
     }
-    if ((found > 0 || (is_bar && count > 0)) && panel->series_count < FIGURE_SERIES_MOST) {
-        panel->labels = (const char *const *)label;
+    const bool is_drawn = found > 0 || (is_bar && count > 0);
+    table->is_cut = table->is_cut || (is_drawn && panel->series_count == FIGURE_SERIES_MOST);
+    if (is_drawn && panel->series_count < FIGURE_SERIES_MOST) {
+        if (panel->series_count == 0) {
+            panel->labels = (const char *const *)label;
+        }
         panel->series[panel->series_count++] = (struct figure_series){name, x, y, value, count};
     }
     return 0;
@@ -236,10 +240,10 @@ static int add_series(struct plot_columns *table, const struct curve *curve,
 int plot_fill(struct plot_columns *table, const struct picture_panel *asked, const char *only,
               struct figure_panel *panel)
 {
-    const char *groups[FIGURE_SERIES_MOST] = {NULL};
+    const char *groups[FIGURE_SERIES_MOST + 1] = {NULL};
     size_t count = 1;
     if (asked->by != NULL) {
-        count = plot_texts(table, asked->by, groups, FIGURE_SERIES_MOST);
+        count = plot_texts(table, asked->by, groups, FIGURE_SERIES_MOST + 1);
     }
     for (size_t g = 0; g < count; g++) {
         for (int c = 0; c < PICTURE_CURVES && asked->y[c] != NULL; c++) {
@@ -272,9 +276,10 @@ void plot_axis_title(const char *column, char *text, size_t size)
 {
     static const struct {
         const char *end, *unit;
-    } units[] = {{"_rad_s", "rad/s"}, {"_m_s", "m/s"}, {"_J_per_m", "J/m"}, {"_rad", "rad"},
-                 {"_mm", "mm"},       {"_ms", "ms"},   {"_Ns", "N s"},      {"_N_m", "N/m"},
-                 {"_m", "m"},         {"_s", "s"},     {"_percent", "%"}};
+    } units[] = {{"_rad_s", "rad/s"},   {"_m_s", "m/s"},  {"_J_per_m", "J/m"}, {"_J_m", "J/m"},
+                 {"_per_min", "1/min"}, {"_N", "N"},      {"_rad", "rad"},     {"_mm", "mm"},
+                 {"_ms", "ms"},         {"_Ns", "N s"},   {"_N_m", "N/m"},     {"_m", "m"},
+                 {"_s", "s"},           {"_percent", "%"}};
     const size_t length = strlen(column);
     size_t used = length;
     const char *unit = NULL;

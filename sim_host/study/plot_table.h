@@ -2,6 +2,8 @@
 #ifndef SIM_HOST_STUDY_PLOT_TABLE_H
 #define SIM_HOST_STUDY_PLOT_TABLE_H
 
+#include <stdbool.h>
+
 #include "sim_host/study/pictures.h"
 
 enum { PLOT_COLUMNS_MOST = 24 };
@@ -13,6 +15,7 @@ struct plot_columns {
     size_t columns, rows;
     void **kept; /* what the panels point to; owned */
     size_t kept_count;
+    bool is_cut; /* a panel would have had more series than a figure takes */
 };
 
 /* Reads "a,b\n1,2\n". NULL: an empty table. 0, or -1 without memory. */

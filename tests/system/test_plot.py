@@ -137,6 +137,15 @@ def test_a_resumed_run_draws_the_rows_it_had(tmp_path):
     assert [mark.get("d") for mark in whole] == [mark.get("d") for mark in resumed]
 
 
+def test_a_picture_that_is_cut_says_so(tmp_path):
+    """A picture takes 16 panels; `gain` has one for all gains, and one for each."""
+    for gains in (15, 16):
+        words = ",".join(f"{0.001 * i:.3f}" for i in range(gains))
+        done = study("gain", "--kp", words, "--points", 3, "--plot", tmp_path / "it.svg")
+        assert ("more was found than is drawn" in done.stderr) == (gains == 16)
+        assert len(marks(tmp_path / "it.svg", "frame")) == 16
+
+
 @pytest.mark.parametrize("name", DRAWN)
 def test_a_file_that_cannot_be_is_said_before_the_study_runs(name, tmp_path):
     for picture, words in (("walk.png", "the picture is an SVG; give it a name that ends in .svg"),

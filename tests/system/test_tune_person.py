@@ -41,6 +41,19 @@ def test_a_tuning_goes_on_where_it_was_left(tmp_path):
     assert not (tmp_path / "no.ini").exists()
 
 
+def test_a_tuning_goes_on_with_its_own_device_only(tmp_path):
+    """Gains that were sought with one device are not told as another one's."""
+    words = ("--person", ADULT, "--seconds", 5, "--walks", 1, "--generations", 1, "--out", tmp_path / "a.ini",
+             "--state", tmp_path / "state", "--r0", 0.01)
+    first = tune(*words, "--device", "sim_host/devices/virtual-adult.ini")
+    assert first.returncode == 0, first.stderr
+    other = tune(*words, "--device", "sim_host/devices/exo50.ini")
+    assert other.returncode == 1 and str(tmp_path / "state") in other.stderr
+    for command in ("tune-person", "validate-person"):
+        both = run(command, "--person", ADULT, "--device", "sim_host/devices/exo50.ini", "--step-ms", 0.5, command="study")
+        assert both.returncode == 2 and "--step-ms is of a walk without --device" in both.stderr
+
+
 def test_what_is_asked_for_and_what_may_be_said_is_printed():
     objective = tune("--objective").stdout
     assert "speed" in objective and "step time" in objective and "knee, most in swing" in objective

@@ -10,14 +10,12 @@
 #include "sim_host/loop/loop.h"
 #include "sim_host/study/person/commands.h"
 #include "sim_host/study/person/objective.h"
+#include "sim_host/study/person/person_options.h"
 #include "sim_host/study/person/tuning.h"
 #include "sim_host/study/plot.h"
 
 enum {
-    KEY_PERSON = 0x600,
-    KEY_DEVICE,
-    KEY_R0,
-    KEY_OUT,
+    KEY_OUT = 0x600,
     KEY_STATE,
     KEY_NAME,
     KEY_GENERATIONS,
@@ -27,7 +25,6 @@ enum {
     KEY_NOISE,
     KEY_PUSH,
     KEY_SIGMA,
-    KEY_STEP,
     KEY_JOBS,
     KEY_KEYS,
     KEY_OBJECTIVE
@@ -36,9 +33,6 @@ enum {
 enum { JUDGED_WALKS = TUNING_WALKS_MOST };
 
 static const struct argp_option option_list[] = {
-    {"person", KEY_PERSON, "FILE", 0, "who it begins with (INI); body and strengths stay", 0},
-    {"device", KEY_DEVICE, "FILE", 0, "worn meanwhile (INI); none by default", 0},
-    {"r0", KEY_R0, "M", 0, "with --device: the prescribed precompression", 0},
     {"out", KEY_OUT, "FILE", 0, "the person file to write", 0},
     {"name", KEY_NAME, "TEXT", 0, "of the person there", 0},
     {"state", KEY_STATE, "FILE", 0,
@@ -50,8 +44,6 @@ static const struct argp_option option_list[] = {
     {"noise", KEY_NOISE, "PERCENT", 0, "of the reflexes meanwhile; 0: none (4)", 0},
     {"push", KEY_PUSH, "M_S", 0, "pushes at the hip, impulse by the body's mass (0.05)", 0},
     {"sigma", KEY_SIGMA, "SHARE", 0, "first size of the search's steps (0.06)", 0},
-    {"step-ms", KEY_STEP, "MS", 0, "of the muscles, without a device: 0.5, 0.25 or 0.125 (0.25)",
-     0},
     {"jobs", KEY_JOBS, "N", 0, "threads; no result depends on them (1)", 0},
     {"keys", KEY_KEYS, 0, 0, "print the keys of a person file's [muscles], and do nothing", 1},
     {"objective", KEY_OBJECTIVE, 0, 0, "print what is asked for, and do nothing", 1},
@@ -59,7 +51,8 @@ static const struct argp_option option_list[] = {
 
 struct input {
     struct tuning_plan plan;
-    const char *person, *device, *out, *name;
+    struct person_options who;
+    const char *out, *name;
 };
 
 static void print_objective(void)
@@ -76,20 +69,10 @@ static void print_objective(void)
     }
 }
 
-static double take_step(struct argp_state *state, const char *text)
-{
-    static const char *const names[] = {"0.5", "0.25", "0.125"};
-    static const double steps_s[] = {0.0005, 0.00025, 0.000125};
-    return steps_s[option_choice(state, "--step-ms", text, names, 3, sizeof names[0])];
-}
-
 static error_t take_number(struct tuning_plan *plan, int key, const char *text,
                            struct argp_state *state)
 {
     switch (key) {
-    case KEY_R0:
-        plan->r0_m = option_number(state, "--r0", text, 1e-4, 0.6);
-        return 0;
     case KEY_GENERATIONS:
         plan->generations = (int)option_whole(state, "--generations", text, 0, 1000000);
         return 0;
@@ -112,9 +95,6 @@ static error_t take_number(struct tuning_plan *plan, int key, const char *text,
     case KEY_SIGMA:
         plan->sigma = option_number(state, "--sigma", text, 1e-4, 1.0);
         return 0;
-    case KEY_STEP:
-        plan->step_s = take_step(state, text);
-        return 0;
     case KEY_JOBS:
         plan->jobs = (int)option_whole(state, "--jobs", text, 1, 256);
         return 0;
@@ -127,11 +107,8 @@ static error_t take(int key, char *text, struct argp_state *state)
 {
     struct input *input = (struct input *)state->input;
     switch (key) {
-    case KEY_PERSON:
-        input->person = text;
-        return 0;
-    case KEY_DEVICE:
-        input->device = text;
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &input->who;
         return 0;
     case KEY_OUT:
         input->out = text;
@@ -152,11 +129,8 @@ static error_t take(int key, char *text, struct argp_state *state)
         option_refuse_argument(state, text);
         return 0;
     case ARGP_KEY_END:
-        if (input->person == NULL || input->out == NULL) {
-            argp_error(state, "give --person FILE to begin with, and --out FILE for the result");
-        }
-        if (input->plan.r0_m > 0.0 && input->device == NULL) {
-            argp_error(state, "--r0 is a device's: give --device FILE");
+        if (input->out == NULL) {
+            argp_error(state, "give --out FILE for the result");
         }
         return 0;
     default:
@@ -235,13 +209,15 @@ int tune_person_main(int argc, char **argv)
                                           .noise_share = 0.04,
                                           .push_m_s = 0.05,
                                           .sigma = 0.06,
-                                          .step_s = 0.00025,
                                           .jobs = 1}};
-    const struct argp parser = {option_list, take, NULL, doc, NULL, NULL, NULL};
+    static const struct argp_child children[] = {{&person_options_parser, 0, NULL, 0}, {0}};
+    const struct argp parser = {option_list, take, NULL, doc, children, NULL, NULL};
     char message[SUBJECT_MESSAGE_MAX];
     plot_option_parse(&parser, argc, argv, &input);
-    input.plan.worn = input.device != NULL;
-    if (subject_read(&input.plan.subject, input.person, input.device, message) != 0) {
+    input.plan.worn = input.who.device != NULL;
+    input.plan.r0_m = input.who.r0_m;
+    input.plan.step_s = input.who.step_s;
+    if (subject_read(&input.plan.subject, input.who.person, input.who.device, message) != 0) {
         program_complain("%s", message);
         return EXIT_USAGE;
     }

@@ -10,63 +10,37 @@
 #include "sim_host/study/person/commands.h"
 #include "sim_host/study/person/normative.h"
 #include "sim_host/study/person/objective.h"
+#include "sim_host/study/person/person_options.h"
 #include "sim_host/study/person/person_walk.h"
 #include "sim_host/study/plot.h"
 
-enum {
-    KEY_PERSON = 0x600,
-    KEY_DEVICE,
-    KEY_R0,
-    KEY_SEEDS,
-    KEY_STEPS,
-    KEY_NOISE,
-    KEY_STEP,
-    KEY_JSON
-};
+enum { KEY_SEEDS = 0x600, KEY_STEPS, KEY_NOISE, KEY_JSON };
 enum { SEEDS_MOST = 100 };
 
 #define COUNTED_FROM_S 5.0
 #define STEP_AT_MOST_S 2.0
 
 static const struct argp_option option_list[] = {
-    {"person", KEY_PERSON, "FILE", 0, "person file (INI)", 0},
-    {"device", KEY_DEVICE, "FILE", 0, "worn meanwhile (INI); none by default", 0},
-    {"r0", KEY_R0, "M", 0, "with --device: the prescribed precompression", 0},
     {"seeds", KEY_SEEDS, "N", 0, "walks, each with its own noise (3)", 0},
     {"steps", KEY_STEPS, "N", 0, "of each walk, behind the first 5 s (100)", 0},
     {"noise", KEY_NOISE, "PERCENT", 0, "of the reflexes; 0: none (the person's own)", 0},
-    {"step-ms", KEY_STEP, "MS", 0, "of the muscles, without a device: 0.5, 0.25 or 0.125 (0.25)",
-     0},
     {"json", KEY_JSON, 0, 0, "one JSON object", 0},
     {0}};
 
 struct input {
     struct person_walk walk;
-    const char *person, *device;
+    struct person_options who;
     int seeds;
     double noise_share; /* below 0: the person's own */
     bool json;
 };
 
-static double take_step(struct argp_state *state, const char *text)
-{
-    static const char *const names[] = {"0.5", "0.25", "0.125"};
-    static const double steps_s[] = {0.0005, 0.00025, 0.000125};
-    return steps_s[option_choice(state, "--step-ms", text, names, 3, sizeof names[0])];
-}
-
 static error_t take(int key, char *text, struct argp_state *state)
 {
     struct input *input = (struct input *)state->input;
     switch (key) {
-    case KEY_PERSON:
-        input->person = text;
-        return 0;
-    case KEY_DEVICE:
-        input->device = text;
-        return 0;
-    case KEY_R0:
-        input->walk.r0_m = option_number(state, "--r0", text, 1e-4, 0.6);
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &input->who;
         return 0;
     case KEY_SEEDS:
         input->seeds = (int)option_whole(state, "--seeds", text, 1, SEEDS_MOST);
@@ -78,22 +52,11 @@ static error_t take(int key, char *text, struct argp_state *state)
         input->noise_share =
             option_number(state, "--noise", text, 0.0, 100.0 * REFLEX_NOISE_MOST) / 100.0;
         return 0;
-    case KEY_STEP:
-        input->walk.step_s = take_step(state, text);
-        return 0;
     case KEY_JSON:
         input->json = true;
         return 0;
     case ARGP_KEY_ARG:
         option_refuse_argument(state, text);
-        return 0;
-    case ARGP_KEY_END:
-        if (input->person == NULL) {
-            argp_error(state, "whom? give --person FILE");
-        }
-        if (input->walk.r0_m > 0.0 && input->device == NULL) {
-            argp_error(state, "--r0 is a device's: give --device FILE");
-        }
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -253,19 +216,20 @@ int validate_person_main(int argc, char **argv)
         "Exit status: 0 walked all steps with all seeds, 1 fell, 2 wrong usage.";
     static struct subject subject;
     static struct input input = {
-        .walk = {.from_s = COUNTED_FROM_S, .steps = 100, .step_s = 0.00025},
-        .seeds = 3,
-        .noise_share = -1.0};
-    const struct argp parser = {option_list, take, NULL, doc, NULL, NULL, NULL};
+        .walk = {.from_s = COUNTED_FROM_S, .steps = 100}, .seeds = 3, .noise_share = -1.0};
+    static const struct argp_child children[] = {{&person_options_parser, 0, NULL, 0}, {0}};
+    const struct argp parser = {option_list, take, NULL, doc, children, NULL, NULL};
     char message[SUBJECT_MESSAGE_MAX];
     bool fell;
     plot_option_parse(&parser, argc, argv, &input);
-    if (subject_read(&subject, input.person, input.device, message) != 0) {
+    if (subject_read(&subject, input.who.person, input.who.device, message) != 0) {
         program_complain("%s", message);
         return EXIT_USAGE;
     }
     input.walk.subject = &subject;
-    input.walk.worn = input.device != NULL;
+    input.walk.worn = input.who.device != NULL;
+    input.walk.r0_m = input.who.r0_m;
+    input.walk.step_s = input.who.step_s;
     input.walk.until_s = COUNTED_FROM_S + STEP_AT_MOST_S * (double)input.walk.steps;
     input.walk.noise_share =
         input.noise_share >= 0.0 ? input.noise_share : subject.person.muscles.noise_percent / 100.0;
