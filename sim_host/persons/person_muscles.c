@@ -33,8 +33,8 @@ struct muscle_key {
         name "_strength", "1", STRENGTH_LEAST, STRENGTH_MOST, id, KIND_STRENGTH, meaning \
     }
 static const struct muscle_key keys[PERSON_MUSCLE_KEYS] = {
-    {"noise", "%", 0.01, NOISE_MOST_PERCENT, FIELD(noise_percent), KIND_NOISE,
-     "of every stimulation, or none"},
+    [PERSON_MUSCLES_NOISE] = {"noise", "%", 0.01, NOISE_MOST_PERCENT, FIELD(noise_percent),
+                              KIND_NOISE, "of every stimulation, or none"},
     {"reflexes", "", 0.0, 0.0, 0, KIND_TABLE,
      "table of gains, healthy or published; gains below change it"},
     REFLEX_GAINS(GAIN) /* */
@@ -239,7 +239,7 @@ int person_muscles_take(struct person_muscles *muscles, const char *section, con
 
 int person_muscles_check(const struct person_muscles *muscles, char *message, size_t size)
 {
-    const int noise = 0;
+    const int noise = PERSON_MUSCLES_NOISE;
     if (person_muscles_given(muscles) && !muscles->given[0][noise]) {
         snprintf(message, size,
                  "section [muscles] lacks key \"noise\" (%s), allowed is none, or %g to %g %%",

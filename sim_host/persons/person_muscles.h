@@ -21,6 +21,9 @@ enum {
     PERSON_TUNED_WITH_MAX = 64
 };
 
+/* Key "noise" of [muscles]: the one that a section must have. */
+enum { PERSON_MUSCLES_NOISE = 0 };
+
 struct person_muscles {
     bool given[PERSON_MUSCLE_SECTIONS][PERSON_MUSCLE_KEYS]; /* what the file said already */
     double noise_percent;                                   /* of every stimulation; 0: none */

@@ -183,6 +183,12 @@ def test_the_person_as_a_picture_that_moves_with_a_strip_below(tmp_path):
         assert max(y for _, y in left[3:] + right[3:]) == pytest.approx(360, abs=8)  # pixels: 237 are a metre
 
 
+def test_a_table_of_doses_that_cannot_be_written_is_told_before_the_walks(tmp_path):
+    done = run("dose", "--person", file_of("persons", "reflex-new"), "--device", file_of("devices", "virtual-adult"),
+               "--steps", 10000, "--csv", tmp_path / "nowhere" / "a.csv", command="study")
+    assert done.returncode == 2 and not done.stdout and "a.csv: No such file or directory" in done.stderr
+
+
 @pytest.mark.parametrize("seed", (1, 2))
 def test_an_ankle_that_answers_to_pushes_is_not_taken_for_misplaced(seed):
     """With switches that are late: the ankle is extended as the other foot lands, and bent again as its own is seen to leave."""

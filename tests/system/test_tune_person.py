@@ -41,6 +41,11 @@ def test_a_tuning_goes_on_where_it_was_left(tmp_path):
     assert not (tmp_path / "no.ini").exists()
 
 
+def test_a_result_that_cannot_be_written_is_told_before_the_search(tmp_path):
+    done = tune("--person", ADULT, "--generations", 100000, "--out", tmp_path / "nowhere" / "a.ini")
+    assert done.returncode == 2 and not done.stdout and "a.ini: No such file or directory" in done.stderr
+
+
 def test_a_tuning_goes_on_with_its_own_device_only(tmp_path):
     """Gains that were sought with one device are not told as another one's."""
     words = ("--person", ADULT, "--seconds", 5, "--walks", 1, "--generations", 1, "--out", tmp_path / "a.ini",

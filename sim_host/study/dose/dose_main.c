@@ -246,22 +246,18 @@ static int check(const struct dose_study *study)
     return 0;
 }
 
-static int report(struct dose_study *study)
+static int report(struct dose_study *study, struct output_file *csv)
 {
-    struct output_file csv;
-    if (program_open_output(&csv, study->csv_path) != 0) {
-        return EXIT_USAGE;
-    }
-    if (csv.stream != NULL) {
-        dose_report_csv(csv.stream, study);
+    if (csv->stream != NULL) {
+        dose_report_csv(csv->stream, study);
     }
     FILE *picture = plot_table("dose");
     if (picture != NULL) {
         dose_report_plot(picture, study);
     }
     (study->json ? dose_report_json : dose_report_text)(stdout, study);
-    return program_commit_table(&csv, study->argc, study->argv, NULL, NULL) == 0 ? EXIT_GOOD
-                                                                                 : EXIT_USAGE;
+    return program_commit_table(csv, study->argc, study->argv, NULL, NULL) == 0 ? EXIT_GOOD
+                                                                                : EXIT_USAGE;
 }
 
 int dose_main(int argc, char **argv)
@@ -299,9 +295,14 @@ int dose_main(int argc, char **argv)
                         .make = make,
                         .take = take_line};
     snprintf(work.prefix, sizeof work.prefix, "dose-%08x", (unsigned)identity_of(&study));
+    static struct output_file csv;
+    if (program_open_output(&csv, study.csv_path) != 0) { /* said before the walks */
+        return plot_finish(EXIT_USAGE);
+    }
     study.result = (struct dose_result *)calloc(work.runs, sizeof *study.result);
     int status = study.result == NULL || check(&study) != 0 ? EXIT_USAGE : work_do(&work);
-    status = status == EXIT_GOOD ? report(&study) : status;
+    status = status == EXIT_GOOD ? report(&study, &csv) : status;
+    output_file_discard(&csv);
     free(study.result);
     return plot_finish(status);
 }

@@ -7,6 +7,7 @@
 #include "sim_host/cli/option.h"
 #include "sim_host/cli/output_file.h"
 #include "sim_host/cli/program.h"
+#include "sim_host/cli/program_output.h"
 #include "sim_host/loop/loop.h"
 #include "sim_host/study/person/commands.h"
 #include "sim_host/study/person/objective.h"
@@ -139,9 +140,8 @@ static error_t take(int key, char *text, struct argp_state *state)
 }
 
 static int write_person(const struct input *input, const struct tuning *tuning, double value,
-                        char *message)
+                        struct output_file *file)
 {
-    static struct output_file file;
     static struct person person;
     struct person_muscles *muscles = &person.muscles;
     tuning_person(tuning, &person);
@@ -156,15 +156,12 @@ static int write_person(const struct input *input, const struct tuning *tuning, 
         snprintf(muscles->tuned_with, sizeof muscles->tuned_with, "%.40s, r0 %g m",
                  tuning->plan.subject.device.name, tuning->plan.r0_m);
     }
-    muscles->given[0][0] = true;
-    if (output_file_open(&file, input->out, message, LOOP_MESSAGE_MAX) != 0) {
-        return -1;
-    }
-    person_write(file.stream, &person);
-    return output_file_commit(&file, message, LOOP_MESSAGE_MAX);
+    muscles->given[0][PERSON_MUSCLES_NOISE] = true;
+    person_write(file->stream, &person);
+    return program_commit_output(file);
 }
 
-static int tune(const struct input *input)
+static int tune(const struct input *input, struct output_file *file)
 {
     static struct tuning tuning;
     char message[LOOP_MESSAGE_MAX] = "";
@@ -187,9 +184,11 @@ static int tune(const struct input *input)
             fprintf(picture, "%d,%.9g,%.9g\n", tuning.search.generations, mean, best);
         }
     }
-    if (tuning_value(&tuning, JUDGED_WALKS, &value, message) != 0 ||
-        write_person(input, &tuning, value, message) != 0) {
+    if (tuning_value(&tuning, JUDGED_WALKS, &value, message) != 0) {
         return program_complain("%s", message);
+    }
+    if (write_person(input, &tuning, value, file) != 0) {
+        return -1;
     }
     printf("the mean's objective over %d walks with fresh seeds: %.4f\n", JUDGED_WALKS, value);
     return 0;
@@ -221,5 +220,11 @@ int tune_person_main(int argc, char **argv)
         program_complain("%s", message);
         return EXIT_USAGE;
     }
-    return tune(&input) == 0 ? EXIT_GOOD : EXIT_BAD;
+    static struct output_file file;
+    if (program_open_output(&file, input.out) != 0) { /* said before hours are spent */
+        return EXIT_USAGE;
+    }
+    const int status = tune(&input, &file) == 0 ? EXIT_GOOD : EXIT_BAD;
+    output_file_discard(&file);
+    return status;
 }
