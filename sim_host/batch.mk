@@ -3,14 +3,21 @@ $(BUILD)/f64/sim_host/batch/kernel_%.o: private CFLAGS_ALL += $(if $(findstring 
 
 # The speed measurements' comparisons use libraries where they are installed; without them they say so.
 HAVE_HEADER = $(shell printf '\043include <$(1)>\n' | $(CC) -E -x c - >/dev/null 2>&1 && echo yes)
-# A library that came since the last build is in the next one.
-PEER_HEADERS := cvode/cvode.h gsl/gsl_odeiv2.h
+# A library that came since the last build is in the next one. The compiler is told of it by an option, because a
+# compiler's cache sees the option, and not a header that has come.
+PEERS := cvode gsl
+cvode_HEADER := cvode/cvode.h
+cvode_LIBRARIES := -lsundials_cvode -lsundials_nvecserial -lsundials_generic
+gsl_HEADER := gsl/gsl_odeiv2.h
+gsl_LIBRARIES := -lgsl -lgslcblas
 $(BUILD)/stamp/peers: FORCE
-	$(call STAMP,$(foreach header,$(PEER_HEADERS),$(header) $(or $(call HAVE_HEADER,$(header)),no)))
-$(call OBJ_F32,sim_host/programs/bench/afo_bench_cvode.c sim_host/programs/bench/afo_bench_gsl.c): $(BUILD)/stamp/peers
-$(BUILD)/afo-bench-cvode: private LDLIBS_SIM += $(if $(call HAVE_HEADER,cvode/cvode.h),\
-        -lsundials_cvode -lsundials_nvecserial -lsundials_generic)
-$(BUILD)/afo-bench-gsl: private LDLIBS_SIM += $(if $(call HAVE_HEADER,gsl/gsl_odeiv2.h),-lgsl -lgslcblas)
+	$(call STAMP,$(foreach peer,$(PEERS),$($(peer)_HEADER) $(or $(call HAVE_HEADER,$($(peer)_HEADER)),no)))
+define PEER_RULES
+$(call OBJ_F32,sim_host/programs/bench/afo_bench_$(1).c): $(BUILD)/stamp/peers
+$(call OBJ_F32,sim_host/programs/bench/afo_bench_$(1).c): private CFLAGS_ALL += $$(if $$(call HAVE_HEADER,$$($(1)_HEADER)),-DHAVE_PEER)
+$(BUILD)/afo-bench-$(1): private LDLIBS_SIM += $$(if $$(call HAVE_HEADER,$$($(1)_HEADER)),$$($(1)_LIBRARIES))
+endef
+$(foreach peer,$(PEERS),$(eval $(call PEER_RULES,$(peer))))
 
 # Long work under mpirun, where MPI is installed: the same program with MPI in it, apart, so that afo itself needs
 # no library of it.

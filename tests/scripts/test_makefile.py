@@ -83,10 +83,10 @@ def test_a_library_that_came_since_is_in_the_next_build(tree, monkeypatch):
     bench.mkdir()
     shutil.copy(ROOT / "sim_host" / "batch.mk", tree / "sim_host")
     (bench / "afo_bench_gsl.c").write_text(
-        "#include <stdio.h>\nint main(void)\n{\n#if __has_include(<peer/peer.h>)\n    puts(\"with\");\n#else\n"
+        "#include <stdio.h>\nint main(void)\n{\n#ifdef HAVE_PEER\n    puts(\"with\");\n#else\n"
         "    puts(\"without\");\n#endif\n    return 0;\n}\n")
     monkeypatch.setenv("CPATH", str(headers))
-    program, what = tree / "build/afo-bench-gsl", ("build/afo-bench-gsl", "PEER_HEADERS=peer/peer.h")
+    program, what = tree / "build/afo-bench-gsl", ("build/afo-bench-gsl", "gsl_HEADER=peer/peer.h", "gsl_LIBRARIES=")
     make(tree, *what)
     assert subprocess.check_output([program], text=True) == "without\n"
     (headers / "peer").mkdir(parents=True)

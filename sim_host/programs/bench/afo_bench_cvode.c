@@ -5,7 +5,7 @@
 
 #include "sim_host/batch/benchmark_phases.h"
 
-#if defined __has_include && __has_include(<cvode/cvode.h>)
+#ifdef HAVE_PEER
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
@@ -33,7 +33,7 @@ static int rates_of(realtype t, N_Vector y, N_Vector dy, void *user)
     const struct cvode *cvode = user;
     (void)t;
     if (cvode->phase == PHASE_PUSH_OFF) {
-        double_support_rates(&cvode->start_hold, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
+        double_support_rates(&cvode->support, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
     } else {
         single_support_rates(&cvode->walker, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
     }
@@ -44,7 +44,7 @@ static int root_of(realtype t, N_Vector y, realtype *value, void *user)
 {
     const struct cvode *cvode = user;
     (void)t;
-    *value = benchmark_event(cvode->phase, &cvode->start_hold, N_VGetArrayPointer(y));
+    *value = benchmark_event(cvode->phase, &cvode->support, N_VGetArrayPointer(y));
     return 0;
 }
 
@@ -121,7 +121,7 @@ static void measure(const char *name, int method, const struct benchmark_rows *r
     static struct cvode cvode;
     cvode = (struct cvode){0};
     if (cvode_open(&cvode, method)) {
-        struct benchmark_solver solver = {run_phase, &cvode, &cvode.walker, &cvode.start_hold};
+        struct benchmark_solver solver = {run_phase, &cvode, &cvode.walker, &cvode.support};
         double tolerance = 1e-5;
         for (int rung = 0; rung < 20; rung++) {
             benchmark_measure(name, rows, benchmark_solve, &solver, tolerance, 1);

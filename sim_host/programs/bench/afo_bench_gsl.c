@@ -7,7 +7,7 @@
 
 #include "sim_host/batch/benchmark_phases.h"
 
-#if defined __has_include && __has_include(<gsl/gsl_odeiv2.h>)
+#ifdef HAVE_PEER
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -44,7 +44,7 @@ static int land(struct gsl *gsl, int which, enum benchmark_phase phase, double s
     gsl_odeiv2_system *system = &gsl->system[which];
     double before[4], after[4] = {0.0}, slope[4] = {0.0}, error[4];
     memcpy(before, state, sizeof(double) * system->dimension);
-    const double rest = phase == PHASE_PUSH_OFF ? gsl->start_hold.spring_rest_m : 0.0;
+    const double rest = phase == PHASE_PUSH_OFF ? gsl->support.spring_rest_m : 0.0;
     double t = 0.5 * step;
     for (int i = 0; i < LANDINGS; i++) {
         memcpy(after, before, sizeof(double) * system->dimension);
@@ -54,8 +54,8 @@ static int land(struct gsl *gsl, int which, enum benchmark_phase phase, double s
             return 0;
         }
         system->function(0.0, after, slope, system->params);
-        const double rate = benchmark_event(phase, &gsl->start_hold, slope) - rest;
-        const double change = benchmark_event(phase, &gsl->start_hold, after) / rate;
+        const double rate = benchmark_event(phase, &gsl->support, slope) - rest;
+        const double change = benchmark_event(phase, &gsl->support, after) / rate;
         t -= change;
         if (real_abs(change) < 1e-14) {
             break;
@@ -84,8 +84,8 @@ static int run_phase(void *solver, enum benchmark_phase phase, double tolerance,
                                     state) != GSL_SUCCESS) {
             break;
         }
-        if (benchmark_event(phase, &gsl->start_hold, before) > 0.0 &&
-            benchmark_event(phase, &gsl->start_hold, state) <= 0.0) {
+        if (benchmark_event(phase, &gsl->support, before) > 0.0 &&
+            benchmark_event(phase, &gsl->support, state) <= 0.0) {
             memcpy(state, before, bytes);
             done = land(gsl, which, phase, t - from, state);
         }
@@ -102,12 +102,12 @@ int main(int argc, char **argv)
         return EXIT_FAILURE;
     }
     gsl.system[0] = (gsl_odeiv2_system){single_rates, NULL, 4, &gsl.walker};
-    gsl.system[1] = (gsl_odeiv2_system){double_rates, NULL, 2, &gsl.start_hold};
+    gsl.system[1] = (gsl_odeiv2_system){double_rates, NULL, 2, &gsl.support};
     for (int i = 0; i < 2; i++) {
         gsl.step[i] = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, gsl.system[i].dimension);
         gsl.evolve[i] = gsl_odeiv2_evolve_alloc(gsl.system[i].dimension);
     }
-    struct benchmark_solver solver = {run_phase, &gsl, &gsl.walker, &gsl.start_hold};
+    struct benchmark_solver solver = {run_phase, &gsl, &gsl.walker, &gsl.support};
     double tolerance = 1e-4;
     for (int rung = 0; rung < 22; rung++) {
         benchmark_measure("GSL rk8pd", &rows, benchmark_solve, &solver, tolerance, 1);

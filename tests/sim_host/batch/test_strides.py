@@ -9,6 +9,7 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 BUILD = os.environ.get("BUILD", "build")
 PROGRAM = ROOT / BUILD / "afo-strides"
+REFERENCE = pathlib.Path(__file__).with_name("reference_strides.csv")
 # Of 4,204 strides of 64 walkers at a time, made by build/afo-strides --strides 2000 --walkers 64. It changes with the
 # engine's arithmetic, and with nothing else.
 DIGEST = "4204 strides, 87 falls, digest ff3d676cff624f7c"
@@ -54,3 +55,17 @@ def test_the_bench_tells_what_it_measures():
     done = subprocess.run([bench, "--help"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0 and done.stdout.startswith("usage: ") and "REFERENCE.csv" in done.stdout
     assert subprocess.run([bench], capture_output=True, timeout=60).returncode == 1
+
+
+@pytest.mark.parametrize("peer", ("gsl", "cvode"))
+def test_a_peer_of_the_bench_is_built_and_walks_the_same_strides(peer):
+    """The strides are known in quadruple precision: a ladder of tolerances that gets below 1e-6 of them integrates the same walker."""
+    with subprocess.Popen(["stdbuf", "-oL", ROOT / BUILD / f"afo-bench-{peer}", REFERENCE, "0.001"], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True) as bench:
+        errors = []
+        for line in bench.stdout:
+            errors.append(float(line.split(",")[2]))
+            if errors[-1] < 1e-6:
+                break
+        bench.kill()
+        assert errors and errors[-1] < 1e-6, bench.stderr.read()
