@@ -15,6 +15,8 @@ EXIT_GOOD, EXIT_USAGE = 0, 2
 # OpenSim's names of what a table of ticks has; its walker goes along x, and the model's along -x.
 GROUND_COLUMNS = tuple(f"{what}_{side}_{axis}" for side in ("left", "right") for what, axis in (
     ("toe", "x_m"), ("toe", "y_m"), ("ground", "x_N"), ("ground", "y_N")))
+SEGMENTS = ("thigh", "shank", "foot")  # of a person who bends their knees
+BODY_COLUMNS = ("trunk_lean_rad", *(f"{part}_{side}_rad" for side in ("left", "right") for part in SEGMENTS))
 TICK_COLUMNS = ("time_s", "theta_left_rad", "theta_right_rad", "ankle_left_m", "ankle_right_m", "hip_x_m", "hip_y_m")
 
 
@@ -126,26 +128,44 @@ def beside_motion(path, names, columns, told):
     return f"{path}: the ground's forces on both legs, N, at the toes"
 
 
-def to_storage(names, columns, told, path):
-    """An OpenSim motion: the pelvis at the hip, the legs' pitch as hip flexion, straight knees, the legs' extension at the ankles.
+def joints_of_compass(values, side):
+    """A straight leg, which is pitched from the vertical, and gets longer at the ankle."""
+    return {"hip_flexion": [math.degrees(angle) for angle in values[f"theta_{side}_rad"]],
+            "knee_angle": [0.0] * len(values["time_s"])}
 
-    pelvis_tx is the way that the hip went; a leg's pitch is positive with the foot ahead, as hip_flexion is."""
-    lacking = [name for name in TICK_COLUMNS if name not in names]
-    if lacking:
-        raise Refusal(f"a motion is made of a table of ticks (afo sim --ticks=FILE), and this one lacks {listed(lacking)}")
+
+def joints_of_person(values, side):
+    """Joint angles of segments that the table has against the vertical, and of the foot against the ground."""
+    lean, thigh, shank, foot = (values[name] for name in ("trunk_lean_rad", *(f"{part}_{side}_rad" for part in SEGMENTS)))
+    joints = {"hip_flexion": zip(thigh, lean), "knee_angle": zip(thigh, [-angle for angle in shank]),
+              "ankle_angle": zip(foot, [-angle for angle in shank])}
+    return {name: [math.degrees(sum(pair)) for pair in pairs] for name, pairs in joints.items()}
+
+
+def to_storage(names, columns, told, path):
+    """An OpenSim motion: the pelvis at the hip, and of both legs hip, knee and ankle in degrees.
+
+    Coordinates as in Rajagopal et al. (2016): pelvis_tx is the way that the hip went, pelvis_tilt is positive backwards, and
+    hip_flexion, knee_angle and ankle_angle are positive in flexion and dorsiflexion. A compass keeps its pelvis upright and its
+    knees straight, and its legs get longer at the ankles."""
     who = told.get("who", {})
     if who.get("recording"):
         raise Refusal("a recorded person has no hip in the table of ticks: the motion is of a simulated walker")
-    if who.get("plant") == "reflex":
-        raise Refusal("a motion has straight knees, and this person bends theirs; a picture (.svg) or Parquet has them")
-    values = {name: [number(text) for text in columns[names.index(name)]] for name in TICK_COLUMNS}
-    wanted = {"time": values["time_s"], "pelvis_tilt": [0.0] * len(values["time_s"]),
+    bends = "trunk_lean_rad" in names
+    wants = (*TICK_COLUMNS, *(BODY_COLUMNS if bends else ()))
+    lacking = [name for name in wants if name not in names]
+    if lacking:
+        raise Refusal(f"a motion is made of a table of ticks (afo sim --ticks=FILE), and this one lacks {listed(lacking)}")
+    values = {name: [number(text) for text in columns[names.index(name)]] for name in wants}
+    lean = values["trunk_lean_rad"] if bends else [0.0] * len(values["time_s"])
+    motion = {"time": values["time_s"], "pelvis_tilt": [-math.degrees(angle) for angle in lean],
               "pelvis_tx": [-x for x in values["hip_x_m"]], "pelvis_ty": values["hip_y_m"]}
     for side, letter in (("left", "l"), ("right", "r")):
-        wanted[f"hip_flexion_{letter}"] = [math.degrees(angle) for angle in values[f"theta_{side}_rad"]]
-        wanted[f"knee_angle_{letter}"] = [0.0] * len(values["time_s"])
-        wanted[f"leg_extension_{letter}_m"] = values[f"ankle_{side}_m"]
-    write_storage("afo_walk", wanted, True, told, path)
+        joints = (joints_of_person if bends else joints_of_compass)(values, side)
+        motion |= {f"{name}_{letter}": angles for name, angles in joints.items()}
+        if not bends:
+            motion[f"leg_extension_{letter}_m"] = values[f"ankle_{side}_m"]
+    write_storage("afo_walk", motion, True, told, path)
 
 
 def to_picture(names, columns, told, path):

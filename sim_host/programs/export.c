@@ -52,7 +52,8 @@ int afo_export(int argc, char **argv)
         "  afo export steps.csv --out steps.parquet\n"
         "  afo export ticks.csv --out walk.mot\n"
         "  afo export ticks.csv --out walk.svg\n\n"
-        "A motion walk.mot has walk_grf.mot beside it, the ground's forces, where the walker is a compass. It has pelvis_tx and pelvis_ty at the hip, the legs' pitch as hip_flexion, and straight knees. "
+        "A motion has Rajagopal's coordinates (2016): the pelvis at the hip, and hip, knee and ankle in degrees, flexion positive. A compass has straight knees. "
+        "walk.mot has walk_grf.mot beside it, the ground's forces, where the walker is a compass. "
         "Trials of afo view are exported by afo report --export.\n\n"
         "Exit status: 0 written, 2 wrong usage, or a table that cannot be read.",
         0,

@@ -11,6 +11,7 @@ void subject_default(struct subject *subject)
     device_file_default(&subject->device);
     subject->actuators.as_built = false;
     subject->is_person = false;
+    subject->names_no_device = false;
 }
 
 int subject_read(struct subject *subject, const char *person_path, const char *device_path,
@@ -21,6 +22,7 @@ int subject_read(struct subject *subject, const char *person_path, const char *d
         return -1;
     }
     if (device_path == NULL) {
+        subject->names_no_device = person_path != NULL;
         return 0;
     }
     return device_file_read(&subject->device, device_path, message) == 0

@@ -23,6 +23,7 @@ struct subject {
     struct device_file device;
     struct actuators actuators; /* of the plant: by the device's [plant] sections, or idealised */
     bool is_person;             /* a person walks; the compass' gaits need not suit the spring */
+    bool names_no_device; /* a person file came without a device: the default one is the paper's */
 };
 
 /* Time there is to load a spring at the highest cadence that is provided for, 130 steps a minute: from
@@ -62,7 +63,7 @@ enum gait_curve_error subject_gait(const struct subject *subject, double r0_m,
  * paper's walker (kp with l sqrt(l/g), speeds with sqrt(g/l), lengths with l and
  * the spring's energy), finv computed from the model for this very walker, then
  * the person's prescription. A device without a latch that reports CLOSED is refused for a person
- * (body = 1). Returns 0, or -1 with the reason in message. */
+ * (body = 1). Returns 0, or -1 with the reason in message, which proposes a device where none was named. */
 int subject_control_params(const struct subject *subject, struct control_params *params,
                            char *message);
 

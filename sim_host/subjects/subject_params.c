@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "sim_host/devices/device_text.h"
 #include "sim_host/gait/late_gait.h"
@@ -359,8 +360,7 @@ static void limit_changes(const struct subject *subject, struct control_params *
     }
 }
 
-int subject_control_params(const struct subject *subject, struct control_params *params,
-                           char *message)
+static int derive(const struct subject *subject, struct control_params *params, char *message)
 {
     const double l = subject->person.leg_length_m;
     const double g = subject->person.gravity_m_s2;
@@ -451,4 +451,20 @@ int subject_control_params(const struct subject *subject, struct control_params 
         return -1;
     }
     return params->body == (real)BODY_PERSON ? check_person(subject, message) : 0;
+}
+
+int subject_control_params(const struct subject *subject, struct control_params *params,
+                           char *message)
+{
+    if (derive(subject, params, message) == 0) {
+        return 0;
+    }
+    if (subject->names_no_device) {
+        const size_t length = strlen(message);
+        snprintf(
+            message + length, SUBJECT_MESSAGE_MAX - length,
+            "; no device was named, and this is the paper's: choose one that fits the person, such as "
+            "--device sim_host/devices/virtual-adult.ini");
+    }
+    return -1;
 }

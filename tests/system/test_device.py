@@ -42,6 +42,13 @@ def test_a_device_is_checked_for_a_person(tmp_path):
     assert "/nowhere" in device("check", loaded, "--person", "/nowhere").stderr
 
 
+@pytest.mark.parametrize("person", ("adult70", "reflex-new"))
+def test_a_person_without_a_device_is_told_of_one(person):
+    plant = ("--plant", "reflex") if person.startswith("reflex") else ()
+    done = run("--person", file_of("persons", person), *plant, "--steps", 3, "--quiet")
+    assert done.returncode == 2 and "no device was named" in done.stderr and "--device sim_host/devices/" in done.stderr
+
+
 def test_a_person_is_refused_on_a_device_for_the_bench(tmp_path):
     person = with_lines(tmp_path / "person.ini", file_of("persons", "paper"), ["body = 1", "engage_steps = 4"], "prescription")
     done = run("--person", person, "--device", file_of("devices", "odrive"), "--steps", "1")

@@ -9,7 +9,7 @@ import pandas
 import pyarrow.parquet
 import pytest
 
-from afo import run
+from afo import ROOT, run
 from gait_play import write
 from made_gait import made_gait
 
@@ -165,6 +165,28 @@ def test_a_walk_as_an_opensim_motion(written, tmp_path):
     moved = np.diff(motion["pelvis_tx"])[single.to_numpy()[:-1]]
     turned = -np.diff(np.sin(np.radians(motion["hip_flexion_l"])))[single.to_numpy()[:-1]]
     assert np.corrcoef(moved, turned)[0, 1] > 0.97
+
+
+def test_a_person_who_bends_their_knees_as_an_opensim_motion(tmp_path):
+    """From the hip by the motion's angles alone: the ankle is as far from the ball as a foot is long, and the foot as it is turned."""
+    ticks, path = tmp_path / "ticks.csv", tmp_path / "walk.mot"
+    made(ticks, "--plant", "reflex", "--person", ROOT / "sim_host/persons/reflex-new.ini", "--device",
+         ROOT / "sim_host/devices/virtual-adult.ini", "--without-device", "--steps", "6", "--quiet", f"--ticks={ticks}")
+    assert run(ticks, "--out", path, command="export").returncode == 0
+    told, table = json.loads(ticks.with_name("ticks.csv.json").read_text()), pandas.read_csv(ticks)
+    _, motion = storage(path)
+    part = told["who"]["leg_length_m"] / 2
+    for side, letter in (("left", "l"), ("right", "r")):
+        thigh = np.radians(motion["pelvis_tilt"] + motion[f"hip_flexion_{letter}"])
+        shank = thigh - np.radians(motion[f"knee_angle_{letter}"])
+        foot = shank + np.radians(motion[f"ankle_angle_{letter}"])
+        ankle = np.array([motion["pelvis_tx"] + part * (np.sin(thigh) + np.sin(shank)),
+                          motion["pelvis_ty"] - part * (np.cos(thigh) + np.cos(shank))])
+        ball = np.array([-table[f"toe_{side}_x_m"], table[f"toe_{side}_y_m"]]) - ankle
+        along = (np.cos(foot) * ball[0] + np.sin(foot) * ball[1], -np.sin(foot) * ball[0] + np.cos(foot) * ball[1])
+        assert np.std(along[0]) < 1e-6 and np.std(along[1]) < 1e-6 and np.mean(along[0]) > 0.1
+        assert motion[f"knee_angle_{letter}"].max() > 40 and motion[f"knee_angle_{letter}"].min() > -5
+    assert np.degrees(table["trunk_lean_rad"]).to_numpy() == pytest.approx(-motion["pelvis_tilt"].to_numpy(), abs=1e-6)
 
 
 def test_a_motion_has_its_ground_forces_beside_it(tmp_path):

@@ -1,6 +1,8 @@
 """The page of afo view in headless Chromium: as a person uses it, by keyboard; pictures lie in build/view."""
+import json
 import pathlib
 
+import pandas
 import pytest
 
 from afo import run
@@ -104,6 +106,17 @@ def test_mark_keep_report(page, walking, tmp_path):
     folder = next(pathlib.Path(walking.process.args[walking.process.args.index("--trials") + 1]).glob("*P12"))
     assert run("--speed", "0.5", folder / "bus.log", command="replay").returncode == 0
     page.picture("live-light")
+
+
+def test_a_table_is_saved_with_what_it_is_of(page, tmp_path):
+    """One key saves two files: pandas reads the table, and the JSON beside it has every column's unit."""
+    page.browser.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)})
+    page.browser.find_element(By.CSS_SELECTOR, "#trials button[aria-label$='as csv']").send_keys(Keys.ENTER)
+    wait_until(lambda: len(list(tmp_path.glob("*.csv")) + list(tmp_path.glob("*.csv.json"))) == 2, "both files are saved")
+    page.until_text("#keep-outcome", ".csv.json is saved")
+    table = pandas.read_csv(next(tmp_path.glob("*.csv")))
+    about = json.loads(next(tmp_path.glob("*.csv.json")).read_text())
+    assert len(table) > 4000 and set(table.columns) == set(about["units"])
 
 
 def test_compare_two_trials(page):
