@@ -215,6 +215,9 @@ static void start_plant(struct shot_state *state, struct loop *loop)
     case FAULT_TRIP:
         plant->walk.params.trip_extension_m = -1.0; /* the next pass of the legs ends it */
         break;
+    case FAULT_STAIRS:
+        plant_lay_stair(plant, shot->magnitude);
+        break;
     default:
         break;
     }
@@ -364,9 +367,6 @@ void injector_stop(struct shot_state *state, struct loop *loop)
 void injector_hold(struct shot_state *state, struct loop *loop)
 {
     injector_person_hold(state, loop);
-    if (state->shot.kind == FAULT_STAIRS) {
-        plant_set_next_height(&loop->nodes.plant, state->shot.magnitude);
-    }
     if (fault_kinds[state->shot.kind].group == FAULT_GROUP_SENSOR) {
         hold_sensor(state, loop);
     } else {

@@ -174,7 +174,7 @@ static void befall_reflex(struct shot_state *state, struct plant *plant)
         plant->reflex.params.contact.friction = state->shot.magnitude;
         break;
     case FAULT_TRIP:
-        reflex_person_trip(&plant->reflex, swing_side(plant));
+        reflex_person_trip(&plant->reflex, swing_side(plant), FOOT_BALL);
         break;
     case FAULT_PERSON_FALLS:
         plant_push(plant, state->shot.magnitude > 0.0 ? -knock_Ns : knock_Ns, 0.0);

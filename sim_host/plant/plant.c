@@ -281,8 +281,12 @@ void plant_set_own_push(struct plant *plant, double stiffness_N_per_m, double re
     }
 }
 
-void plant_set_next_height(struct plant *plant, double height_m)
+void plant_lay_stair(struct plant *plant, double rise_m)
 {
-    walk_set_next_height(&plant->walk, height_m);
-    plant->next_foothold_height_m = plant->foothold_height_m + height_m;
+    if (plant->config.kind == PLANT_REFLEX_PERSON) {
+        plant_lay_reflex_stair(plant, rise_m);
+        return;
+    }
+    plant->foothold_height_m -= rise_m; /* the line rises, and what is stood on lies below it */
+    walk_set_next_height(&plant->walk, plant->next_foothold_height_m - plant->foothold_height_m);
 }

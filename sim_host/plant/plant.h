@@ -78,6 +78,14 @@ struct plant_config {
                                             is held before); default 1000 */
 };
 
+/* A stair's edge ahead of a reflex person, and how much higher the ground is behind it. Heel and ball of either foot pass
+ * it over the stair's height; below that it stops them, as often as they come to it. */
+struct plant_stair {
+    double rise_m; /* 0: there is none */
+    double edge_m; /* the person's x, forward */
+    bool passed[SIDE_COUNT][FOOT_POINTS];
+};
+
 enum plant_error {
     PLANT_OK = 0,
     PLANT_BAD_BODY = -1,
@@ -118,7 +126,8 @@ struct plant {
     struct recording recording;
     struct recorded_person_state person; /* of either kind, as the sensors and the SEAs meet it */
     struct reflex_person reflex;
-    struct ground_line slope_line;  /* below a reflex person */
+    struct ground_line slope_line; /* below a reflex person */
+    struct plant_stair stair;
     bool foothold_laid[SIDE_COUNT]; /* below a reflex person's foot in swing */
     struct person_motion motion;
     size_t recording_cursor;
@@ -201,6 +210,9 @@ void plant_set_spring_scale(struct plant *plant, enum side side, double scale);
 /* Gives the walker a push-off of its own: a spring of this stiffness and rest extension at the
  * trailing ankle, from the next heel strike on. Stiffness 0 ends it at once. */
 void plant_set_own_push(struct plant *plant, double stiffness_N_per_m, double rest_m);
-void plant_set_next_height(struct plant *plant, double height_m);
+/* One stair, and level (or sloping) ground behind it: from the next foothold on the ground is rise_m higher, below 0 lower.
+ * A reflex person meets its edge, plant_stair; while one is ahead of them no other is laid. Nothing is below a
+ * recorded person. */
+void plant_lay_stair(struct plant *plant, double rise_m);
 
 #endif

@@ -25,8 +25,9 @@ void plant_run_latch(struct plant *plant, enum side side, double ankle_m, double
 /* One tick of a person who walks by reflexes: body and SEAs drive period by drive period. */
 void plant_init_reflex_person(struct plant *plant);
 void plant_advance_reflex_person(struct plant *plant);
-/* Slope and footholds below them; once a tick. */
+/* Slope, stair and footholds below them; once a tick. */
 void plant_lay_reflex_ground(struct plant *plant);
+void plant_lay_reflex_stair(struct plant *plant, double rise_m);
 /* Draws the next foothold's height. */
 void plant_lay_foothold(struct plant *plant);
 /* A foothold has been taken: the next one is drawn. */

@@ -102,7 +102,7 @@ const char *reflex_person_check(const struct reflex_person_params *params)
 #undef GAIN_IS_FINITE
 }
 
-static struct vector2 point_of(const struct segments *segments, int point)
+static struct vector2 point_of(const struct segments *segments, enum foot_point point)
 {
     return point == FOOT_HEEL ? segments->heel_m : segments->ball_m;
 }
@@ -128,30 +128,49 @@ static void sense(const struct reflex_person *person, struct reflex_moment *mome
     moment->lean_rate_rad_s = -person->body.dq[MULTIBODY_TRUNK];
 }
 
-struct vector2 reflex_person_ball(const struct reflex_person *person, enum side side)
+struct vector2 reflex_person_place(const struct reflex_person *person, enum side side,
+                                   enum foot_point point)
 {
+    const struct segments *segments = &person->params.segments;
     struct multibody_pose pose;
     struct vector2 position_m, velocity_m_s;
     multibody_pose(&person->body, &pose);
-    multibody_foot_point(&person->params.segments, &person->body, &pose, side,
-                         person->params.segments.ball_m, &position_m, &velocity_m_s);
+    multibody_foot_point(segments, &person->body, &pose, side, point_of(segments, point),
+                         &position_m, &velocity_m_s);
     return position_m;
 }
 
-bool reflex_person_lay_ground(struct reflex_person *person, enum side side,
+struct vector2 reflex_person_ball(const struct reflex_person *person, enum side side)
+{
+    return reflex_person_place(person, side, FOOT_BALL);
+}
+
+static bool may_lie_below(const struct reflex_person *person, enum side side, enum foot_point point,
+                          const struct ground_line *ground)
+{
+    const struct vector2 at_m = reflex_person_place(person, side, point);
+    return !person->contact[side][point].touches && at_m.y > ground_height_m(ground, at_m.x);
+}
+
+bool reflex_person_lay_ground(struct reflex_person *person, enum side side, enum foot_point point,
                               const struct ground_line *ground)
 {
-    struct multibody_pose pose;
-    multibody_pose(&person->body, &pose);
+    const bool may = may_lie_below(person, side, point, ground);
+    if (may) {
+        person->ground[side][point] = *ground;
+    }
+    return may;
+}
+
+bool reflex_person_lay_foothold(struct reflex_person *person, enum side side,
+                                const struct ground_line ground[FOOT_POINTS])
+{
     for (int point = 0; point < FOOT_POINTS; point++) {
-        struct vector2 at_m, velocity_m_s;
-        multibody_foot_point(&person->params.segments, &person->body, &pose, side,
-                             point_of(&person->params.segments, point), &at_m, &velocity_m_s);
-        if (person->contact[side][point].touches || at_m.y <= ground_height_m(ground, at_m.x)) {
+        if (!may_lie_below(person, side, (enum foot_point)point, &ground[point])) {
             return false;
         }
     }
-    person->ground[side] = *ground;
+    memcpy(person->ground[side], ground, sizeof person->ground[side]);
     return true;
 }
 
@@ -209,7 +228,7 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
 /* What does not change within a step. */
 struct held {
     double torque_Nm[SIDE_COUNT][JOINT_COUNT]; /* of muscles and device */
-    struct ground_frame ground[SIDE_COUNT];
+    struct ground_frame ground[SIDE_COUNT][FOOT_POINTS];
     const struct reflex_person_loads *loads;
     struct multibody_state start; /* the body at the step's begin */
     struct multibody_pose pose;
@@ -233,12 +252,12 @@ static void accelerate(const struct reflex_person *person, const struct held *he
         ground_N[side] = (struct vector2){0.0, 0.0};
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;
-            const struct vector2 at = point_of(&params->segments, point);
+            const struct vector2 at = point_of(&params->segments, (enum foot_point)point);
             multibody_foot_point(&params->segments, body, &pose, (enum side)side, at, &position,
                                  &velocity);
             const struct vector2 push =
                 contact_force(&params->contact, &person->contact[side][point], position, velocity,
-                              &held->ground[side], NULL);
+                              &held->ground[side][point], NULL);
             if (push.y > 0.0) {
                 multibody_add_force(&params->segments, &pose, (enum side)side, at, push, force);
                 ground_N[side].x += push.x;
@@ -322,7 +341,9 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
         }
     }
     for (int side = 0; side < SIDE_COUNT; side++) {
-        held.ground[side] = ground_frame_of(&person->ground[side]);
+        for (int point = 0; point < FOOT_POINTS; point++) {
+            held.ground[side][point] = ground_frame_of(&person->ground[side][point]);
+        }
         pull(person, loads, (enum side)side, held.torque_Nm[side]);
     }
     multibody_pose(&held.start, &held.pose);
@@ -333,9 +354,10 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;
             multibody_foot_point(&params->segments, &person->body, &pose, (enum side)side,
-                                 point_of(&params->segments, point), &position, &velocity);
+                                 point_of(&params->segments, (enum foot_point)point), &position,
+                                 &velocity);
             contact_update(&params->contact, &person->contact[side][point], position, velocity,
-                           &held.ground[side]);
+                           &held.ground[side][point]);
         }
     }
     person->steps++;
@@ -364,19 +386,22 @@ void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns)
     }
 }
 
-void reflex_person_trip(struct reflex_person *person, enum side side)
+void reflex_person_trip(struct reflex_person *person, enum side side, enum foot_point point)
 {
     const struct segments *segments = &person->params.segments;
+    const struct vector2 foot_m = point_of(segments, point);
     struct multibody_state unit = person->body;
     struct multibody_pose pose;
     struct vector2 at_m, speed_m_s, a_unit_m_s;
     double impulse[MULTIBODY_DOF] = {0.0};
     multibody_pose(&person->body, &pose);
-    multibody_add_force(segments, &pose, side, segments->ball_m, (struct vector2){1.0, 0.0},
-                        impulse);
+    multibody_foot_point(segments, &person->body, &pose, side, foot_m, &at_m, &speed_m_s);
+    if (speed_m_s.x <= 0.0) {
+        return;
+    }
+    multibody_add_force(segments, &pose, side, foot_m, (struct vector2){1.0, 0.0}, impulse);
     speeds_of(person, &pose, impulse, unit.dq);
-    multibody_foot_point(segments, &unit, &pose, side, segments->ball_m, &at_m, &a_unit_m_s);
-    multibody_foot_point(segments, &person->body, &pose, side, segments->ball_m, &at_m, &speed_m_s);
+    multibody_foot_point(segments, &unit, &pose, side, foot_m, &at_m, &a_unit_m_s);
     for (int i = 0; i < MULTIBODY_DOF; i++) {
         person->body.dq[i] -= speed_m_s.x / a_unit_m_s.x * unit.dq[i];
     }
@@ -389,8 +414,9 @@ bool reflex_person_fell(const struct reflex_person *person)
         check += person->body.q[i] - person->body.q[i] + (person->body.dq[i] - person->body.dq[i]);
     }
     const double ground_m =
-        0.5 * (ground_height_m(&person->ground[SIDE_LEFT], person->body.q[MULTIBODY_X]) +
-               ground_height_m(&person->ground[SIDE_RIGHT], person->body.q[MULTIBODY_X]));
+        0.5 *
+        (ground_height_m(&person->ground[SIDE_LEFT][FOOT_BALL], person->body.q[MULTIBODY_X]) +
+         ground_height_m(&person->ground[SIDE_RIGHT][FOOT_BALL], person->body.q[MULTIBODY_X]));
     return !(check == 0.0) ||
            person->body.q[MULTIBODY_Y] - ground_m < FELL_SHARE * person->params.leg_m;
 }

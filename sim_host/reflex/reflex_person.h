@@ -41,7 +41,7 @@ struct reflex_person {
     struct multibody_state body;
     struct muscle_state muscle[SIDE_COUNT][MUSCLE_COUNT];
     struct contact_point contact[SIDE_COUNT][FOOT_POINTS];
-    struct ground_line ground[SIDE_COUNT]; /* below each foot; at first level, at 0. See below */
+    struct ground_line ground[SIDE_COUNT][FOOT_POINTS]; /* below each; at first level, at 0 */
     struct reflexes reflexes;
     struct reflex_noise noise; /* unused where params.noise_share is REFLEX_NOISE_NONE */
     double stimulation[SIDE_COUNT][MUSCLE_COUNT];
@@ -65,18 +65,25 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
 /* One step of params.step_s. */
 void reflex_person_step(struct reflex_person *person, const struct reflex_person_loads *loads);
 
-/* New ground below a foot that is in the air: true where heel and ball are above it; else all stays as it was. */
-bool reflex_person_lay_ground(struct reflex_person *person, enum side side,
+/* New ground below a heel or a ball that is in the air: true where it is above that; else all stays as it was. */
+bool reflex_person_lay_ground(struct reflex_person *person, enum side side, enum foot_point point,
                               const struct ground_line *ground);
 
-/* Where the ball of a foot is, m. */
+/* The same below a whole foot. */
+bool reflex_person_lay_foothold(struct reflex_person *person, enum side side,
+                                const struct ground_line ground[FOOT_POINTS]);
+
+/* Where heel or ball of a foot is, m. */
+struct vector2 reflex_person_place(const struct reflex_person *person, enum side side,
+                                   enum foot_point point);
 struct vector2 reflex_person_ball(const struct reflex_person *person, enum side side);
 
 /* An impulse at the hip, N s. */
 void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns);
 
-/* The foot stops short at something: the impulse along x that leaves its ball none of its speed there. */
-void reflex_person_trip(struct reflex_person *person, enum side side);
+/* The foot stops short at something: the impulse along x that leaves its heel or ball none of its speed there. Nothing
+ * where that moves backward. */
+void reflex_person_trip(struct reflex_person *person, enum side side, enum foot_point point);
 
 /* Whether the hip is less than 0.6 legs above the ground, or something is not finite. */
 bool reflex_person_fell(const struct reflex_person *person);

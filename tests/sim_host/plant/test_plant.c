@@ -277,6 +277,35 @@ START_TEST(heights_are_laid_foot_by_foot)
 }
 END_TEST
 
+/* Behind a stair every foothold is as high as its first one, above or below what the ground has by itself. */
+START_TEST(a_stair_lifts_all_ground_behind_it)
+{
+    static const double HEIGHTS[] = {0.0, 0.0, 0.0, 0.0003};
+    const double rise_m = _i == 0 ? 0.0004 : -0.0004;
+    struct plant_config config;
+    struct pilot pilot;
+    plant_config_default(&config);
+    config.heights_m = HEIGHTS;
+    config.heights_count = 4;
+    ck_assert_int_eq(plant_init(&plant, &config, message), PLANT_OK);
+    pilot_init(&pilot, 0.05);
+    int steps = 0;
+    for (int tick = 0; tick < 9000 && steps < 6; tick++) {
+        const int before = pilot.events[WALK_EVENT_LIFT_OFF];
+        pilot_tick(&pilot, &plant);
+        if (pilot.events[WALK_EVENT_LIFT_OFF] > before) {
+            steps++;
+            assert_close(plant.walk.foot_m[1],
+                         (steps > 2 ? rise_m : 0.0) + (steps == 4 ? HEIGHTS[3] : 0.0), 1e-12, 0.0);
+            if (steps == 2) {
+                plant_lay_stair(&plant, rise_m);
+            }
+        }
+    }
+    ck_assert_int_eq(steps, 6);
+}
+END_TEST
+
 START_TEST(energy_of_motor_spring_and_walker)
 {
     struct plant_config config;
@@ -431,6 +460,7 @@ int main(void)
     tcase_add_test(tcase, a_broken_spring_and_a_stiffer_one);
     tcase_add_test(tcase, own_push_hands_over);
     tcase_add_test(tcase, heights_are_laid_foot_by_foot);
+    tcase_add_loop_test(tcase, a_stair_lifts_all_ground_behind_it, 0, 2);
     tcase_add_test(tcase, energy_of_motor_spring_and_walker);
     tcase_add_loop_test(tcase, whatever_is_commanded_the_state_stays_a_number, 0, 40);
     tcase_add_test(tcase, bad_configurations_are_refused_by_name);

@@ -196,16 +196,84 @@ START_TEST(footholds_have_their_heights)
             const enum side side = truth.contact[SIDE_LEFT] ? SIDE_RIGHT : SIDE_LEFT;
             const double height_m = laid <= HEIGHTS ? heights_m[laid - 1] : 0.0;
             ck_assert(!truth.contact[side] && truth.leg_angle_rad[side] > 0.0);
-            ck_assert(plant.reflex.ground[side].height_m == height_m);
+            ck_assert(plant.reflex.ground[side][FOOT_BALL].height_m == height_m);
             ck_assert(truth.toe_m[side][1] > height_m);
         }
         for (int side = 0; side < SIDE_COUNT; side++) {
-            const double over_m = truth.toe_m[side][1] - plant.reflex.ground[side].height_m;
+            const double over_m =
+                truth.toe_m[side][1] - plant.reflex.ground[side][FOOT_BALL].height_m;
             ck_assert_msg(over_m > -0.025, "%g m", over_m);
         }
     }
     ck_assert_int_eq(plant_fault(&plant), WALK_FAULT_NONE);
     ck_assert_uint_ge(laid, 8);
+}
+END_TEST
+
+/* No heel and no ball is inside the stair: behind its edge they are as deep in it as in level ground at most. What is
+ * stopped there begins anew in every tick, and creeps. */
+static void check_edge(double edge_m, double rise_m)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        for (int point = 0; point < FOOT_POINTS; point++) {
+            const struct vector2 at_m =
+                reflex_person_place(&plant.reflex, (enum side)side, (enum foot_point)point);
+            ck_assert_msg(at_m.x < edge_m + 0.03 || at_m.y > rise_m - 0.025, "%g m behind, at %g m",
+                          at_m.x - edge_m, at_m.y);
+        }
+    }
+}
+
+/* Walks to a stair and goes on for 6 s, or to a fall. */
+static void walk_over_stair(double rise_m)
+{
+    configure();
+    begin();
+    for (int i = 0; i < 4000; i++) {
+        tick(0.0);
+    }
+    plant_lay_stair(&plant, rise_m);
+    const double edge_m = plant.stair.edge_m;
+    ck_assert(edge_m > reflex_person_ball(&plant.reflex, SIDE_LEFT).x);
+    ck_assert(edge_m > reflex_person_ball(&plant.reflex, SIDE_RIGHT).x);
+    for (int i = 0; i < 6000 && plant_fault(&plant) == WALK_FAULT_NONE; i++) {
+        tick(0.0);
+        check_edge(edge_m, rise_m);
+    }
+}
+
+/* Up and down, within what a sole clears: one stair, and then level ground that stays as high. */
+START_TEST(a_low_stair_is_one_step)
+{
+    const double rise_m = _i == 0 ? 0.005 : -0.005;
+    walk_over_stair(rise_m);
+    ck_assert_int_eq(plant_fault(&plant), WALK_FAULT_NONE);
+    ck_assert(plant.slope_line.height_m == rise_m && plant.stair.rise_m == 0.0);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        for (int point = 0; point < FOOT_POINTS; point++) {
+            ck_assert(plant.reflex.ground[side][point].height_m == rise_m);
+        }
+    }
+}
+END_TEST
+
+/* A foot in swing clears the ground by some 20 mm, and no reflex lifts it higher: it is stopped, and the body goes on. */
+START_TEST(a_stair_above_the_sole_trips)
+{
+    walk_over_stair(0.1);
+    ck_assert_int_eq(plant_fault(&plant), WALK_FAULT_FALLEN_FORWARD);
+    ck_assert(plant.stair.rise_m == 0.1); /* nobody climbed it */
+}
+END_TEST
+
+START_TEST(a_second_stair_waits_for_the_first_to_be_climbed)
+{
+    configure();
+    begin();
+    plant_lay_stair(&plant, 0.005);
+    const struct plant_stair first = plant.stair;
+    plant_lay_stair(&plant, 0.01);
+    ck_assert_mem_eq(&plant.stair, &first, sizeof first);
 }
 END_TEST
 
@@ -221,7 +289,7 @@ START_TEST(rough_ground_is_drawn_by_the_seed)
             tick(0.0);
         }
         for (int side = 0; side < SIDE_COUNT; side++) {
-            height_m[i][side] = plant.reflex.ground[side].height_m;
+            height_m[i][side] = plant.reflex.ground[side][FOOT_BALL].height_m;
             ck_assert(height_m[i][side] != 0.0 && fabs(height_m[i][side]) < 0.003);
         }
     }
@@ -413,6 +481,9 @@ int main(void)
     tcase_add_test(tests, a_spring_pushes_the_person_off);
     tcase_add_loop_test(tests, a_slope_is_climbed, 0, 2);
     tcase_add_test(tests, footholds_have_their_heights);
+    tcase_add_loop_test(tests, a_low_stair_is_one_step, 0, 2);
+    tcase_add_test(tests, a_stair_above_the_sole_trips);
+    tcase_add_test(tests, a_second_stair_waits_for_the_first_to_be_climbed);
     tcase_add_test(tests, rough_ground_is_drawn_by_the_seed);
     tcase_add_test(tests, who_does_not_wear_it_feels_nothing);
     tcase_add_test(tests, who_has_fallen_lies_still);

@@ -154,13 +154,19 @@ START_TEST(a_trip_stops_the_foot)
     ck_assert(speed.x >= 1.0);
     multibody_centre(segments, &person.body, &at, &before);
     const double before_J = multibody_energy_J(segments, &person.body);
-    reflex_person_trip(&person, swing);
+    reflex_person_trip(&person, swing, FOOT_BALL);
     multibody_foot_point(segments, &person.body, &pose, swing, segments->ball_m, &at, &still);
     multibody_centre(segments, &person.body, &at, &after);
     assert_close(still.x, 0.0, 1e-9, 0.0);
     assert_close(after.y, before.y, 1e-9, 0.0);
     const double impulse_Ns = 80.0 * (after.x - before.x);
     ck_assert(impulse_Ns < 0.0);
+    const struct multibody_state stopped = person.body;
+    person.body.dq[MULTIBODY_X] -= 1.0; /* away from what it met */
+    const struct multibody_state away = person.body;
+    reflex_person_trip(&person, swing, FOOT_BALL);
+    ck_assert_mem_eq(&person.body, &away, sizeof away);
+    person.body = stopped;
     assert_close(multibody_energy_J(segments, &person.body) - before_J, 0.5 * impulse_Ns * speed.x,
                  0.0, 1e-6);
 }
