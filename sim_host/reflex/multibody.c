@@ -19,14 +19,36 @@ struct chains {
     struct chain part[SIDE_COUNT][LEG_PARTS]; /* up to the centre of mass of each */
 };
 
-void multibody_pose(const struct multibody_state *state, struct multibody_pose *pose)
+/* A vector of the segment with this coordinate. */
+static struct vector2 turned(struct vector2 vector, const struct multibody_pose *pose,
+                             int coordinate)
+{
+    const double sine = pose->sine[coordinate], cosine = pose->cosine[coordinate];
+    return (struct vector2){cosine * vector.x - sine * vector.y,
+                            sine * vector.x + cosine * vector.y};
+}
+
+static void point_shafts(const struct segments *segments, struct multibody_pose *pose)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        for (int i = 0; i < PART_FOOT; i++) {
+            pose->shaft_m[side][i] = turned((struct vector2){0.0, -segments->part[i].length_m},
+                                            pose, multibody_leg((enum side)side) + i);
+        }
+    }
+}
+
+void multibody_pose(const struct segments *segments, const struct multibody_state *state,
+                    struct multibody_pose *pose)
 {
     for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
         trig_sincos_f64(state->q[i], &pose->sine[i], &pose->cosine[i]);
     }
+    point_shafts(segments, pose);
 }
 
-void multibody_pose_near(const struct multibody_state *state, const struct multibody_state *close,
+void multibody_pose_near(const struct segments *segments, const struct multibody_state *state,
+                         const struct multibody_state *close,
                          const struct multibody_pose *close_pose, struct multibody_pose *pose)
 {
     for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
@@ -41,29 +63,18 @@ void multibody_pose_near(const struct multibody_state *state, const struct multi
         pose->sine[i] = sine0 + (cosine0 * sine - sine0 * less);
         pose->cosine[i] = cosine0 - (sine0 * sine + cosine0 * less);
     }
+    point_shafts(segments, pose);
 }
 
-/* A vector of the segment with this coordinate. */
-static struct vector2 turned(struct vector2 vector, const struct multibody_pose *pose,
-                             int coordinate)
+static void chain_leg(const struct segments *segments, const struct multibody_pose *pose,
+                      enum side side, struct chain part[LEG_PARTS])
 {
-    const double sine = pose->sine[coordinate], cosine = pose->cosine[coordinate];
-    return (struct vector2){cosine * vector.x - sine * vector.y,
-                            sine * vector.x + cosine * vector.y};
-}
-
-static void chain_leg(const struct segments *segments, const struct multibody_pose *pose, int first,
-                      struct chain part[LEG_PARTS])
-{
-    struct vector2 joint[LEG_PARTS]; /* the whole of each part, joint to joint */
     for (int i = 0; i < LEG_PARTS; i++) {
-        const struct segment *segment = &segments->part[i];
-        joint[i] = turned((struct vector2){0.0, -segment->length_m}, pose, first + i);
         part[i].count = i + 1;
         for (int j = 0; j < i; j++) {
-            part[i].r[j] = joint[j];
+            part[i].r[j] = pose->shaft_m[side][j];
         }
-        part[i].r[i] = turned(segment->centre_m, pose, first + i);
+        part[i].r[i] = turned(segments->part[i].centre_m, pose, multibody_leg(side) + i);
     }
 }
 
@@ -73,7 +84,7 @@ static void chain_all(const struct segments *segments, const struct multibody_po
     chains->trunk =
         (struct chain){.count = 1, .r = {turned(segments->trunk.centre_m, pose, MULTIBODY_TRUNK)}};
     for (int side = 0; side < SIDE_COUNT; side++) {
-        chain_leg(segments, pose, multibody_leg((enum side)side), chains->part[side]);
+        chain_leg(segments, pose, (enum side)side, chains->part[side]);
     }
 }
 
@@ -218,32 +229,30 @@ static void follow(const struct multibody_state *state, const struct chain *chai
 }
 
 /* The vectors from the hip to a point of a foot. */
-static void foot_chain(const struct segments *segments, const struct multibody_pose *pose,
-                       enum side side, struct vector2 at_m, struct vector2 r[LEG_PARTS])
+static void foot_chain(const struct multibody_pose *pose, enum side side, struct vector2 at_m,
+                       struct vector2 r[LEG_PARTS])
 {
-    const int first = multibody_leg(side);
     for (int i = 0; i < PART_FOOT; i++) {
-        r[i] = turned((struct vector2){0.0, -segments->part[i].length_m}, pose, first + i);
+        r[i] = pose->shaft_m[side][i];
     }
-    r[PART_FOOT] = turned(at_m, pose, first + PART_FOOT);
+    r[PART_FOOT] = turned(at_m, pose, multibody_leg(side) + PART_FOOT);
 }
 
-void multibody_foot_point(const struct segments *segments, const struct multibody_state *state,
-                          const struct multibody_pose *pose, enum side side, struct vector2 at_m,
-                          struct vector2 *position_m, struct vector2 *velocity_m_s)
+void multibody_foot_point(const struct multibody_state *state, const struct multibody_pose *pose,
+                          enum side side, struct vector2 at_m, struct vector2 *position_m,
+                          struct vector2 *velocity_m_s)
 {
     struct chain chain = {.count = LEG_PARTS};
-    foot_chain(segments, pose, side, at_m, chain.r);
+    foot_chain(pose, side, at_m, chain.r);
     follow(state, &chain, state->dq + multibody_leg(side), position_m, velocity_m_s);
 }
 
-void multibody_add_force(const struct segments *segments, const struct multibody_pose *pose,
-                         enum side side, struct vector2 at_m, struct vector2 force_N,
-                         double force[MULTIBODY_DOF])
+void multibody_add_force(const struct multibody_pose *pose, enum side side, struct vector2 at_m,
+                         struct vector2 force_N, double force[MULTIBODY_DOF])
 {
     struct vector2 r[LEG_PARTS];
     double *leg = force + multibody_leg(side);
-    foot_chain(segments, pose, side, at_m, r);
+    foot_chain(pose, side, at_m, r);
     force[MULTIBODY_X] += force_N.x;
     force[MULTIBODY_Y] += force_N.y;
     for (int i = 0; i < LEG_PARTS; i++) {
@@ -279,7 +288,7 @@ static struct body_sum sum_of(const struct segments *segments, const struct mult
     struct body_sum sum = {0};
     struct multibody_pose pose;
     struct chains chains;
-    multibody_pose(state, &pose);
+    multibody_pose(segments, state, &pose);
     chain_all(segments, &pose, &chains);
     sum_segment(segments, state, &segments->trunk, &chains.trunk, state->dq + MULTIBODY_TRUNK,
                 &sum);

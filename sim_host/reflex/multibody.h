@@ -50,9 +50,11 @@ struct multibody_state {
     double dq[MULTIBODY_DOF]; /* m/s, m/s, rad/s */
 };
 
-/* Sine and cosine of every angle: worked out once for a state, and used by all that is asked of it. */
+/* Sine and cosine of every angle, and what thighs and shanks lead to: worked out once for a state, and used by all that
+ * is asked of it. */
 struct multibody_pose {
     double sine[MULTIBODY_DOF], cosine[MULTIBODY_DOF]; /* from MULTIBODY_TRUNK on */
+    struct vector2 shaft_m[SIDE_COUNT][PART_FOOT];     /* from the upper joint to the lower one */
 };
 
 /* Where a leg's coordinates begin. */
@@ -61,11 +63,13 @@ static inline int multibody_leg(enum side side)
     return side == SIDE_LEFT ? MULTIBODY_LEFT : MULTIBODY_RIGHT;
 }
 
-void multibody_pose(const struct multibody_state *state, struct multibody_pose *pose);
+void multibody_pose(const struct segments *segments, const struct multibody_state *state,
+                    struct multibody_pose *pose);
 
 /* The same of a state whose angles lie close to those of another one (0.02 rad), by that one's pose: turned by the
  * difference, to rounding. A fifth of the time; further away it is multibody_pose(). */
-void multibody_pose_near(const struct multibody_state *state, const struct multibody_state *close,
+void multibody_pose_near(const struct segments *segments, const struct multibody_state *state,
+                         const struct multibody_state *close,
                          const struct multibody_pose *close_pose, struct multibody_pose *pose);
 
 /* The accelerations under gravity and generalised forces (N, N, then N m in the sense of each angle). */
@@ -74,14 +78,13 @@ void multibody_accelerations(const struct segments *segments, const struct multi
                              double acceleration[MULTIBODY_DOF]);
 
 /* A point of a foot, given from the ankle at angle 0: where it is and how fast it moves. */
-void multibody_foot_point(const struct segments *segments, const struct multibody_state *state,
-                          const struct multibody_pose *pose, enum side side, struct vector2 at_m,
-                          struct vector2 *position_m, struct vector2 *velocity_m_s);
+void multibody_foot_point(const struct multibody_state *state, const struct multibody_pose *pose,
+                          enum side side, struct vector2 at_m, struct vector2 *position_m,
+                          struct vector2 *velocity_m_s);
 
 /* Adds what a force (N) at such a point does to every coordinate. */
-void multibody_add_force(const struct segments *segments, const struct multibody_pose *pose,
-                         enum side side, struct vector2 at_m, struct vector2 force_N,
-                         double force[MULTIBODY_DOF]);
+void multibody_add_force(const struct multibody_pose *pose, enum side side, struct vector2 at_m,
+                         struct vector2 force_N, double force[MULTIBODY_DOF]);
 
 /* Kinetic and potential energy, J; height 0 is the ground's. */
 double multibody_energy_J(const struct segments *segments, const struct multibody_state *state);

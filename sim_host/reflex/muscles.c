@@ -1,5 +1,6 @@
 #include "sim_host/reflex/muscles.h"
 
+#include <assert.h>
 #include <stdbool.h>
 
 #include "model/trig.h"
@@ -23,20 +24,21 @@ struct attachment {
     enum joint joint;
     bool extends, is_constant;
     double arm_m, greatest_rad, reference_rad, pennation;
+    double reference_sine; /* of reference - greatest: trig_sincos_f64's bits */
 };
 
 static const struct attachment attachments[] = {
-    {MUSCLE_SOL, JOINT_ANKLE, true, false, 0.05, RAD(110.0), RAD(80.0), 0.5},
-    {MUSCLE_TA, JOINT_ANKLE, false, false, 0.04, RAD(80.0), RAD(110.0), 0.7},
-    {MUSCLE_GAS, JOINT_ANKLE, true, false, 0.05, RAD(110.0), RAD(80.0), 0.7},
-    {MUSCLE_GAS, JOINT_KNEE, false, false, 0.05, RAD(140.0), RAD(165.0), 0.7},
-    {MUSCLE_VAS, JOINT_KNEE, true, false, 0.06, RAD(165.0), RAD(125.0), 0.7},
-    {MUSCLE_HAM, JOINT_KNEE, false, false, 0.05, RAD(180.0), RAD(180.0), 0.7},
-    {MUSCLE_HAM, JOINT_HIP, true, true, 0.08, 0.0, RAD(155.0), 0.7},
-    {MUSCLE_GLU, JOINT_HIP, true, true, 0.10, 0.0, RAD(150.0), 0.5},
-    {MUSCLE_HFL, JOINT_HIP, false, true, 0.10, 0.0, RAD(180.0), 0.5},
+    {MUSCLE_SOL, JOINT_ANKLE, true, false, 0.05, RAD(110.0), RAD(80.0), 0.5, -0.5},
+    {MUSCLE_TA, JOINT_ANKLE, false, false, 0.04, RAD(80.0), RAD(110.0), 0.7, 0.5},
+    {MUSCLE_GAS, JOINT_ANKLE, true, false, 0.05, RAD(110.0), RAD(80.0), 0.7, -0.5},
+    {MUSCLE_GAS, JOINT_KNEE, false, false, 0.05, RAD(140.0), RAD(165.0), 0.7, 0.42261826174069939},
+    {MUSCLE_VAS, JOINT_KNEE, true, false, 0.06, RAD(165.0), RAD(125.0), 0.7, -0.64278760968653936},
+    {MUSCLE_HAM, JOINT_KNEE, false, false, 0.05, RAD(180.0), RAD(180.0), 0.7, 0.0},
+    {MUSCLE_HAM, JOINT_HIP, true, true, 0.08, 0.0, RAD(155.0), 0.7, 0.0},
+    {MUSCLE_GLU, JOINT_HIP, true, true, 0.10, 0.0, RAD(150.0), 0.5, 0.0},
+    {MUSCLE_HFL, JOINT_HIP, false, true, 0.10, 0.0, RAD(180.0), 0.5, 0.0},
 };
-enum { ATTACHMENTS = sizeof attachments / sizeof attachments[0] };
+static_assert(sizeof attachments / sizeof attachments[0] == MUSCLE_PASSES, "one of each");
 
 void muscles_default(double mass_kg, double leg_m, struct muscle muscle[MUSCLE_COUNT])
 {
@@ -60,48 +62,44 @@ void muscles_joint_angles(const struct multibody_state *state, enum side side,
     joints->rate_rad_s[JOINT_ANKLE] = rate[PART_SHANK] - rate[PART_FOOT];
 }
 
-static double sine_of(double angle_rad)
+void muscles_pass(const struct joint_angles *joints, struct muscle_passes *passes)
 {
-    double sine, cosine;
-    trig_sincos_f64(angle_rad, &sine, &cosine);
-    return sine;
-}
-
-static double cosine_of(double angle_rad)
-{
-    double sine, cosine;
-    trig_sincos_f64(angle_rad, &sine, &cosine);
-    return cosine;
+    for (int i = 0; i < MUSCLE_PASSES; i++) {
+        const struct attachment *at = &attachments[i];
+        const double angle = joints->angle_rad[at->joint];
+        if (at->is_constant) {
+            passes->way[i] = angle - at->reference_rad;
+            passes->arm[i] = 1.0;
+        } else {
+            double sine;
+            trig_sincos_f64(angle - at->greatest_rad, &sine, &passes->arm[i]);
+            passes->way[i] = sine - at->reference_sine;
+        }
+    }
 }
 
 double muscles_total_m(const struct muscle *muscle, enum muscle_id id, double leg_scale,
-                       const struct joint_angles *joints)
+                       const struct muscle_passes *passes)
 {
     double total_m = muscle[id].optimal_m + muscle[id].slack_m;
-    for (int i = 0; i < ATTACHMENTS; i++) {
+    for (int i = 0; i < MUSCLE_PASSES; i++) {
         const struct attachment *at = &attachments[i];
         if (at->muscle == id) {
-            const double angle = joints->angle_rad[at->joint];
-            const double turned = at->is_constant
-                                      ? angle - at->reference_rad
-                                      : sine_of(angle - at->greatest_rad) -
-                                            sine_of(at->reference_rad - at->greatest_rad);
-            total_m += (at->extends ? -1.0 : 1.0) * at->pennation * at->arm_m * leg_scale * turned;
+            total_m +=
+                (at->extends ? -1.0 : 1.0) * at->pennation * at->arm_m * leg_scale * passes->way[i];
         }
     }
     return total_m;
 }
 
-void muscles_add_torque(enum muscle_id id, double leg_scale, const struct joint_angles *joints,
+void muscles_add_torque(enum muscle_id id, double leg_scale, const struct muscle_passes *passes,
                         double force_N, double torque_Nm[JOINT_COUNT])
 {
-    for (int i = 0; i < ATTACHMENTS; i++) {
+    for (int i = 0; i < MUSCLE_PASSES; i++) {
         const struct attachment *at = &attachments[i];
         if (at->muscle == id) {
-            const double part =
-                at->is_constant ? 1.0 : cosine_of(joints->angle_rad[at->joint] - at->greatest_rad);
             torque_Nm[at->joint] +=
-                (at->extends ? 1.0 : -1.0) * at->arm_m * leg_scale * part * force_N;
+                (at->extends ? 1.0 : -1.0) * at->arm_m * leg_scale * passes->arm[i] * force_N;
         }
     }
 }

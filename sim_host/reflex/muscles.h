@@ -32,12 +32,20 @@ void muscles_default(double mass_kg, double leg_m, struct muscle muscle[MUSCLE_C
 void muscles_joint_angles(const struct multibody_state *state, enum side side,
                           struct joint_angles *joints);
 
+/* Where a leg's muscles pass its joints, at these angles: worked out once, for all that is asked of them. */
+enum { MUSCLE_PASSES = 9 };
+struct muscle_passes {
+    double way[MUSCLE_PASSES]; /* how far round the joint from the reference, by its arm */
+    double arm[MUSCLE_PASSES]; /* a share of the largest */
+};
+void muscles_pass(const struct joint_angles *joints, struct muscle_passes *passes);
+
 /* Length of muscle and tendon together, m. leg_scale: the leg's length by theirs (1 m). */
 double muscles_total_m(const struct muscle *muscle, enum muscle_id id, double leg_scale,
-                       const struct joint_angles *joints);
+                       const struct muscle_passes *passes);
 
 /* Adds the torque (N m, positive extends) that a muscle pulling with force_N makes at every joint. */
-void muscles_add_torque(enum muscle_id id, double leg_scale, const struct joint_angles *joints,
+void muscles_add_torque(enum muscle_id id, double leg_scale, const struct muscle_passes *passes,
                         double force_N, double torque_Nm[JOINT_COUNT]);
 
 /* Adds the soft ends of the joints' ranges: ankle 70 to 130 degrees, knee to 175, hip to 230. mass_kg: the body's. */

@@ -134,9 +134,9 @@ struct vector2 reflex_person_place(const struct reflex_person *person, enum side
     const struct segments *segments = &person->params.segments;
     struct multibody_pose pose;
     struct vector2 position_m, velocity_m_s;
-    multibody_pose(&person->body, &pose);
-    multibody_foot_point(segments, &person->body, &pose, side, point_of(segments, point),
-                         &position_m, &velocity_m_s);
+    multibody_pose(&person->params.segments, &person->body, &pose);
+    multibody_foot_point(&person->body, &pose, side, point_of(segments, point), &position_m,
+                         &velocity_m_s);
     return position_m;
 }
 
@@ -209,10 +209,12 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
     start_pose(person);
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct joint_angles joints;
+        struct muscle_passes passes;
         muscles_joint_angles(&person->body, (enum side)side, &joints);
+        muscles_pass(&joints, &passes);
         for (int i = 0; i < MUSCLE_COUNT; i++) {
             const double total_m =
-                muscles_total_m(params->muscle[side], (enum muscle_id)i, params->leg_m, &joints);
+                muscles_total_m(params->muscle[side], (enum muscle_id)i, params->leg_m, &passes);
             muscle_settle(&params->muscle[side][i], total_m, 0.01, &person->muscle[side][i]);
         }
     }
@@ -241,7 +243,7 @@ static void accelerate(const struct reflex_person *person, const struct held *he
     const struct reflex_person_params *params = &person->params;
     double force[MULTIBODY_DOF] = {held->loads->push_N.x, held->loads->push_N.y};
     struct multibody_pose pose;
-    multibody_pose_near(body, &held->start, &held->pose, &pose);
+    multibody_pose_near(&params->segments, body, &held->start, &held->pose, &pose);
     for (int side = 0; side < SIDE_COUNT; side++) {
         double torque[JOINT_COUNT];
         struct joint_angles joints;
@@ -253,13 +255,12 @@ static void accelerate(const struct reflex_person *person, const struct held *he
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;
             const struct vector2 at = point_of(&params->segments, (enum foot_point)point);
-            multibody_foot_point(&params->segments, body, &pose, (enum side)side, at, &position,
-                                 &velocity);
+            multibody_foot_point(body, &pose, (enum side)side, at, &position, &velocity);
             const struct vector2 push =
                 contact_force(&params->contact, &person->contact[side][point], position, velocity,
                               &held->ground[side][point], NULL);
             if (push.y > 0.0) {
-                multibody_add_force(&params->segments, &pose, (enum side)side, at, push, force);
+                multibody_add_force(&pose, (enum side)side, at, push, force);
                 ground_N[side].x += push.x;
                 ground_N[side].y += push.y;
             }
@@ -303,15 +304,17 @@ static void pull(struct reflex_person *person, const struct reflex_person_loads 
 {
     const struct reflex_person_params *params = &person->params;
     struct joint_angles joints;
+    struct muscle_passes passes;
     muscles_joint_angles(&person->body, side, &joints);
+    muscles_pass(&joints, &passes);
     memset(torque_Nm, 0, JOINT_COUNT * sizeof *torque_Nm);
     for (int i = 0; i < MUSCLE_COUNT; i++) {
         const enum muscle_id id = (enum muscle_id)i;
-        const double total_m = muscles_total_m(params->muscle[side], id, params->leg_m, &joints);
+        const double total_m = muscles_total_m(params->muscle[side], id, params->leg_m, &passes);
         const double force_N =
             muscle_step(&params->muscle[side][i], total_m, person->stimulation[side][i],
                         params->step_s, &person->muscle[side][i]);
-        muscles_add_torque(id, params->leg_m, &joints, force_N, torque_Nm);
+        muscles_add_torque(id, params->leg_m, &passes, force_N, torque_Nm);
     }
     for (int i = 0; i < JOINT_COUNT; i++) {
         const double work_J = torque_Nm[i] * joints.rate_rad_s[i] * params->step_s;
@@ -346,14 +349,14 @@ void reflex_person_step(struct reflex_person *person, const struct reflex_person
         }
         pull(person, loads, (enum side)side, held.torque_Nm[side]);
     }
-    multibody_pose(&held.start, &held.pose);
+    multibody_pose(&params->segments, &held.start, &held.pose);
     advance_body(person, &held);
     struct multibody_pose pose;
-    multibody_pose_near(&person->body, &held.start, &held.pose, &pose);
+    multibody_pose_near(&params->segments, &person->body, &held.start, &held.pose, &pose);
     for (int side = 0; side < SIDE_COUNT; side++) {
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;
-            multibody_foot_point(&params->segments, &person->body, &pose, (enum side)side,
+            multibody_foot_point(&person->body, &pose, (enum side)side,
                                  point_of(&params->segments, (enum foot_point)point), &position,
                                  &velocity);
             contact_update(&params->contact, &person->contact[side][point], position, velocity,
@@ -379,7 +382,7 @@ void reflex_person_push(struct reflex_person *person, struct vector2 impulse_Ns)
     const double impulse[MULTIBODY_DOF] = {impulse_Ns.x, impulse_Ns.y};
     struct multibody_pose pose;
     double change[MULTIBODY_DOF];
-    multibody_pose(&person->body, &pose);
+    multibody_pose(&person->params.segments, &person->body, &pose);
     speeds_of(person, &pose, impulse, change);
     for (int i = 0; i < MULTIBODY_DOF; i++) {
         person->body.dq[i] += change[i];
@@ -394,14 +397,14 @@ void reflex_person_trip(struct reflex_person *person, enum side side, enum foot_
     struct multibody_pose pose;
     struct vector2 at_m, speed_m_s, a_unit_m_s;
     double impulse[MULTIBODY_DOF] = {0.0};
-    multibody_pose(&person->body, &pose);
-    multibody_foot_point(segments, &person->body, &pose, side, foot_m, &at_m, &speed_m_s);
+    multibody_pose(&person->params.segments, &person->body, &pose);
+    multibody_foot_point(&person->body, &pose, side, foot_m, &at_m, &speed_m_s);
     if (speed_m_s.x <= 0.0) {
         return;
     }
-    multibody_add_force(segments, &pose, side, foot_m, (struct vector2){1.0, 0.0}, impulse);
+    multibody_add_force(&pose, side, foot_m, (struct vector2){1.0, 0.0}, impulse);
     speeds_of(person, &pose, impulse, unit.dq);
-    multibody_foot_point(segments, &unit, &pose, side, foot_m, &at_m, &a_unit_m_s);
+    multibody_foot_point(&unit, &pose, side, foot_m, &at_m, &a_unit_m_s);
     for (int i = 0; i < MULTIBODY_DOF; i++) {
         person->body.dq[i] -= speed_m_s.x / a_unit_m_s.x * unit.dq[i];
     }

@@ -21,7 +21,7 @@ static void accelerate(const struct multibody_state *state, const double force[M
                        double acceleration[MULTIBODY_DOF])
 {
     struct multibody_pose pose;
-    multibody_pose(state, &pose);
+    multibody_pose(&segments, state, &pose);
     multibody_accelerations(&segments, state, &pose, force, acceleration);
 }
 
@@ -87,8 +87,8 @@ START_TEST(a_force_at_a_foot_moves_the_whole_body)
     const struct vector2 push = {30.0, 700.0};
     struct multibody_pose pose;
     double force[MULTIBODY_DOF] = {0.0}, acceleration[MULTIBODY_DOF];
-    multibody_pose(&moving, &pose);
-    multibody_add_force(&segments, &pose, SIDE_RIGHT, segments.ball_m, push, force);
+    multibody_pose(&segments, &moving, &pose);
+    multibody_add_force(&pose, SIDE_RIGHT, segments.ball_m, push, force);
     accelerate(&moving, force, acceleration);
     const double step_s = 1e-6, mass_kg = 50.0 + 2.0 * (8.0 + 3.4 + 1.2);
     struct multibody_state later = moving;
@@ -101,8 +101,7 @@ START_TEST(a_force_at_a_foot_moves_the_whole_body)
     multibody_centre(&segments, &later, &at, &after);
     assert_close((after.x - before.x) / step_s, push.x / mass_kg, 1e-3, 0.0);
     assert_close((after.y - before.y) / step_s, push.y / mass_kg - 9.80665, 1e-3, 0.0);
-    multibody_foot_point(&segments, &moving, &pose, SIDE_RIGHT, segments.ball_m, &foot,
-                         &foot_speed);
+    multibody_foot_point(&moving, &pose, SIDE_RIGHT, segments.ball_m, &foot, &foot_speed);
     const double power_W = push.x * foot_speed.x + push.y * foot_speed.y;
     const double change_J =
         multibody_energy_J(&segments, &later) - multibody_energy_J(&segments, &moving);
@@ -114,14 +113,14 @@ END_TEST
 START_TEST(a_pose_close_by_is_the_pose)
 {
     struct multibody_pose at, near, exact;
-    multibody_pose(&moving, &at);
+    multibody_pose(&segments, &moving, &at);
     for (double step = 1e-9; step < 3.0; step *= 1.5) {
         struct multibody_state state = moving;
         for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
             state.q[i] += i % 2 == 0 ? step : -step;
         }
-        multibody_pose_near(&state, &moving, &at, &near);
-        multibody_pose(&state, &exact);
+        multibody_pose_near(&segments, &state, &moving, &at, &near);
+        multibody_pose(&segments, &state, &exact);
         for (int i = MULTIBODY_TRUNK; i < MULTIBODY_DOF; i++) {
             assert_close(near.sine[i], sin(state.q[i]), 4e-16, 0.0);
             assert_close(near.cosine[i], cos(state.q[i]), 4e-16, 0.0);
@@ -138,15 +137,15 @@ START_TEST(the_feet_are_where_geometry_puts_them)
     struct vector2 at, speed;
     state.q[MULTIBODY_Y] = 1.0;
     state.dq[MULTIBODY_LEFT + PART_THIGH] = 1.0; /* the straight leg's thigh alone swings forward */
-    multibody_pose(&state, &pose);
-    multibody_foot_point(&segments, &state, &pose, SIDE_LEFT, segments.heel_m, &at, &speed);
+    multibody_pose(&segments, &state, &pose);
+    multibody_foot_point(&state, &pose, SIDE_LEFT, segments.heel_m, &at, &speed);
     assert_close(at.x, -0.05, 1e-15, 0.0);
     assert_close(at.y, 1.0 - 0.86 - 0.07, 1e-15, 0.0);
     assert_close(speed.x, 0.42, 1e-15, 0.0);
     assert_close(speed.y, 0.0, 1e-15, 0.0);
     state.q[MULTIBODY_RIGHT + PART_THIGH] = asin(0.6); /* forward, the shank down */
-    multibody_pose(&state, &pose);
-    multibody_foot_point(&segments, &state, &pose, SIDE_RIGHT, segments.ball_m, &at, &speed);
+    multibody_pose(&segments, &state, &pose);
+    multibody_foot_point(&state, &pose, SIDE_RIGHT, segments.ball_m, &at, &speed);
     assert_close(at.x, 0.42 * 0.6 + 0.14, 1e-12, 0.0);
     assert_close(at.y, 1.0 - 0.42 * 0.8 - 0.44 - 0.07, 1e-12, 0.0);
 }

@@ -75,6 +75,35 @@ START_TEST(activation_is_late)
 }
 END_TEST
 
+static double total_m(const struct muscle *muscle, int id, const struct joint_angles *joints)
+{
+    struct muscle_passes passes;
+    muscles_pass(joints, &passes);
+    return muscles_total_m(muscle, (enum muscle_id)id, 1.0, &passes);
+}
+
+/* At the reference angles of Table II of Geyer & Herr (2010) a muscle and its tendon have their optimal and slack lengths,
+ * to the last bit. */
+START_TEST(lengths_are_at_rest_at_the_reference)
+{
+#define RAD(degrees) ((degrees)*3.14159265358979323846 / 180.0)
+    static const struct joint_angles reference[MUSCLE_COUNT] = {
+        [MUSCLE_SOL] = {{1.0, 1.0, RAD(80.0)}, {0.0}},
+        [MUSCLE_TA] = {{1.0, 1.0, RAD(110.0)}, {0.0}},
+        [MUSCLE_GAS] = {{1.0, RAD(165.0), RAD(80.0)}, {0.0}},
+        [MUSCLE_VAS] = {{1.0, RAD(125.0), 1.0}, {0.0}},
+        [MUSCLE_HAM] = {{RAD(155.0), RAD(180.0), 1.0}, {0.0}},
+        [MUSCLE_GLU] = {{RAD(150.0), 1.0, 1.0}, {0.0}},
+        [MUSCLE_HFL] = {{RAD(180.0), 1.0, 1.0}, {0.0}}};
+#undef RAD
+    struct muscle muscle[MUSCLE_COUNT];
+    muscles_default(80.0, 1.0, muscle);
+    for (int id = 0; id < MUSCLE_COUNT; id++) {
+        ck_assert(total_m(muscle, id, &reference[id]) == muscle[id].optimal_m + muscle[id].slack_m);
+    }
+}
+END_TEST
+
 /* What a muscle does at a joint: its arm is the change of its length there, but for pennation. */
 START_TEST(arms_are_the_slopes_of_lengths)
 {
@@ -87,10 +116,10 @@ START_TEST(arms_are_the_slopes_of_lengths)
             double torque_Nm[JOINT_COUNT] = {0.0};
             less.angle_rad[joint] -= 1e-6;
             more.angle_rad[joint] += 1e-6;
-            const double slope_m = (muscles_total_m(muscle, (enum muscle_id)id, 1.0, &more) -
-                                    muscles_total_m(muscle, (enum muscle_id)id, 1.0, &less)) /
-                                   2e-6;
-            muscles_add_torque((enum muscle_id)id, 1.0, &at, 1000.0, torque_Nm);
+            struct muscle_passes here;
+            muscles_pass(&at, &here);
+            const double slope_m = (total_m(muscle, id, &more) - total_m(muscle, id, &less)) / 2e-6;
+            muscles_add_torque((enum muscle_id)id, 1.0, &here, 1000.0, torque_Nm);
             assert_close(torque_Nm[joint] * pennation[id], -1000.0 * slope_m, 1e-4, 1e-6);
         }
     }
@@ -120,6 +149,7 @@ int main(void)
     tcase_add_test(tests, force_of_length_and_speed_have_their_marks);
     tcase_add_test(tests, an_isometric_contraction_ends_in_balance);
     tcase_add_test(tests, activation_is_late);
+    tcase_add_test(tests, lengths_are_at_rest_at_the_reference);
     tcase_add_test(tests, arms_are_the_slopes_of_lengths);
     tcase_add_test(tests, joints_end_softly);
     suite_add_tcase(suite, tests);

@@ -148,14 +148,14 @@ START_TEST(a_trip_stops_the_foot)
     const enum side swing = SIDE_LEFT;
     do { /* until that foot swings */
         reflex_person_step(&person, &alone);
-        multibody_pose(&person.body, &pose);
-        multibody_foot_point(segments, &person.body, &pose, swing, segments->ball_m, &at, &speed);
+        multibody_pose(segments, &person.body, &pose);
+        multibody_foot_point(&person.body, &pose, swing, segments->ball_m, &at, &speed);
     } while (speed.x < 1.0 && person.steps < 20000);
     ck_assert(speed.x >= 1.0);
     multibody_centre(segments, &person.body, &at, &before);
     const double before_J = multibody_energy_J(segments, &person.body);
     reflex_person_trip(&person, swing, FOOT_BALL);
-    multibody_foot_point(segments, &person.body, &pose, swing, segments->ball_m, &at, &still);
+    multibody_foot_point(&person.body, &pose, swing, segments->ball_m, &at, &still);
     multibody_centre(segments, &person.body, &at, &after);
     assert_close(still.x, 0.0, 1e-9, 0.0);
     assert_close(after.y, before.y, 1e-9, 0.0);
