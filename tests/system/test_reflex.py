@@ -138,14 +138,31 @@ def test_a_dose_is_set_beside_the_walk_without_it(tmp_path):
     assert [walk["steps"] for walk in json.loads(again.stdout)["walks"]] == [12, 12, 12]
 
 
+def test_doses_are_a_table(tmp_path):
+    """A line a dose, of the figures in the CSV; without pushes no margin is told."""
+    table = tmp_path / "dose.csv"
+    done = dose("--r0", "0.005", "--steps", "12", "--push-step", "0", "--csv", table, "--markdown")
+    assert done.returncode == 0, done.stderr
+    with table.open(newline="", encoding="utf-8") as file:
+        alone, with_it = ({name: float(value or "nan") for name, value in row.items() if name != "person"} for row in csv.DictReader(file))
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in done.stdout.splitlines() if line.startswith("| adult70.ini")]
+    change = 100 * (with_it["ankle_J_m"] / alone["ankle_J_m"] - 1)
+    assert len(rows) == 1 and rows[0][1:4] == ["0.005", "0", "0 (0)"]
+    assert rows[0][5] == f"{change:+.1f} ({change:+.1f} to {change:+.1f})"
+    assert rows[0][8] == f"{with_it['speed_m_s']:.3f} ({alone['speed_m_s']:.3f})" and rows[0][10] == ""
+
+
 @pytest.mark.long
 def test_a_push_margin_is_the_largest_that_is_survived(tmp_path):
     """By bisection, to its step; 0 where the next larger one is already too much."""
     table = tmp_path / "dose.csv"
-    assert dose("--r0", "0.005", "--steps", "12", "--push-step", "20", "--csv", table).returncode == 0
+    done = dose("--r0", "0.005", "--steps", "12", "--push-step", "20", "--csv", table)
+    assert done.returncode == 0
     with table.open(newline="", encoding="utf-8") as file:
         margins = [float(row["push_margin_N"]) for row in csv.DictReader(file)]
     assert margins[0] > 0 and all(margin % 20 == 0 and margin < 400 for margin in margins)
+    half = "up to r0 0.005 m" if 2 * margins[1] >= margins[0] else "with no r0 from 0.005 m on"
+    assert f"half of its push margin, in every pair, {half}" in done.stdout
 
 
 @pytest.mark.parametrize("words, told_of", [(("--r0", "0.02,0.01"), "rising numbers"), (("--late-ms", "60"), "0 to 49"),

@@ -21,7 +21,8 @@ enum {
     KEY_PUSH_STEP,
     KEY_JOBS,
     KEY_OUT,
-    KEY_CSV
+    KEY_CSV,
+    KEY_MARKDOWN
 };
 
 static const struct argp_option option_list[] = {
@@ -43,6 +44,7 @@ static const struct argp_option option_list[] = {
     {"out", KEY_OUT, "DIR", 0, "keep the walks there; those that are there are not walked again",
      0},
     {"csv", KEY_CSV, "FILE", 0, "one line a walk; FILE.json says what it is", 0},
+    {"markdown", KEY_MARKDOWN, 0, 0, "tables in place of sentences", 0},
     {"json", 'j', 0, 0, "one JSON object on standard output in place of sentences", 0},
     {0}};
 
@@ -117,6 +119,9 @@ static error_t take(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_CSV:
         study->csv_path = text;
+        return 0;
+    case KEY_MARKDOWN:
+        study->markdown = true;
         return 0;
     case 'j':
         study->json = true;
@@ -255,7 +260,9 @@ static int report(struct dose_study *study, struct output_file *csv)
     if (picture != NULL) {
         dose_report_plot(picture, study);
     }
-    (study->json ? dose_report_json : dose_report_text)(stdout, study);
+    (study->json       ? dose_report_json
+     : study->markdown ? dose_report_markdown
+                       : dose_report_text)(stdout, study);
     return program_commit_table(csv, study->argc, study->argv, NULL, NULL) == 0 ? EXIT_GOOD
                                                                                 : EXIT_USAGE;
 }

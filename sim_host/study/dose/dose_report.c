@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "sim_host/cli/json_writer.h"
-#include "sim_host/study/dose/dose_study.h"
+#include "sim_host/study/dose/dose_pairs.h"
 
 enum { DIGITS = 9, NAME_MAX_BYTES = 96 };
 
@@ -85,64 +85,11 @@ void dose_report_json(FILE *stream, const struct dose_study *study)
 
 /* ---- sentences ------------------------------------------------------------------------- */
 
-/* Of the seeds in which neither of a pair fell. */
-struct pairs {
-    uint32_t count, fell, fell_alone, earliest;
-    struct dose_result with, alone;     /* means */
-    double least_percent, most_percent; /* change of ankle work */
-};
-
-static double percent(double now, double before)
-{
-    return 100.0 * (now / before - 1.0);
-}
-
-static void add(const struct dose_result *result, struct dose_result *sum)
-{
-#define ADD(name, unit, what) sum->name += result->name;
-    DOSE_MEASURES(ADD)
-#undef ADD
-}
-
-static void divide(struct dose_result *sum, uint32_t count)
-{
-#define DIVIDE(name, unit, what) sum->name /= count;
-    DOSE_MEASURES(DIVIDE)
-#undef DIVIDE
-}
-
-static void pair_up(const struct dose_study *study, uint32_t person, uint32_t late, uint32_t r0,
-                    struct pairs *pairs)
-{
-    *pairs = (struct pairs){
-        .earliest = study->steps, .least_percent = HUGE_VAL, .most_percent = -HUGE_VAL};
-    for (uint32_t seed = 0; seed < study->seeds; seed++) {
-        const struct dose_result *with = dose_study_with(study, person, seed, late, r0);
-        const struct dose_result *alone = dose_study_alone(study, person, seed);
-        pairs->fell += with->fell ? 1 : 0;
-        pairs->fell_alone += alone->fell ? 1 : 0;
-        pairs->earliest =
-            with->fell && with->steps < pairs->earliest ? with->steps : pairs->earliest;
-        if (!with->fell && !alone->fell) {
-            const double change = percent(with->ankle_J_m, alone->ankle_J_m);
-            add(with, &pairs->with);
-            add(alone, &pairs->alone);
-            pairs->least_percent = fmin(pairs->least_percent, change);
-            pairs->most_percent = fmax(pairs->most_percent, change);
-            pairs->count++;
-        }
-    }
-    if (pairs->count > 0) {
-        divide(&pairs->with, pairs->count);
-        divide(&pairs->alone, pairs->count);
-    }
-}
-
 static void tell_dose(FILE *stream, const struct dose_study *study, uint32_t person, uint32_t late,
                       uint32_t r0)
 {
-    struct pairs pairs;
-    pair_up(study, person, late, r0, &pairs);
+    struct dose_pairs pairs;
+    dose_pair_up(study, person, late, r0, &pairs);
     const struct dose_result *with = &pairs.with, *alone = &pairs.alone;
     fprintf(stream, "  r0 %g m", study->r0_m[r0]);
     if (pairs.fell > 0) {
@@ -156,9 +103,9 @@ static void tell_dose(FILE *stream, const struct dose_study *study, uint32_t per
             stream,
             ": the device gives this model %.2f J a metre; its own ankle work a metre changes by %+.1f %% (%+.1f to %+.1f in %u pairs), its hip work by "
             "%+.1f %%, its activation by %+.1f %%; this model walks at %.3f m/s (%.3f without), with %.1f steps a minute (%.1f)",
-            with->device_J_m, percent(with->ankle_J_m, alone->ankle_J_m), pairs.least_percent,
-            pairs.most_percent, pairs.count, percent(with->hip_J_m, alone->hip_J_m),
-            percent(with->activation, alone->activation), with->speed_m_s, alone->speed_m_s,
+            with->device_J_m, dose_percent(with->ankle_J_m, alone->ankle_J_m), pairs.least_percent,
+            pairs.most_percent, pairs.count, dose_percent(with->hip_J_m, alone->hip_J_m),
+            dose_percent(with->activation, alone->activation), with->speed_m_s, alone->speed_m_s,
             with->cadence_per_min, alone->cadence_per_min);
     }
     if (pairs.count > 0 && study->push_step_N > 0.0) {
@@ -166,6 +113,18 @@ static void tell_dose(FILE *stream, const struct dose_study *study, uint32_t per
                 alone->push_margin_N);
     }
     fputs("\n", stream);
+}
+
+static void tell_margin(FILE *stream, const struct dose_study *study, uint32_t person,
+                        uint32_t late)
+{
+    const double holds_m = dose_margin_holds_m(study, person, late);
+    fputs("  this model keeps walking and half of its push margin, in every pair, ", stream);
+    if (holds_m > 0.0) {
+        fprintf(stream, "up to r0 %g m\n", holds_m);
+    } else {
+        fprintf(stream, "with no r0 from %g m on\n", study->r0_m[0]);
+    }
 }
 
 static void tell_alone(FILE *stream, const struct dose_study *study, uint32_t person)
@@ -201,17 +160,71 @@ void dose_report_text(FILE *stream, const struct dose_study *study)
             for (uint32_t r0 = 0; r0 < study->r0s; r0++) {
                 tell_dose(stream, study, person, late, r0);
             }
+            if (study->push_step_N > 0.0) {
+                tell_margin(stream, study, person, late);
+            }
         }
     }
 }
 
-/* ---- picture --------------------------------------------------------------------------- */
+/* ---- table ----------------------------------------------------------------------------- */
 
 static const char *base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash != NULL ? slash + 1 : path;
 }
+
+static void table_row(FILE *stream, const struct dose_study *study, uint32_t person, uint32_t late,
+                      uint32_t r0)
+{
+    struct dose_pairs pairs;
+    dose_pair_up(study, person, late, r0, &pairs);
+    const struct dose_result *with = &pairs.with, *alone = &pairs.alone;
+    fprintf(stream, "| %s | %g | %g | %u (%u) |", base_name(study->person[person]), study->r0_m[r0],
+            1000.0 * study->late_s[late], pairs.fell, pairs.fell_alone);
+    if (pairs.count == 0) {
+        fputs(" | | | | | | |\n", stream);
+        return;
+    }
+    fprintf(stream, " %.2f | %+.1f (%+.1f to %+.1f) | %+.1f | %+.1f | %.3f (%.3f) | %.1f (%.1f) |",
+            with->device_J_m, dose_percent(with->ankle_J_m, alone->ankle_J_m), pairs.least_percent,
+            pairs.most_percent, dose_percent(with->hip_J_m, alone->hip_J_m),
+            dose_percent(with->activation, alone->activation), with->speed_m_s, alone->speed_m_s,
+            with->cadence_per_min, alone->cadence_per_min);
+    if (study->push_step_N > 0.0) {
+        fprintf(stream, " %.0f (%.0f)", with->push_margin_N, alone->push_margin_N);
+    }
+    fputs(" |\n", stream);
+}
+
+void dose_report_markdown(FILE *stream, const struct dose_study *study)
+{
+    fprintf(
+        stream,
+        "What this model does; it says nothing about people. In brackets: without the device.\n\n"
+        "| person | r0, m | latch late, ms | falls of %u | device, J/m | own ankle work, %% | "
+        "own hip work, %% | activation, %% | speed, m/s | steps a minute | push margin, N |\n"
+        "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        study->seeds);
+    for (uint32_t person = 0; person < study->persons; person++) {
+        for (uint32_t late = 0; late < study->lates; late++) {
+            for (uint32_t r0 = 0; r0 < study->r0s; r0++) {
+                table_row(stream, study, person, late, r0);
+            }
+        }
+    }
+    fputs("\n| person | latch late, ms | keeps walking and half of its push margin up to r0, m |\n"
+          "|---|--:|--:|\n",
+          stream);
+    for (uint32_t i = 0; i < study->persons * study->lates && study->push_step_N > 0.0; i++) {
+        const uint32_t person = i / study->lates, late = i % study->lates;
+        fprintf(stream, "| %s | %g | %g |\n", base_name(study->person[person]),
+                1000.0 * study->late_s[late], dose_margin_holds_m(study, person, late));
+    }
+}
+
+/* ---- picture --------------------------------------------------------------------------- */
 
 static void plot_row(FILE *stream, const struct dose_study *study, const char *who, double r0_m,
                      const struct dose_result *result)

@@ -15,7 +15,7 @@ struct dose_study {
     uint32_t persons, r0s, lates, seeds, steps, jobs;
     double push_step_N;
     const char *out, *csv_path;
-    bool json;
+    bool json, markdown;
     int argc;
     char **argv;
     struct dose_result *result; /* of every walk */
@@ -36,6 +36,8 @@ void dose_report_csv(FILE *stream, const struct dose_study *study);
 void dose_report_json(FILE *stream, const struct dose_study *study);
 /* Sentences, a paragraph a person and delay. Each tells what this model does, and what the seeds' spread is. */
 void dose_report_text(FILE *stream, const struct dose_study *study);
+/* The same as two tables: a line a person, delay and dose, and how far the push margin holds. */
+void dose_report_markdown(FILE *stream, const struct dose_study *study);
 /* The table of the picture: a line a person, seed and delay, over r0; at r0 = 0 the walk without the device. */
 void dose_report_plot(FILE *stream, const struct dose_study *study);
 
