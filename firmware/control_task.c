@@ -341,11 +341,6 @@ unsigned control_task_poll(struct control_task *task)
     return progress;
 }
 
-bool control_task_power_must_go(const struct control_task *task)
-{
-    return drive_watch_power_must_go(&task->watch);
-}
-
 bool control_task_cycle_complete(const struct control_task *task)
 {
     for (int leg = 0; leg < SIDE_COUNT; leg++) {

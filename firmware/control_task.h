@@ -98,7 +98,10 @@ unsigned control_task_poll(struct control_task *task);
 enum { CONTROL_TASK_POLL_FRAMES = 64 };
 
 /* True when the hardware must take the drives' power (drive_watch.h). */
-bool control_task_power_must_go(const struct control_task *task);
+static inline bool control_task_power_must_go(const struct control_task *task)
+{
+    return drive_watch_power_must_go(&task->watch);
+}
 
 /* How many ticks the main's clock has missed since the start, for object 0x2020. Loop only. */
 static inline void control_task_show_missed(struct control_task *task, uint32_t missed_ticks)

@@ -43,10 +43,11 @@ struct controller_counters {
 
 /* 0x2033: the board under the controller, as its main tells; all 0 where there is none. */
 enum controller_board_bits {
-    BOARD_BOOST = 1 << 0,       /* the core's regulator is in its boost mode */
-    BOARD_SUPPLY_LOW = 1 << 1,  /* the chip's supply is below its detector's threshold */
-    BOARD_STOP_CLOSED = 1 << 2, /* the emergency stop's contact feeds its input */
-    BOARD_PERMIT_MOVES = 1 << 3 /* the line that lets the drives have power toggles */
+    BOARD_BOOST = 1 << 0,        /* the core's regulator is in its boost mode */
+    BOARD_SUPPLY_LOW = 1 << 1,   /* the chip's supply is below its detector's threshold */
+    BOARD_STOP_CLOSED = 1 << 2,  /* the emergency stop's contact feeds its input */
+    BOARD_PERMIT_MOVES = 1 << 3, /* the line that lets the drives have power toggles */
+    BOARD_POWER_CUT = 1 << 4     /* the line that takes their torque at once is high */
 };
 struct controller_board {
     uint32_t clock_Hz, watchdog_clock_Hz; /* the latter measured by the former; 0 = not yet */

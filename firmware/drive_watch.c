@@ -16,6 +16,18 @@ static bool count_disobedience(uint8_t *ticks, bool disobeys)
     return true;
 }
 
+/* Up while a drive is not known to be off; at its end the hold is added, which passes while all are off. */
+static void count_powered(struct drive_watch *watch, bool off)
+{
+    if (off) {
+        watch->powered_ticks = watch->powered_ticks > DRIVE_WATCH_POWER_TICKS
+                                   ? (uint16_t)(watch->powered_ticks - 1u)
+                                   : 0;
+    } else if (++watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS) {
+        watch->powered_ticks = DRIVE_WATCH_POWER_TICKS + DRIVE_WATCH_HOLD_TICKS;
+    }
+}
+
 unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
                             enum supervisor_state state)
 {
@@ -39,10 +51,6 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
             to_stop |= 1u << leg;
         }
     }
-    if (off) {
-        watch->powered_ticks = 0;
-    } else if (watch->powered_ticks < DRIVE_WATCH_POWER_TICKS) {
-        watch->powered_ticks++;
-    }
+    count_powered(watch, off);
     return to_stop;
 }

@@ -14,12 +14,16 @@
 #include "model/tick.h"
 
 enum {
-    DRIVE_WATCH_STOP_TICKS = TICKS_OF_MS(50),  /* enabled for so long in SUPERVISOR_FAULT */
-    DRIVE_WATCH_POWER_TICKS = TICKS_OF_MS(500) /* longer than any unload by itself takes */
+    DRIVE_WATCH_STOP_TICKS = TICKS_OF_MS(50),   /* enabled for so long in SUPERVISOR_FAULT */
+    DRIVE_WATCH_POWER_TICKS = TICKS_OF_MS(500), /* longer than any unload by itself takes */
+    /* A drive whose torque was taken reports that it is off. Its power stays away for so long, so that the safety
+     * relay, which waits 400 ms, falls too, and comes back only when somebody starts it. */
+    DRIVE_WATCH_HOLD_TICKS = TICKS_OF_MS(600)
 };
 
 struct drive_watch {
-    uint16_t powered_ticks; /* while it stops: a drive is silent or under torque for so long */
+    uint16_t
+        powered_ticks; /* while it stops: a drive is silent or under torque for so long; then the hold's */
     uint8_t disobeys[SIDE_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
 };
 
@@ -31,7 +35,7 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
                             enum supervisor_state state);
 
 /* True when the hardware must take the drives' power: in SUPERVISOR_UNLOADING and FAULT one has
- * been silent or under torque for DRIVE_WATCH_POWER_TICKS. O(1). */
+ * been silent or under torque for DRIVE_WATCH_POWER_TICKS, or was so DRIVE_WATCH_HOLD_TICKS ago. O(1). */
 static inline bool drive_watch_power_must_go(const struct drive_watch *watch)
 {
     return watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS;

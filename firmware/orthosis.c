@@ -181,7 +181,7 @@ void orthosis_init(struct orthosis *orthosis, const struct orthosis_config *conf
     orthosis->clock = config->clock;
     orthosis->store.between = config->clock != NULL ? feed_between : NULL;
     orthosis->store.between_context = orthosis;
-    orthosis->drive_power = config->drive_power;
+    drive_power_init(&orthosis->drive_power, config->drive_power);
     orthosis->wearer = config->wearer;
     orthosis->task.node.rules.sync_pulse = config->sync_pulse;
     orthosis->streak = config->streak;
@@ -257,8 +257,8 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     }
     const bool fed =
         watchdog_gate_report(&orthosis->gate, has_bus ? progress : (uint32_t)WATCHDOG_ALL);
-    if (fed && has_bus && orthosis->drive_power != NULL && !control_task_power_must_go(task)) {
-        drive_power_enable_toggle(orthosis->drive_power);
+    if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0u) {
+        drive_power_update(&orthosis->drive_power, task, fed);
     }
     return progress;
 }

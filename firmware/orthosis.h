@@ -14,11 +14,11 @@
 #include "firmware/bus_recorder.h"
 #include "firmware/bus_recovery.h"
 #include "firmware/control_task.h"
+#include "firmware/drive_power.h"
 #include "firmware/program_update.h"
 #include "firmware/settings.h"
 #include "hal/clock.h"
 #include "hal/devices/device_drives.h"
-#include "hal/drive_power_enable.h"
 #include "hal/storage/param_store.h"
 #include "hal/storage/program_slots.h"
 #include "hal/sync_pulse.h"
@@ -55,7 +55,7 @@ struct orthosis {
     struct control_task task;
     struct bus_recorder recorder;
     struct watchdog_gate gate;
-    const struct drive_power_enable *drive_power;
+    struct drive_power drive_power;
     const struct wearer_panel *wearer;
     struct crash_streak *streak;
     const struct watchdog *watchdog;

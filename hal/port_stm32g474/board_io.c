@@ -251,9 +251,10 @@ static const struct mmio_expected pins_expected[] = {
          FIELD_2(12U, GPIO_MODE_ALTERNATE)},
     {GPIOC_BASE + GPIO_PUPDR, FIELD_2(0U, 3U) | FIELD_2(2U, 3U),
      FIELD_2(0U, GPIO_PULL_DOWN) | FIELD_2(2U, GPIO_PULL_UP)},
-    {GPIOC_BASE + GPIO_MODER, FIELD_2(0U, 3U) | FIELD_2(1U, 3U) | FIELD_2(2U, 3U) | FIELD_2(3U, 3U),
+    {GPIOC_BASE + GPIO_MODER,
+     FIELD_2(0U, 3U) | FIELD_2(1U, 3U) | FIELD_2(2U, 3U) | FIELD_2(3U, 3U) | FIELD_2(5U, 3U),
      FIELD_2(0U, GPIO_MODE_INPUT) | FIELD_2(1U, GPIO_MODE_OUTPUT) | FIELD_2(2U, GPIO_MODE_INPUT) |
-         FIELD_2(3U, GPIO_MODE_OUTPUT)},
+         FIELD_2(3U, GPIO_MODE_OUTPUT) | FIELD_2(5U, GPIO_MODE_OUTPUT)},
 };
 
 uint32_t board_io_init(void)
@@ -272,6 +273,7 @@ uint32_t board_io_init(void)
     pin_mode(GPIOC_BASE, 1U, GPIO_MODE_OUTPUT);
     pin_mode(GPIOC_BASE, 2U, GPIO_MODE_INPUT);
     pin_mode(GPIOC_BASE, 3U, GPIO_MODE_OUTPUT);
+    pin_mode(GPIOC_BASE, 5U, GPIO_MODE_OUTPUT); /* low: the data register's reset value */
     return mmio_first_lost(pins_expected, COUNT_OF(pins_expected));
 }
 
@@ -286,8 +288,19 @@ bool board_io_permit_is_high(void)
     return (mmio_read(GPIOC_BASE + GPIO_IDR) & 2U) != 0U;
 }
 
-static const struct drive_power_enable_ops pc1_ops = {toggle};
-const struct drive_power_enable pc1_drive_power_enable = {&pc1_ops, 0};
+static void cut(void *context, bool cut)
+{
+    (void)context;
+    mmio_change(GPIOC_BASE + GPIO_ODR, 1U << 5U, cut ? 1U << 5U : 0U);
+}
+
+bool board_io_cut_is_high(void)
+{
+    return (mmio_read(GPIOC_BASE + GPIO_IDR) & 1U << 5U) != 0U;
+}
+
+static const struct drive_power_enable_ops pc1_pc5_ops = {toggle, cut};
+const struct drive_power_enable pc1_pc5_drive_power_enable = {&pc1_pc5_ops, 0};
 
 bool board_io_stop_is_pressed(void)
 {

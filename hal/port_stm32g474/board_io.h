@@ -1,8 +1,8 @@
 /* Timer, watchdog, pins of the STM32G474 behind the HAL's interfaces.
  *
  * Pins: PA1 sync pulse, PA11 and PA12 FDCAN1 receive and transmit, PC0 emergency stop, PC1 drive power enable, PC2
- * the wearer's button, PC3 the cue. PB8 is left alone: it is BOOT0 while the option bits are as
- * delivered.
+ * the wearer's button, PC3 the cue, PC5 the line that takes the drives' torque. PB8 is left alone: it is BOOT0 while
+ * the option bits are as delivered.
  */
 #ifndef HAL_PORT_STM32G474_BOARD_IO_H
 #define HAL_PORT_STM32G474_BOARD_IO_H
@@ -74,11 +74,13 @@ void iwdg_feed(void);
  * not hold what was written. Start-up only. */
 uint32_t board_io_init(void);
 
-/* PC1, push-pull: toggles once a tick that feeds the watchdog, while the drives may have power. */
-extern const struct drive_power_enable pc1_drive_power_enable;
+/* PC1, push-pull: toggles once a tick that feeds the watchdog, while the drives may have power. PC5, push-pull, pulled
+ * down outside: high to take their torque at once. In reset, and until board_io_init(), both are analog. */
+extern const struct drive_power_enable pc1_pc5_drive_power_enable;
 
-/* Whether that line is high now. O(1). */
+/* Whether PC1 or PC5 is high now, at the pin. O(1). */
 bool board_io_permit_is_high(void);
+bool board_io_cut_is_high(void);
 
 /* Whether PC0 is low: the contact is open. O(1). */
 bool board_io_stop_is_pressed(void);

@@ -27,7 +27,7 @@ static const struct argp_option option_list[] = {
     {"recording", KEY_RECORDING, "FILE.csv", 0,
      "recorded walking in the walker's place, to its end", 0},
     {"fault", KEY_FAULT, "NAME", 0,
-     "emergency-stop, lost-sensor, lost-drive, destroyed-frames, hang, crystal-stops, no-crystal, "
+     "emergency-stop, lost-sensor, lost-drive, drive-hangs, destroyed-frames, hang, crystal-stops, no-crystal, "
      "torn-settings, ecc-error, save-cut, load-cut, lost-write, half-written, "
      "damaged-program, stuck-ram, first-start, options-cut, supply-low, brown-out, ram-slice, "
      "ram-parity, core-register, float-register, slow-oscillator, fast-oscillator, deep-stack, "

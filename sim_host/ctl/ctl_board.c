@@ -96,11 +96,14 @@ static void check_lines(struct list *list, uint32_t bits)
 {
     const bool closed = (bits & (uint32_t)BOARD_STOP_CLOSED) != 0;
     const bool moves = (bits & (uint32_t)BOARD_PERMIT_MOVES) != 0;
+    const bool cut = (bits & (uint32_t)BOARD_POWER_CUT) != 0;
 
     add(list, "stop input", closed, "release the button; is PC0 wired?", "%s",
         closed ? "closed" : "open: pressed, or not wired");
     add(list, "permit line", moves, "it moves once the bus works and no drive is stuck", "%s",
         moves ? "toggles" : "stands still");
+    add(list, "cut line", !cut, "a drive kept its torque; if none did, is PC5 shorted?", "%s",
+        cut ? "high: the drives' torque is taken" : "low");
 }
 
 static void check_bus(struct list *list)

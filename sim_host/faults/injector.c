@@ -125,12 +125,6 @@ void injector_tick(struct injector *injector)
                             &loop->rig.task.config.bus);
     }
     run_bus(injector, sync_ns + TICK_NS - 1);
-    for (int i = 0; i < WALKER_NODES; i++) {
-        (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, sync_ns + TICK_NS - 1);
-    }
-    own_push_tick(&loop->own_push, &loop->nodes.plant);
-    walker_nodes_advance(&loop->nodes);
-    walker_nodes_measure(&loop->nodes);
-    loop->tick++;
+    loop_end_period(loop, sync_ns + TICK_NS - 1);
     injector->tick++;
 }

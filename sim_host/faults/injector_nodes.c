@@ -232,6 +232,7 @@ static void reset_controller(struct loop *loop)
                          sim_bus_port(&loop->bus, LOOP_PORT_CONTROLLER),
                          config->desired_speed_rad_s, false); /* nobody has asked it yet */
     loop->rig.stop_pressed = pressed;
+    loop_wire_power(loop);
 }
 
 static void flip_parameter(struct shot_state *state, struct loop *loop)

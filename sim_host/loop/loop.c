@@ -180,7 +180,7 @@ static void wake_node(void *context, uint64_t now_ns)
 static void wake_task(void *context, uint64_t now_ns)
 {
     (void)now_ns;
-    (void)control_task_poll((struct control_task *)context);
+    (void)host_task_poll((struct host_task *)context);
 }
 
 static bool sheet_refuses(const void *context, const struct can_msg *request,
@@ -248,7 +248,7 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
     sim_bus_init(&loop->bus, BUS_BITRATE);
     sim_bus_set_tap(&loop->bus, log != NULL ? write_log : NULL, loop);
     sim_bus_set_fault_hook(&loop->bus, inject, loop);
-    const int port = sim_bus_attach(&loop->bus, "controller", wake_task, &loop->rig.task);
+    const int port = sim_bus_attach(&loop->bus, "controller", wake_task, &loop->rig);
     struct can_bus bus = sim_bus_port(&loop->bus, port);
     if (config->wrap_bus != NULL) {
         bus = config->wrap_bus(config->wrap_context, bus);
@@ -258,11 +258,19 @@ int loop_init(struct loop *loop, const struct loop_config *config, FILE *log, ch
         snprintf(message, LOOP_MESSAGE_MAX, "the control task refuses its parameters");
         return -1;
     }
+    power_relay_init(&loop->relay);
+    loop_wire_power(loop);
     if (log != NULL) {
         (void)black_box_log_identify(log, "can0", version_build_id(),
                                      loop->rig.task.node.objects.params_crc, version_text());
     }
     return init_nodes(loop, message);
+}
+
+void loop_wire_power(struct loop *loop)
+{
+    power_relay_let_go(&loop->relay);
+    drive_power_init(&loop->rig.drive_power, &loop->relay.lines);
 }
 
 void loop_free(struct loop *loop)
@@ -292,6 +300,7 @@ void loop_end_period(struct loop *loop, uint64_t now_ns)
         (void)walker_nodes_poll(&loop->nodes, (enum walker_node)i, now_ns);
     }
     own_push_tick(&loop->own_push, &loop->nodes.plant);
+    loop->nodes.torque_is_off = !power_relay_advance(&loop->relay);
     walker_nodes_advance(&loop->nodes);
     begin_fault(loop);
     walker_nodes_measure(&loop->nodes);

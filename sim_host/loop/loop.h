@@ -14,6 +14,7 @@
 
 #include "sim_host/bus/sim_bus.h"
 #include "sim_host/devices/eds_file.h"
+#include "sim_host/nodes/power_relay.h"
 #include "sim_host/nodes/walker_nodes.h"
 #include "sim_host/plant/own_push.h"
 #include "sim_host/plant/plant.h"
@@ -68,8 +69,9 @@ struct loop {
     struct walker_nodes nodes; /* plant, drives and sensors */
     struct own_push own_push;
     struct loop_wake wake[WALKER_NODES];
-    struct host_task rig; /* the control task and its drives' protocol */
-    uint64_t tick;        /* SYNCs so far */
+    struct host_task rig;     /* the control task and its drives' protocol */
+    struct power_relay relay; /* between its power lines and the drives */
+    uint64_t tick;            /* SYNCs so far */
     bool fault_active;
     uint32_t fault_waited_ticks; /* since config.fault_step */
     FILE *log;                   /* candump -L, or NULL */
@@ -98,6 +100,9 @@ void loop_tick(struct loop *loop);
 /* The end of a SYNC period, for who runs the bus and starts the cycles: the nodes take
  * what has come, the plant goes on by one period. */
 void loop_end_period(struct loop *loop, uint64_t now_ns);
+
+/* Puts the controller's power lines at the relay, low: after a restart of the controller. */
+void loop_wire_power(struct loop *loop);
 
 /* Gives back what the plant holds (a recording). */
 void loop_free(struct loop *loop);

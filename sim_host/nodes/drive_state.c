@@ -26,6 +26,7 @@ enum statusword_bit {
 enum error_code {
     ERROR_UNDERVOLTAGE = 0x3220,
     ERROR_TEMPERATURE = 0x4310,
+    ERROR_CONTACTS = 0x5440,
     ERROR_FOLLOWING = 0x8611,
     ERROR_SYNC = 0x8700
 };
@@ -105,6 +106,18 @@ static void fault(struct drive_node *node, uint16_t error_code)
     } else {
         enter(node, DRIVE_IN_FAULT);
     }
+}
+
+void drive_state_lose_torque(struct drive_node *node)
+{
+    if (!stage_is_on(node) && node->state != DRIVE_SWITCHED_ON) {
+        return;
+    }
+    if (node->objects.error_code == 0) {
+        node->objects.error_code = ERROR_CONTACTS;
+        co_device_raise(&node->device, ERROR_CONTACTS, register_of(ERROR_CONTACTS), NULL);
+    }
+    enter(node, DRIVE_IN_FAULT); /* no ramp: there is nothing to brake with */
 }
 
 static void quick_stop(struct drive_node *node)

@@ -19,6 +19,9 @@ void drive_state_supervise(struct drive_node *node, uint64_t now_ns);
 
 void drive_state_update_statusword(struct drive_node *node);
 
+/* The hardware has taken the torque: a fault of a drive that had it, told by EMCY and left by a reset. */
+void drive_state_lose_torque(struct drive_node *node);
+
 /* Whether an enabled drive follows its target: in interpolated position only while the controlword's bit 4 is set. */
 bool drive_state_follows(const struct drive_node *node);
 

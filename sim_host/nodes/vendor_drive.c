@@ -235,6 +235,12 @@ void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command 
         .powered = loop, .target_m = loop ? target_m : drive->feedback.position_m};
 }
 
+void vendor_drive_lose_torque(struct vendor_drive *drive)
+{
+    drive->error = drive->error || drive->closed_loop;
+    drive->closed_loop = false;
+}
+
 unsigned vendor_drive_ids(const struct vendor_drive *drive, uint16_t *ids, unsigned count)
 {
     if (drive->config.protocol == DEVICE_MIT) {

@@ -63,6 +63,9 @@ void vendor_drive_process(struct vendor_drive *drive, uint64_t now_ns);
 /* What the axis shall do in the coming period; of the latch it knows nothing. */
 void vendor_drive_command(struct vendor_drive *drive, struct drive_axis_command *command);
 
+/* The hardware has taken the torque: an error of an axis that had it. */
+void vendor_drive_lose_torque(struct vendor_drive *drive);
+
 /* Identifiers the drive half listens to, appended to ids (room for at least 4).
  * Returns the new count. */
 unsigned vendor_drive_ids(const struct vendor_drive *drive, uint16_t *ids, unsigned count);

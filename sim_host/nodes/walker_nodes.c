@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "hal/bus/frame_table.h"
+#include "sim_host/nodes/drive_state.h"
 
 enum { TICK_NS = TICK_PERIOD_US * 1000 };
 
@@ -277,10 +278,23 @@ static enum side leg_of_drive(const struct walker_nodes *nodes, enum side side)
     return nodes->assembly.drives_crossed ? side_other(side) : side;
 }
 
+/* The drives know: their input of the safe torque off has fallen. */
+static void take_torque(struct walker_nodes *nodes, enum side side)
+{
+    if (is_vendor(nodes, side)) {
+        vendor_drive_lose_torque(&nodes->vendor[side]);
+    } else if (is_cia402(nodes, side)) {
+        drive_state_lose_torque(&nodes->drive[side]);
+    }
+}
+
 void walker_nodes_advance(struct walker_nodes *nodes)
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct drive_axis_command axis = {.powered = false};
+        if (nodes->torque_is_off) {
+            take_torque(nodes, (enum side)side);
+        }
         if (is_vendor(nodes, (enum side)side)) {
             vendor_drive_command(&nodes->vendor[side], &axis);
         } else if (is_cia402(nodes, (enum side)side)) {
@@ -289,6 +303,8 @@ void walker_nodes_advance(struct walker_nodes *nodes)
         if (has_board(nodes, (enum side)side)) {
             axis.latch_armed = axis.powered && latch_node_armed(&nodes->latch[side]);
         }
+        axis.powered = axis.powered && !nodes->torque_is_off;
+        axis.latch_armed = axis.latch_armed && !nodes->torque_is_off;
         const struct sea_command command = {
             .mode = axis.powered ? SEA_POSITION : SEA_TORQUE_OFF,
             .target_position_m = axis.target_m / nodes->assembly.motor_scale[side],

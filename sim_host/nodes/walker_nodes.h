@@ -54,6 +54,8 @@ struct walker_nodes {
     struct walker_gate gate[SIDE_COUNT]; /* refuses NULL: there is none; set it behind the init */
     struct sensor_sample sample[SIDE_COUNT];
     struct assembly assembly;
+    bool
+        torque_is_off; /* the hardware takes the drives' torque, whatever they do; may change at any time */
     struct walker_reading {
         double leg_angle_rad, ankle;
         bool sent;

@@ -9,6 +9,14 @@ static bool is_pressed(void *context)
 
 static const struct emergency_stop_ops stop_ops = {is_pressed};
 
+static void feed(void *context)
+{
+    (void)context;
+}
+
+static const struct watchdog_ops watchdog_ops = {feed};
+static const struct watchdog no_watchdog = {&watchdog_ops, NULL};
+
 bool host_task_configures(const struct subject *subject)
 {
     return device_is_canopen(&subject->device.description);
@@ -20,6 +28,8 @@ int host_task_init(struct host_task *rig, const struct subject *subject,
 {
     const struct device_description *device = &subject->device.description;
     *rig = (struct host_task){.params = *params};
+    watchdog_gate_init(&rig->gate, &no_watchdog);
+    drive_power_init(&rig->drive_power, NULL);
     device_drives_init(&rig->drives, device);
     struct control_task_config config = {
         .params = &rig->params,
@@ -35,4 +45,14 @@ int host_task_init(struct host_task *rig, const struct subject *subject,
     const int verdict = control_task_init(&rig->task, &config);
     control_task_describe(&rig->task, device);
     return verdict;
+}
+
+unsigned host_task_poll(struct host_task *rig)
+{
+    const unsigned progress = control_task_poll(&rig->task);
+    const bool fed = watchdog_gate_report(&rig->gate, progress);
+    if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0) {
+        drive_power_update(&rig->drive_power, &rig->task, fed);
+    }
+    return progress;
 }

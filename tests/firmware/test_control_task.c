@@ -573,6 +573,9 @@ START_TEST(the_power_must_go_when_a_drive_cannot_be_trusted)
                 (void)control_task_poll(&b.task);
             }
             ck_assert(control_task_power_must_go(&b.task));
+            /* Without torque it reports that it is off: the power stays away until the relay has fallen, too. */
+            run_ticks(&b, DRIVE_WATCH_HOLD_TICKS, 0x0218);
+            ck_assert(control_task_power_must_go(&b.task));
             run_ticks(&b, 1, 0x0218);
             ck_assert(!control_task_power_must_go(&b.task));
         }

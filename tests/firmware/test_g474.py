@@ -120,6 +120,13 @@ def test_faults_end_in_the_safe_state(fault, latched, crash, starts):
     assert end["differences"] == 0 and end["findings"] == 0
 
 
+def test_the_torque_of_a_drive_that_hangs_is_taken_by_a_pin():
+    """It holds a loaded spring. Silent for 10 ms, half a second more, K3 and the drive's input: 35 ms."""
+    end = g474("--fault", "drive-hangs", "--speed", "0.45", "--fault-step", "2")
+    assert end["fault"] == "drive silent" and end["state"] == STATE_FAULT and end["starts"] == 1
+    assert 540 <= end["noticed_ms"] <= 560 and end["differences"] == 0 and end["findings"] == 0
+
+
 def test_the_image_counts_its_own_cycles_and_tells_its_start_and_its_fault():
     """0x2020:28. The emulator takes one cycle an instruction and 24 an exception, some 12 of them in a tick."""
     end = g474("--fault", "emergency-stop", "--speed", "0.45", "--fault-step", "2")

@@ -14,7 +14,8 @@ static struct black_box box;
 static struct orthosis orthosis;
 static struct orthosis_config config;
 static struct crash_streak streak;
-static unsigned feeds, toggles;
+static unsigned feeds, toggles, cuts;
+static bool is_cut;
 static unsigned reads;                    /* of the memory */
 static double now_ms, fed_ms, longest_ms; /* what erasing and writing take; between two feeds */
 static double erase_ms, word_ms;
@@ -76,6 +77,14 @@ static void toggle(void *context)
     toggles++;
 }
 
+static void cut(void *context, bool on)
+{
+    (void)context;
+    ck_assert(on != is_cut); /* told once, not in every tick */
+    is_cut = on;
+    cuts++;
+}
+
 static bool is_pressed(void *context)
 {
     (void)context;
@@ -86,7 +95,7 @@ static const struct nv_store_ops nv_ops = {bank_words, read_word, map, erase, wr
 static const struct nv_store nv = {&nv_ops, NULL};
 static const struct watchdog_ops watchdog_ops = {feed};
 static const struct watchdog watchdog = {&watchdog_ops, NULL};
-static const struct drive_power_enable_ops drive_power_ops = {toggle};
+static const struct drive_power_enable_ops drive_power_ops = {toggle, cut};
 static const struct drive_power_enable drive_power = {&drive_power_ops, NULL};
 static uint64_t clock_ns(void *context)
 {
@@ -104,7 +113,8 @@ static void setup(void)
     memset(image, 0xFF, sizeof image);
     memset(&box, 0, sizeof box);
     memset(&streak, 0, sizeof streak);
-    feeds = toggles = reads = 0;
+    feeds = toggles = cuts = reads = 0;
+    is_cut = false;
     erase_ms = 49; /* two pages at their longest, DS12288 */
     word_ms = 0.0834;
     config = (struct orthosis_config){.bus = fake_bus_interface(&fake),
@@ -409,6 +419,53 @@ START_TEST(without_a_bus_the_drives_get_no_power)
 }
 END_TEST
 
+/* In FAULT, and no drive tells that it is off. After a restart the line is low again, as the pin is. */
+START_TEST(the_torque_is_taken_where_no_drive_says_that_it_is_off)
+{
+    for (int restart = 0; restart < 2; restart++) {
+        toggles = cuts = 0;
+        is_cut = false;
+        orthosis_init(&orthosis, &config); /* an empty memory: FAULT */
+        run(DRIVE_WATCH_POWER_TICKS - 2);
+        ck_assert_uint_eq(cuts, 0);
+        run(4);
+        ck_assert_uint_eq(cuts, 1);
+        ck_assert(is_cut);
+        const unsigned before = toggles;
+        ck_assert_uint_ge(before, DRIVE_WATCH_POWER_TICKS - 2);
+        ck_assert_uint_le(before, DRIVE_WATCH_POWER_TICKS);
+        run(2000);
+        ck_assert_uint_eq(cuts, 1);
+        ck_assert_uint_eq(toggles, before);
+    }
+    config.drive_power = NULL; /* a board without the lines */
+    orthosis_init(&orthosis, &config);
+    run(DRIVE_WATCH_POWER_TICKS + 2);
+    ck_assert_uint_eq(cuts, 1);
+}
+END_TEST
+
+/* Where the bus takes no commands nothing is fed: the torque is taken all the same. */
+START_TEST(the_torque_is_taken_also_where_nothing_is_fed)
+{
+    struct drive_power power;
+    drive_power_init(&power, &drive_power);
+    orthosis_init(&orthosis, &config);
+    drive_power_update(&power, &orthosis.task, false);
+    ck_assert_uint_eq(toggles + cuts, 0);
+    orthosis.task.watch.powered_ticks = DRIVE_WATCH_POWER_TICKS;
+    drive_power_update(&power, &orthosis.task, false);
+    ck_assert_uint_eq(cuts, 1);
+    ck_assert(is_cut);
+    orthosis.task.watch.powered_ticks = 0;
+    drive_power_update(&power, &orthosis.task, false);
+    ck_assert_uint_eq(cuts, 2);
+    ck_assert_uint_eq(toggles, 0);
+    drive_power_update(&power, &orthosis.task, true);
+    ck_assert_uint_eq(toggles, 1);
+}
+END_TEST
+
 /* Settings that ask for a walk are obeyed at power-on alone: behind any other reset (a dip of the
  * supply, a pin, a debugger) nobody may expect the drives to move. The setting itself is kept. */
 START_TEST(a_reset_is_no_request_to_walk)
@@ -533,6 +590,8 @@ int main(void)
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
     tcase_add_test(tests, the_wearer_s_panel_is_read_and_lit);
     tcase_add_test(tests, without_a_bus_the_drives_get_no_power);
+    tcase_add_test(tests, the_torque_is_taken_where_no_drive_says_that_it_is_off);
+    tcase_add_test(tests, the_torque_is_taken_also_where_nothing_is_fed);
     tcase_add_test(tests, the_wrap_of_the_tick_is_no_start);
     tcase_add_test(tests, it_is_fed_while_settings_are_saved_and_forgotten);
     tcase_add_test(tests, no_real_tick_no_feed_while_settings_are_saved);

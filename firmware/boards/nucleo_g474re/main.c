@@ -253,7 +253,8 @@ static void show_board(struct controller_board *board)
     const bool permit_is_high = board_io_permit_is_high();
     uint32_t bits = (clock_tree_is_boosted() ? (uint32_t)BOARD_BOOST : 0u) |
                     (supply.low ? (uint32_t)BOARD_SUPPLY_LOW : 0u) |
-                    (board_io_stop_is_pressed() ? 0u : (uint32_t)BOARD_STOP_CLOSED);
+                    (board_io_stop_is_pressed() ? 0u : (uint32_t)BOARD_STOP_CLOSED) |
+                    (board_io_cut_is_high() ? (uint32_t)BOARD_POWER_CUT : 0u);
 
     /* It toggles in each tick: after an odd number of them it is the other way round. */
     if ((tick - looked_at_tick) % 2u == 1u) {
@@ -313,7 +314,7 @@ int main(void)
         .clock = &clock,
         .stop = stop_input,
         .watchdog = &watchdog,
-        .drive_power = &pc1_drive_power_enable,
+        .drive_power = &pc1_pc5_drive_power_enable,
         .wearer = &pc2_pc3_wearer_panel,
         .sync_pulse = &pa1_sync_pulse,
         .nv = &nv,

@@ -212,6 +212,9 @@ void chip_weaken(struct chip *chip, uint32_t address);
 /* Holds a pin at a level from outside. */
 void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high);
 
+/* Whether the program holds a pin high: an output, and its bit set. */
+bool chip_gives(const struct chip *chip, unsigned port, unsigned pin);
+
 /* Flash from `offset` on is as erased. */
 void chip_erase(struct chip *chip, uint32_t offset, uint32_t bytes);
 /* A bit of a word of flash has changed, and the error correction does not see it. */

@@ -12,7 +12,9 @@ enum {
     TXBC = 0xC0 / 4,
     CCCR_INIT = 1,
     TXBC_QUEUE = 1 << 24,
-    PORT = LOOP_PORT_CONTROLLER
+    PORT = LOOP_PORT_CONTROLLER,
+    PORT_C = 2,
+    CUT_PIN = 5
 };
 
 void chip_bridge_init(struct chip_bridge *bridge, struct chip *chip)
@@ -295,6 +297,7 @@ void chip_bridge_connect(struct chip_bridge *bridge, struct loop *loop)
     sim_bus_set_tap(&loop->bus, on_event, bridge);
     sim_bus_set_fault_hook(&loop->bus, on_frame, bridge);
     sim_bus_connect(&loop->bus, PORT, false);
+    drive_power_init(&loop->rig.drive_power, NULL); /* end_period() holds the relay */
 }
 
 /* ---- A period ---------------------------------------------------------------------------------------- */
@@ -349,12 +352,26 @@ static void check_permit(struct chip_bridge *bridge)
     }
 }
 
+/* The image's own pins hold the relay, not the host's task that runs along. */
+static void end_period(struct chip_bridge *bridge)
+{
+    const struct chip *chip = bridge->chip;
+    struct loop *loop = bridge->loop;
+
+    if (chip->permit_edges != bridge->permit_edges_seen) {
+        bridge->permit_edges_seen = chip->permit_edges;
+        drive_power_enable_toggle(&loop->relay.lines);
+    }
+    drive_power_enable_cut(&loop->relay.lines, chip_gives(chip, PORT_C, CUT_PIN));
+    loop_end_period(loop, sim_bus_now_ns(&loop->bus));
+}
+
 static void begin_tick(struct chip_bridge *bridge)
 {
     note_instructions(bridge);
     note_lateness(bridge);
     if (bridge->ticks > 0) {
-        loop_end_period(bridge->loop, sim_bus_now_ns(&bridge->loop->bus));
+        end_period(bridge);
     }
     bridge->silent_periods = 0;
     bridge->ticks++;
@@ -384,6 +401,6 @@ void chip_bridge_tick(struct chip_bridge *bridge)
     note_instructions(bridge);
     bridge->silent_periods++;
     if (bridge->ticks > 0) {
-        loop_end_period(bridge->loop, sim_bus_now_ns(&bridge->loop->bus));
+        end_period(bridge);
     }
 }

@@ -54,10 +54,11 @@ struct chip_bridge {
     uint32_t sync_late_tick;
     uint32_t resets_seen;
     uint32_t idle_permit_ticks;
-    uint8_t state, fault; /* as the image's state frames say */
-    uint64_t asked_ns;    /* end of the last SDO request to the image */
-    bool heard;           /* the image has sent a frame since its last start */
-    FILE *costs;          /* one line a tick: number, instructions; NULL = none; the caller's */
+    uint64_t permit_edges_seen; /* PC1's that the relay was told of */
+    uint8_t state, fault;       /* as the image's state frames say */
+    uint64_t asked_ns;          /* end of the last SDO request to the image */
+    bool heard;                 /* the image has sent a frame since its last start */
+    FILE *costs; /* one line a tick: number, instructions; NULL = none; the caller's */
 };
 
 /* Prepares the bridge; then loop_init with chip_bridge_wrap, then chip_bridge_connect. */

@@ -181,6 +181,12 @@ static void pins_write(void *context, uint32_t offset, uint32_t value)
     watch_led(chip, led);
 }
 
+bool chip_gives(const struct chip *chip, unsigned port, unsigned pin)
+{
+    const struct chip_port *p = &chip->port[port];
+    return pin_field(p, MODER, pin) == 1 && (p->reg[ODR / 4] >> pin & 1) != 0;
+}
+
 void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high)
 {
     chip->port[port].driven |= 1u << pin;

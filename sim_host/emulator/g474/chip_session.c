@@ -27,6 +27,8 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_LOST_SENSOR] = {"lost-sensor", SUPERVISOR_FAULT_SENSOR_STALE, 0, CRASH_NONE, NULL,
                                 0},
     [CHIP_FAULT_LOST_DRIVE] = {"lost-drive", SUPERVISOR_FAULT_DRIVE_STALE, 0, CRASH_NONE, NULL, 0},
+    [CHIP_FAULT_DRIVE_HANGS] = {"drive-hangs", SUPERVISOR_FAULT_DRIVE_STALE, 0, CRASH_NONE, NULL,
+                                0},
     /* Whatever is missed first. */
     [CHIP_FAULT_DESTROYED_FRAMES] = {"destroyed-frames", SUPERVISOR_FAULT_SENSOR_STALE,
                                      BIT(DRIVE_STALE) | BIT(NODE_LOST) | BIT(DRIVE), CRASH_NONE,

@@ -33,6 +33,8 @@ enum {
     SCAN_TICKS = 20000, /* the program looks through all of itself */
     BROWN_OUT_TICKS = 5,
     LOW_SUPPLY_TICKS = 300,
+    LOAD_TICKS = 3000,
+    CUT_TICKS = 600,
     GUARD_BYTES = 32,
     UNUSED_RAM = 0x5A40, /* of the 32 KiB that the program tests, what it has no use for */
     LSI_HZ = 32000,
@@ -42,6 +44,8 @@ enum {
 /* CiA 301, clauses 7.5.2.13 and 7.5.2.14. */
 #define SAVE_SIGNATURE 0x65766173u
 #define LOAD_SIGNATURE 0x64616F6Cu
+
+static const double HUNG_M_S = 1e-6;
 
 /* The image comes to a stop, and the starter tells why. */
 static void judge_silent(struct chip_session *session, const char *says)
@@ -290,6 +294,30 @@ static void weaken_flash(struct chip_session *session)
     session->noticed_ns = chip_now_ns(chip);
 }
 
+/* A drive hangs under torque and holds its motor, behind it a loaded spring: no frame helps, only PC5. */
+static void hang_drive(struct chip_session *session)
+{
+    struct loop *loop = session->loop;
+    struct sea *sea = &loop->nodes.plant.sea[SIDE_LEFT];
+    const double loaded_m = 0.5 * (double)loop->rig.task.controller.last_step.r0_m;
+
+    for (unsigned i = 0; i < LOAD_TICKS && sea->position_m < loaded_m; i++) {
+        chip_session_pass(session, 1);
+    }
+    sim_bus_connect(&loop->bus, PORT_DRIVE_LEFT, false);
+    sea->params.speed_limit_m_s = sea->built.config.speed_limit_m_s = HUNG_M_S;
+    session->brought_ns = chip_now_ns(&session->chip);
+    for (unsigned i = 0; i < CUT_TICKS && !loop->nodes.torque_is_off; i++) {
+        chip_session_pass(session, 1);
+    }
+    session->noticed_ns = chip_now_ns(&session->chip);
+    if (sea->position_m < loaded_m) {
+        chip_session_complain(session, "no spring was loaded behind the drive");
+    } else if (!loop->nodes.torque_is_off) {
+        chip_session_complain(session, "the image leaves a drive that hangs its torque");
+    }
+}
+
 static void bring_fault(struct chip_session *session)
 {
     struct chip_bridge *bridge = &session->bridge;
@@ -305,6 +333,9 @@ static void bring_fault(struct chip_session *session)
         break;
     case CHIP_FAULT_LOST_DRIVE:
         sim_bus_connect(&session->loop->bus, PORT_DRIVE_LEFT, false);
+        break;
+    case CHIP_FAULT_DRIVE_HANGS:
+        hang_drive(session);
         break;
     case CHIP_FAULT_DESTROYED_FRAMES:
         chip_bridge_stop_comparing(bridge);

@@ -590,7 +590,7 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
     ck_assert_uint_eq(port_a[0], 0xABFFFFFF - (1u << 2) - (1u << 22) - (1u << 24));
     ck_assert_uint_eq(port_a[0x20 / 4], 0x00000010); /* TIM2 */
     ck_assert_uint_eq(port_a[0x24 / 4], 0x00099000);
-    ck_assert_uint_eq(port_c[0], 0xFFFFFF44);        /* 0, 2: input, 1, 3: output */
+    ck_assert_uint_eq(port_c[0], 0xFFFFF744);        /* 0, 2: input, 1, 3, 5: output */
     ck_assert_uint_eq(port_c[0x0C / 4] & 3, 2);      /* pulled down */
     ck_assert_uint_eq(port_c[0x0C / 4] >> 4 & 3, 1); /* pulled up */
     ck_assert(chip.rcc[0x58 / 4] & (1u << 25));
@@ -605,9 +605,33 @@ START_TEST(the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0)
 
     for (uint32_t feed = 1; feed <= 6; feed++) { /* and nothing else of the port moves */
         port_c[0x14 / 4] |= 0xF0;
-        drive_power_enable_toggle(&pc1_drive_power_enable);
+        drive_power_enable_toggle(&pc1_pc5_drive_power_enable);
         ck_assert_uint_eq(port_c[0x14 / 4], 0xF0 | (feed % 2 << 1));
     }
+}
+END_TEST
+
+/* Low from the start on, high while the torque is to go; a pin that something holds is told as it is. */
+START_TEST(the_line_that_takes_the_torque_is_pc5)
+{
+    clock_setup();
+    mmio_model_map(0x48000000, sizeof port_a, gpio_read, gpio_write, port_a);
+    mmio_model_map(0x48000800, sizeof port_c, gpio_read, gpio_write, port_c);
+    pins_at_reset();
+    ck_assert_uint_eq(board_io_init(), 0);
+    ck_assert_uint_eq(port_c[0] >> 10 & 3, 1);
+    ck_assert_uint_eq(port_c[0x14 / 4], 0);
+    port_c[0x14 / 4] = 0xC2;
+    drive_power_enable_cut(&pc1_pc5_drive_power_enable, true);
+    ck_assert_uint_eq(port_c[0x14 / 4], 0xE2); /* and nothing else of the port moves */
+    drive_power_enable_toggle(&pc1_pc5_drive_power_enable);
+    ck_assert_uint_eq(port_c[0x14 / 4], 0xE0);
+    drive_power_enable_cut(&pc1_pc5_drive_power_enable, false);
+    ck_assert_uint_eq(port_c[0x14 / 4], 0xC0);
+    port_c[0x10 / 4] = 0xFFDF;
+    ck_assert(!board_io_cut_is_high());
+    port_c[0x10 / 4] = 0x0020;
+    ck_assert(board_io_cut_is_high());
 }
 END_TEST
 
@@ -660,6 +684,7 @@ int main(void)
     tcase_add_loop_test(rest, a_lost_write_to_the_watchdog_is_told, 0, 2);
     tcase_add_loop_test(rest, a_lost_write_to_the_pins_is_told, 0, 5);
     tcase_add_test(rest, the_pins_are_can_on_pa11_pa12_and_the_stop_on_pc0);
+    tcase_add_test(rest, the_line_that_takes_the_torque_is_pc5);
     tcase_add_test(rest, the_wearer_s_button_is_on_pc2_and_the_cue_on_pc3);
     suite_add_tcase(suite, clocks);
     suite_add_tcase(suite, timers);

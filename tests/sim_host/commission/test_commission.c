@@ -585,6 +585,31 @@ START_TEST(a_device_that_is_not_what_its_file_says_is_found)
 }
 END_TEST
 
+/* The campaign's fault of a motor's scale, on the devices that a person wears: each push of it has 1.23 times the
+ * energy, and nothing tells in a walk. */
+START_TEST(a_motor_scale_of_0_9_is_found_before_a_person_wears_it)
+{
+    static const char *const worn[] = {"sim_host/devices/virtual-adult.ini",
+                                       "sim_host/devices/exo50.ini"};
+    const enum side side = _i % 2 == 0 ? SIDE_LEFT : SIDE_RIGHT;
+    defect = NULL;
+    person_path = "sim_host/persons/adult70.ini";
+    device_path = worn[_i / 2];
+    change_device = NULL;
+    setup();
+    loop.nodes.assembly.motor_scale[side] = 0.9;
+    ck_assert_int_eq(run_all(), COMMISSION_SPRING);
+    const char *found = all_findings(COMMISSION_SPRING);
+    printf("  %s: %s", device_path, found);
+    ck_assert_uint_eq(commission.result[COMMISSION_SPRING].finding_count, 1);
+    ck_assert_msg(strncmp(found, side == SIDE_LEFT ? "left leg" : "right leg", 8) == 0, "%s",
+                  found);
+    ck_assert_msg(strstr(found, "gear (counts_per_m)") != NULL, "%s", found);
+    ck_assert(largest_load_N <= LOAD_LIMIT_SHARE * rated_N());
+    teardown();
+}
+END_TEST
+
 static void say_drive_unloads(struct device_file *device)
 {
     device_file_set(device, SIDE_RIGHT, DEVICE_LEG_unload, DEVICE_UNLOAD_DRIVE);
@@ -792,6 +817,7 @@ int main(void)
     TCase *wrong = tcase_create("devices that are not what their file says");
     tcase_set_timeout(wrong, 120);
     tcase_add_loop_test(wrong, a_device_that_is_not_what_its_file_says_is_found, 0, 2 * DEFECTS);
+    tcase_add_loop_test(wrong, a_motor_scale_of_0_9_is_found_before_a_person_wears_it, 0, 4);
     tcase_add_loop_test(wrong, foot_switches_are_read, 0, 4);
     tcase_add_test(wrong, a_controller_that_runs_with_another_file_is_found);
     tcase_add_test(wrong, a_zero_that_is_found_again_is_not_added_up);

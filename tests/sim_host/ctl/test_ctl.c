@@ -403,8 +403,8 @@ START_TEST(a_board_is_checked_line_by_line)
                                           .reset_flags = 1u << 27,
                                           .bits =
                                               BOARD_BOOST | BOARD_STOP_CLOSED | BOARD_PERMIT_MOVES};
-    static const char *const lines[] = {"clock ", "boost", "watchdog", "option", "supply",
-                                        "supply", "stop",  "permit",   "program"};
+    static const char *const lines[] = {"clock ", "boost", "watchdog", "option",   "supply",
+                                        "supply", "stop",  "permit",   "cut line", "program"};
 
     ck_assert_int_eq(run("board", NULL), EXIT_BAD);
     says(complaint_text, "no board");
@@ -421,7 +421,8 @@ START_TEST(a_board_is_checked_line_by_line)
         board->bits ^= (uint8_t)(i == 5 ? BOARD_SUPPLY_LOW : 0);
         board->bits ^= (uint8_t)(i == 6 ? BOARD_STOP_CLOSED : 0);
         board->bits ^= (uint8_t)(i == 7 ? BOARD_PERMIT_MOVES : 0);
-        counters->flash_corrected = i == 8;
+        board->bits ^= (uint8_t)(i == 8 ? BOARD_POWER_CUT : 0);
+        counters->flash_corrected = i == 9;
         ck_assert_int_eq(run("board", NULL), EXIT_BAD);
         const char *line = strstr(out_text, lines[i]);
         ck_assert_ptr_nonnull(line);
