@@ -72,6 +72,29 @@ static void screen_length(real *accepted, uint16_t *rejected_ticks, real *value,
     *value = *accepted;
 }
 
+/* Longer than sensor_age_max_s may be, so that a jump that lasts becomes a fault; then any place is accepted. */
+enum { JUMP_TICKS = TICKS_OF_MS(120) };
+
+/* A drive answers in every tick, and its motor cannot move further in one than its limit of speed lets it. So the
+ * time that counts is that without an answer: else a jump of some centimetres would pass after some ticks. */
+static void screen_motor(struct leg_samples *leg, struct sea_measurement *sea, real rate_per_tick,
+                         real noise)
+{
+    const bool fresh = sea->age_ticks == 0;
+    const uint16_t ticks = leg->motor_rejected_ticks > JUMP_TICKS
+                               ? count_up(leg->motor_rejected_ticks)
+                               : count_up(leg->motor_missing_ticks);
+    if (fresh && is_possible(sea->precompression_m, leg->motor_m, rate_per_tick, noise, ticks)) {
+        leg->motor_m = sea->precompression_m;
+        leg->motor_rejected_ticks = leg->motor_missing_ticks = 0;
+        return;
+    }
+    leg->motor_rejected_ticks = count_up(leg->motor_rejected_ticks);
+    leg->motor_missing_ticks =
+        fresh ? leg->motor_missing_ticks : count_up(leg->motor_missing_ticks);
+    sea->precompression_m = leg->motor_m;
+}
+
 void samples_screen(struct samples *samples, const struct control_params *params,
                     struct controller_input *input)
 {
@@ -89,8 +112,7 @@ void samples_screen(struct samples *samples, const struct control_params *params
         screen_angle(leg, sample, LEG_RATE_RATIO * unit);
         screen_length(&leg->extension_m, &leg->extension_rejected_ticks, &sample->ankle_extension_m,
                       sample->age_ticks == 0, ANKLE_RATE_RATIO * unit * length, noise);
-        screen_length(&leg->motor_m, &leg->motor_rejected_ticks, &sea->precompression_m,
-                      sea->age_ticks == 0,
-                      MOTOR_RATE_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S, noise);
+        screen_motor(leg, sea, MOTOR_RATE_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S,
+                     noise);
     }
 }

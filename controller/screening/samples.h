@@ -2,7 +2,8 @@
  *
  * A sample is accepted when a leg, an ankle or a motor can have come there from the last accepted
  * one in the time between. Otherwise the last accepted value stands in for it (a leg's angle goes
- * on at its last rate), as for a sample that was lost. So one corrupted frame ends nothing. How
+ * on at its last rate), as for a sample that was lost. So one corrupted frame ends nothing. A motor's
+ * time is that without an answer of its drive only: its encoder has no other way to jump. How
  * long this lasts is counted, and checks.h makes a lasting one a fault.
  */
 #ifndef CONTROLLER_SCREENING_SAMPLES_H
@@ -23,8 +24,9 @@ struct leg_samples {
     uint16_t angle_rejected_ticks; /* ticks in a row without an accepted sample */
     uint16_t extension_rejected_ticks;
     uint16_t motor_rejected_ticks;
-    bool received_finite; /* angle, extension and motor position as received are numbers */
-    real received_rad;    /* the angle as received */
+    uint16_t motor_missing_ticks; /* of these, those in which none came */
+    bool received_finite;         /* angle, extension and motor position as received are numbers */
+    real received_rad;            /* the angle as received */
 };
 
 struct samples {

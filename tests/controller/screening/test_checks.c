@@ -194,6 +194,10 @@ START_TEST(a_lasting_jump_is_a_fault_while_walking)
     warm_up(&rig, SUPERVISOR_WALKING);
     rig.input.sea[SIDE_RIGHT].precompression_m = REAL(0.2);
     expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
+    warm_up(&rig,
+            SUPERVISOR_WALKING); /* a motor encoder by less than a motor could go in that time */
+    rig.input.sea[SIDE_LEFT].precompression_m += REAL(0.017);
+    expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
     /* Somebody puts it on: accepted in the end. */
     enum supervisor_fault fault;
     warm_up(&rig, SUPERVISOR_STANDBY);
