@@ -44,7 +44,10 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
         struct sea_drive_reading drive;
         sea_drives_read(drives, (enum side)leg, &drive);
         const bool heard = drive.age_ticks <= DRIVE_WATCH_STOP_TICKS;
-        off = off && heard && (drive.state == DRIVE_DISABLED || drive.state == DRIVE_FAULT);
+        /* While it is led to an empty spring it needs its torque; how long that may take is the supervisor's. */
+        const bool led = state == SUPERVISOR_UNLOADING && drive.age_ticks <= DRIVE_WATCH_LED_TICKS;
+        const bool is_off = drive.state == DRIVE_DISABLED || drive.state == DRIVE_FAULT;
+        off = off && heard && (led || is_off);
         /* What a silent one said last may be of before it was switched off and on. */
         const bool disobeys = heard && state == SUPERVISOR_FAULT && drive.state == DRIVE_ENABLED;
         if (count_disobedience(&watch->disobeys[leg], disobeys)) {

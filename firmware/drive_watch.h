@@ -14,6 +14,7 @@
 #include "model/tick.h"
 
 enum {
+    DRIVE_WATCH_LED_TICKS = TICKS_OF_MS(10),    /* a drive that is led has answered so lately */
     DRIVE_WATCH_STOP_TICKS = TICKS_OF_MS(50),   /* enabled for so long in SUPERVISOR_FAULT */
     DRIVE_WATCH_POWER_TICKS = TICKS_OF_MS(500), /* longer than any unload by itself takes */
     /* A drive whose torque was taken reports that it is off. Its power stays away for so long, so that the safety
@@ -34,8 +35,8 @@ struct drive_watch {
 unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
                             enum supervisor_state state);
 
-/* True when the hardware must take the drives' power: in SUPERVISOR_UNLOADING and FAULT one has
- * been silent or under torque for DRIVE_WATCH_POWER_TICKS, or was so DRIVE_WATCH_HOLD_TICKS ago. O(1). */
+/* True when the hardware must take the drives' power: for DRIVE_WATCH_POWER_TICKS one has been silent in
+ * SUPERVISOR_UNLOADING or FAULT, or under torque in FAULT; or it was so DRIVE_WATCH_HOLD_TICKS ago. O(1). */
 static inline bool drive_watch_power_must_go(const struct drive_watch *watch)
 {
     return watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS;
