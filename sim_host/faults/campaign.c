@@ -210,23 +210,25 @@ static uint32_t shots_end(const struct campaign_plan *plan)
     return end;
 }
 
-/* A single fault that lasts long enough must be noticed in its time; what two do to
- * each other nobody knows, so there only the plant counts. */
-static void set_deadline(struct oracle *oracle, const struct campaign_plan *plan)
-{
-    const struct fault_kind_info *info = &fault_kinds[plan->shot[0].kind];
-    if (plan->count == 1 && info->notice_ms > 0 &&
-        plan->shot[0].duration_ticks >= TICKS_OF_MS(info->lasting_ms) &&
-        oracle->effect_tick != ORACLE_NEVER) {
-        oracle->must_notice_tick = oracle->effect_tick + TICKS_OF_MS(info->notice_ms);
-    }
-}
-
 /* A foreign node that only collides has changed the bus, but said nothing. */
 static bool came_through(const struct injector *injector, const struct campaign_plan *plan)
 {
     return plan->count == 2 || !fault_kind_is_foreign(plan->shot[0].kind) ||
            injector_foreign_frames(injector) > 0;
+}
+
+/* A single fault that lasts long enough must be noticed in its time; what two do to
+ * each other nobody knows, so there only the plant counts. */
+static void set_deadline(struct oracle *oracle, const struct injector *injector,
+                         const struct campaign_plan *plan)
+{
+    const struct fault_kind_info *info = &fault_kinds[plan->shot[0].kind];
+    if (plan->count == 1 && info->notice_ms > 0 &&
+        plan->shot[0].duration_ticks >= TICKS_OF_MS(info->lasting_ms) &&
+        oracle->effect_tick != ORACLE_NEVER && oracle->must_notice_tick == ORACLE_NEVER &&
+        came_through(injector, plan)) {
+        oracle->must_notice_tick = oracle->tick + TICKS_OF_MS(info->notice_ms);
+    }
 }
 
 void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, FILE *log,
@@ -249,7 +251,7 @@ void campaign_run(struct campaign *campaign, const struct campaign_plan *plan, F
         injector_tick(&injector);
         oracle_tick(&oracle, campaign->bus_digest != scene->bus_digest[tick] ||
                                  plant_digest(&loop->nodes.plant) != scene->plant_digest[tick]);
-        set_deadline(&oracle, plan);
+        set_deadline(&oracle, &injector, plan);
         if (ticks != NULL) {
             sim_tick_line(ticks, loop, -1, 0.0);
         }
