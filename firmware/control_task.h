@@ -117,8 +117,12 @@ bool control_task_cycle_complete(const struct control_task *task);
  * most is shown at 0x2020:28. Loop only; O(1). */
 void control_task_show_cycles(struct control_task *task, uint32_t cycles);
 
-/* True when the last tick had more to do than others: a gait event, a step, a node that is set up
- * or asked for its settings. What can wait for a quieter one waits; what the wearer asks for does not. O(1). */
+/* True when the last tick had more to do than others. What can wait for a quieter one waits; what the wearer
+ * asks for does not. That is so in a tick with one of these:
+ *   - a gait event (apex, heel strike, lift-off), a step, or a part of the apex' work (gait_observer.h);
+ *   - a node that is being set up, or that is asked for its settings (drive_audit.h);
+ *   - the drives' temperature and supply looked through (drive_care.h);
+ *   - the begin of a single support, as the model observer counts it. O(1). */
 bool control_task_was_busy(const struct control_task *task);
 
 #endif

@@ -152,13 +152,12 @@ static uint32_t put_raw(uint8_t *out, const struct can_msg *message)
     out[1] = message->flags;
     out[2] = (uint8_t)length;
     bytes_put_u32(out + 3, message->id);
-    memcpy(out + 7, message->data, CAN_FRAME_DATA_MAX); /* there is room for the longest */
-    return 7U + length;
+    memcpy(out + BLACK_BOX_RAW_BYTES, message->data, CAN_FRAME_DATA_MAX); /* room for the longest */
+    return (uint32_t)BLACK_BOX_RAW_BYTES + length;
 }
 
 void black_box_record(struct black_box *box, const struct can_msg *message)
 {
-    const uint32_t record_max = 7U + CAN_FRAME_DATA_MAX;
     struct black_box_block *block;
     int row;
 
@@ -166,7 +165,7 @@ void black_box_record(struct black_box *box, const struct can_msg *message)
         return;
     }
     block = &box->blocks[box->header.current];
-    if (block->used + record_max > sizeof block->data) {
+    if (block->used + (uint32_t)BLACK_BOX_RECORD_MAX > sizeof block->data) {
         if (box->header.lost_frames < UINT32_MAX) {
             box->header.lost_frames++;
         }

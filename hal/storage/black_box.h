@@ -27,8 +27,15 @@ enum {
     BLACK_BOX_BLOCK_MAGIC = 0x4B4C4242, /* "BBLK" in memory order */
     BLACK_BOX_BLOCK_COUNT = 4,
     BLACK_BOX_SNAPSHOT_MAX = 6656,
-    BLACK_BOX_TICK_RESERVE = 1024, /* with less room a block should be followed by another */
-    BLACK_BOX_TICK_LEAST = 256,    /* with less, a tick's frames may not fit */
+    BLACK_BOX_RAW_BYTES = 7, /* of a frame kept whole, its data left aside */
+    BLACK_BOX_RECORD_MAX = BLACK_BOX_RAW_BYTES + CAN_FRAME_DATA_MAX,
+    /* The most that a tick may carry: frames without data, of 47 bits (ISO 11898-1, the space to the next
+     * among them). No others take more bytes a bit. */
+    BLACK_BOX_TICK_FRAMES = TICK_PERIOD_US * (BUS_BITRATE / 1000) / 1000 / 47 + 1,
+    /* With less, a tick's frames may not fit. Twice, for own frames are recorded before they are on the bus. */
+    BLACK_BOX_TICK_LEAST = 2 * BLACK_BOX_TICK_FRAMES * BLACK_BOX_RAW_BYTES + BLACK_BOX_RECORD_MAX,
+    /* With less, a block should be followed by another. */
+    BLACK_BOX_TICK_RESERVE = BLACK_BOX_TICK_LEAST > 1024 ? BLACK_BOX_TICK_LEAST : 1024,
     BLACK_BOX_ROW_MAX = 48
 };
 

@@ -109,6 +109,28 @@ START_TEST(the_count_of_lost_frames_stays_at_its_end)
 }
 END_TEST
 
+/* A block that can just wait for another tick takes all that a full bus carries in one, whatever the length
+ * of its frames: bits by ISO 11898-1, without stuff bits, with three of intermission. */
+START_TEST(a_tick_of_a_full_bus_fits_what_is_left)
+{
+    const struct can_msg message = {
+        .id = 0x555, .length = (uint8_t)_i, .data = {1, 2, 3, 4, 5, 6, 7, 8}};
+    const int bits = 44 + 8 * _i + 3;
+    const int in_a_tick = TICK_PERIOD_US * (BUS_BITRATE / 1000) / 1000 / bits + 1;
+
+    while (!black_box_is_full(&box)) {
+        block()->used++;
+    }
+    block()->used--;
+    ck_assert(!black_box_is_full(&box));
+    for (int i = 0; i < 2 * in_a_tick; i++) {
+        black_box_record(&box, &message);
+    }
+    ck_assert_uint_eq(box.header.lost_frames, 0);
+    ck_assert_uint_le(block()->used, sizeof block()->data);
+}
+END_TEST
+
 static size_t too_large(const void *context, uint8_t *out, size_t capacity)
 {
     (void)context;
@@ -184,6 +206,7 @@ int main(void)
     tcase_add_test(tests, a_damaged_header_is_no_image);
     tcase_add_test(tests, the_first_reason_to_freeze_stays);
     tcase_add_test(tests, the_count_of_lost_frames_stays_at_its_end);
+    tcase_add_loop_test(tests, a_tick_of_a_full_bus_fits_what_is_left, 0, CAN_FRAME_DATA_MAX + 1);
     tcase_add_test(tests, a_snapshot_larger_than_its_room_is_none);
     tcase_add_test(tests, a_length_beyond_a_frame_s_copies_nothing);
     tcase_add_test(tests, a_whole_record_is_read_a_cut_one_is_damage);
