@@ -109,12 +109,9 @@ static bool receive(void *context, const struct can_msg *message)
     bool taken = latch_boards_receive(&drives->state.latches, message);
     for (unsigned protocol = DEVICE_CIA402; protocol <= DEVICE_MIT && !taken; protocol++) {
         if (has_protocol(drives, protocol)) {
-            const struct sea_drives own = drives->own[protocol];
-            taken = own.ops->receive(own.context, message);
+            const struct sea_drives *own = &drives->own[protocol];
+            taken = own->ops->receive(own->context, message);
         }
-    }
-    if (taken) {
-        sum_malformed(drives);
     }
     return taken;
 }
@@ -145,6 +142,14 @@ static void age(void *context)
         }
     }
     latch_boards_age(&drives->state.latches);
+    sum_malformed(drives);
+}
+
+static bool is_enabled(const struct device_drives *drives, enum side leg)
+{
+    struct sea_drive_reading reading = {.age_ticks = UINT16_MAX};
+    read_axis(drives, leg, &reading);
+    return reading.state == DRIVE_ENABLED;
 }
 
 /* A board is armed only beside a drive that follows its target. */
@@ -154,12 +159,10 @@ static enum can_result arm_latches(struct device_drives *drives,
 {
     enum can_result first_failure = CAN_OK;
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
-        struct sea_drive_reading reading = {.age_ticks = UINT16_MAX};
         if (!drives->state.latches.board[leg].present) {
             continue;
         }
-        read_axis(drives, (enum side)leg, &reading);
-        const bool armed = command[leg].latch_armed && reading.state == DRIVE_ENABLED;
+        const bool armed = command[leg].latch_armed && is_enabled(drives, (enum side)leg);
         const enum can_result result =
             latch_boards_arm(&drives->state.latches, (enum side)leg, armed, bus);
         first_failure = first_failure == CAN_OK ? result : first_failure;

@@ -27,7 +27,7 @@ struct device_drives_state {
 struct device_drives {
     struct device_drives_state state;
     struct sea_drives own[DEVICE_MIT + 1]; /* by protocol: of the state above */
-    uint32_t rx_malformed;                 /* of all of them; saturates */
+    uint32_t rx_malformed;                 /* of all of them up to the last age; saturates */
 };
 
 /* How much of the state says anything: without a drive of a maker's protocol, less. O(1). */

@@ -62,7 +62,7 @@ struct sea_drives_ops {
 struct sea_drives {
     const struct sea_drives_ops *ops;
     void *context;
-    const uint32_t *rx_malformed; /* frames of theirs that could not be read; saturates */
+    const uint32_t *rx_malformed; /* frames that could not be read, up to the last age; saturates */
 };
 
 static inline bool sea_drives_receive(const struct sea_drives *drives,

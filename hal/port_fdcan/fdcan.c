@@ -23,6 +23,9 @@ enum {
     (FDCAN_IR_MRAF | FDCAN_IR_ELO | FDCAN_IR_EP | FDCAN_IR_EW | FDCAN_IR_BO | FDCAN_IR_PEA | \
      FDCAN_IR_ARA)
 
+#define FRAME_INTERRUPTS \
+    (FDCAN_IR_RF0N | FDCAN_IR_RF0L | FDCAN_IR_RF1N | FDCAN_IR_RF1L | FDCAN_IR_TEFN | FDCAN_IR_TEFL)
+
 static uint32_t get(uint32_t offset)
 {
     return mmio_read(FDCAN1_BASE + offset);
@@ -72,13 +75,23 @@ static void ring_close(struct fdcan *can)
     }
 }
 
-/* When it was that many bit times ago; 0 where nobody asks for times. */
-static uint64_t time_ns(const struct fdcan *can, uint32_t age_bits)
+/* 0 where nobody asks for times. */
+static uint64_t now_ns(const struct fdcan *can)
 {
-    if (can->config.now_ns == NULL) {
-        return 0;
-    }
-    return can->config.now_ns(can->config.now_context) - (uint64_t)age_bits * NS_PER_BIT;
+    return can->config.now_ns != NULL ? can->config.now_ns(can->config.now_context) : 0U;
+}
+
+/* How long ago the frame of an element began: the core counts bit times in 16 bits. */
+static uint32_t age_in_bits(uint32_t address)
+{
+    return (get(FDCAN_TSCV) - mmio_read(address + 4U)) & FDCAN_E1_TIME_MASK;
+}
+
+/* When it began; likewise. */
+static uint64_t time_ns(const struct fdcan *can, uint32_t address)
+{
+    return can->config.now_ns != NULL ? now_ns(can) - (uint64_t)age_in_bits(address) * NS_PER_BIT
+                                      : 0U;
 }
 
 struct fifo {
@@ -144,7 +157,7 @@ static void read_element(uint32_t address, bool is_event, struct can_msg *messag
 }
 
 /* A frame for which there is no room is lost, and counted. */
-static void take(struct fdcan *can, uint32_t address, bool is_event, uint32_t age_bits)
+static void take(struct fdcan *can, uint32_t address, bool is_event)
 {
     struct fdcan_received *slot = ring_slot(can);
 
@@ -156,14 +169,8 @@ static void take(struct fdcan *can, uint32_t address, bool is_event, uint32_t ag
         return;
     }
     read_element(address, is_event, &slot->message);
-    slot->time_ns = time_ns(can, age_bits);
+    slot->time_ns = time_ns(can, address);
     ring_close(can);
-}
-
-/* Start-of-frame time of an element: the core counts bit times in 16 bits. */
-static uint32_t age_in_bits(uint32_t address, uint32_t now_bits)
-{
-    return (now_bits - mmio_read(address + 4U)) & FDCAN_E1_TIME_MASK;
 }
 
 /* Empties both receive FIFOs and the event FIFO in the order of the bus, which
@@ -172,16 +179,13 @@ static void receive_all(struct fdcan *can)
 {
     /* A FIFO cannot refill more often than this while the interrupt runs. */
     for (int guard = 0; guard < 4 * FIFO_COUNT * (int)FDCAN_FIFO_DEPTH; guard++) {
-        uint32_t now_bits = get(FDCAN_TSCV) & FDCAN_E1_TIME_MASK;
-        uint32_t best_age = 0, best_index = 0, best_address = 0, waiting = 0;
+        uint32_t best_index = 0, best_address = 0, waiting = 0;
         int best = -1;
 
         for (int i = 0; i < FIFO_COUNT; i++) {
             uint32_t index = 0, address = oldest(&fifos[i], &index, &waiting);
-            const uint32_t age = address != 0U ? age_in_bits(address, now_bits) : 0U;
-            if (address != 0U && (best < 0 || age > best_age)) {
+            if (address != 0U && (best < 0 || age_in_bits(address) > age_in_bits(best_address))) {
                 best = i;
-                best_age = age;
                 best_index = index;
                 best_address = address;
             }
@@ -189,7 +193,7 @@ static void receive_all(struct fdcan *can)
         if (best < 0) {
             return;
         }
-        take(can, best_address, best == FIFO_EVENTS, best_age);
+        take(can, best_address, best == FIFO_EVENTS);
         put(fifos[best].acknowledge, best_index);
         if (waiting ==
             1U) { /* what has come since interrupts again: the flags were cleared before */
@@ -399,7 +403,7 @@ static void report_error(struct fdcan *can)
      * out. Changes of state are few and always told. */
     room_needed = can->status.error_state == before ? FDCAN_RX_RING / 2 : 1U;
     if (ring_has_room_for(can, room_needed)) {
-        *ring_slot(can) = (struct fdcan_received){message, time_ns(can, 0)};
+        *ring_slot(can) = (struct fdcan_received){message, now_ns(can)};
         ring_close(can);
     }
 }
@@ -412,7 +416,9 @@ void fdcan_interrupt(struct fdcan *can)
     if ((flags & (FDCAN_IR_RF0L | FDCAN_IR_RF1L | FDCAN_IR_TEFL)) != 0U) {
         count(&can->status.rx_overflow, 1); /* at least one; the core does not count them */
     }
-    receive_all(can);
+    if ((flags & FRAME_INTERRUPTS) != 0U) { /* else something was sent, or went wrong */
+        receive_all(can);
+    }
     const bool changed = collect_sent(can);
     if ((flags & ERROR_INTERRUPTS) != 0U) {
         report_error(can);

@@ -111,6 +111,7 @@ START_TEST(a_board_tells_whether_its_latch_holds)
     ck_assert_int_eq(read_leg(SIDE_RIGHT).latch, LATCH_OPEN);
     ck_assert(!give(0x385, &holds, 1)); /* there is no board at the left leg */
     ck_assert(give(0x386, at_minus_10_turns, 2));
+    sea_drives_age(&drives);
     ck_assert_uint_eq(*drives.rx_malformed, 1);
     for (int i = 0; i <= HEARTBEAT_TIMEOUT_TICKS; i++) {
         sea_drives_age(&drives);
@@ -197,6 +198,7 @@ START_TEST(a_drive_that_lacks_much)
     ck_assert_int_eq(read_leg(SIDE_RIGHT).latch, LATCH_CLOSED);
     ck_assert(give(0x381, torque, 2));
     ck_assert(give(0x381, enabled_at_100_mm, 6)); /* taken, and counted as malformed */
+    sea_drives_age(&drives);
     ck_assert_uint_eq(*drives.rx_malformed, 1);
     assert_close(read_leg(SIDE_LEFT).force_N, 17.5, 1e-6, 0.0);
     ck_assert(!read_leg(SIDE_LEFT).has_supply);

@@ -41,6 +41,18 @@ static void setup(void)
     bus = fdcan_bus(&can);
 }
 
+/* As on the board: nobody asks when a frame came. */
+static void setup_without_a_clock(void)
+{
+    struct fdcan_config made = config();
+
+    made.now_ns = NULL;
+    mmio_model_reset();
+    fdcan_model_init(&model);
+    ck_assert_int_eq(fdcan_init(&can, &made), FDCAN_OK);
+    bus = fdcan_bus(&can);
+}
+
 static void teardown(void)
 {
     ck_assert_int_eq(mmio_model_locked(), 0);
@@ -293,6 +305,35 @@ START_TEST(time_stamps_are_the_starts_of_frames)
     interrupts();
     ck_assert_int_eq(can_bus_receive(&bus, &message, &time_ns), CAN_OK);
     ck_assert_uint_eq(time_ns, 70000u * 1000u + 5000000u);
+}
+END_TEST
+
+/* Frames received, the own SYNC and errors: whatever slot of the ring they come to. */
+START_TEST(without_a_clock_every_time_is_0)
+{
+    struct can_msg message;
+    uint64_t time_ns;
+
+    memset(can.ring, 0xA5, sizeof can.ring);
+    model.time_bits = 70000;
+    for (int i = 0; i < 2 * FDCAN_RX_RING; i++) {
+        const bool own = i % 3 == 1, error = i % 3 == 2;
+        if (own) {
+            ck_assert_int_eq(send(FRAME_SYNC, 0, 0), CAN_OK);
+            ck_assert(fdcan_model_begin(&model));
+            fdcan_model_end_good(&model);
+        } else if (error) {
+            fdcan_model_receive_error(&model);
+        } else {
+            ck_assert(arrive(0x181, 6, (uint8_t)i));
+        }
+        interrupts();
+        time_ns = 1;
+        ck_assert_int_eq(can_bus_receive(&bus, &message, &time_ns), CAN_OK);
+        ck_assert_uint_eq(message.flags, own ? CAN_FRAME_OWN : error ? CAN_FRAME_ERROR : 0u);
+        ck_assert_uint_eq(time_ns, 0);
+        expect_nothing();
+    }
 }
 END_TEST
 
@@ -695,5 +736,15 @@ int main(void)
     tcase_add_test(tcase, recovery_is_without_effect_in_any_other_state);
     tcase_add_test(tcase, silence_keeps_everything_off_the_bus);
     suite_add_tcase(suite, tcase);
+
+    TCase *clockless = tcase_create("without a clock");
+    tcase_add_checked_fixture(clockless, setup_without_a_clock, teardown);
+    tcase_add_test(clockless, without_a_clock_every_time_is_0);
+    tcase_add_loop_test(clockless,
+                        frames_of_both_fifos_and_the_own_sync_come_in_the_order_of_the_bus,
+                        65536 - 600, 65536 + 10);
+    tcase_add_test(clockless, data_and_length_arrive_as_sent);
+    tcase_add_test(clockless, a_disturbed_bus_does_not_push_frames_out);
+    suite_add_tcase(suite, clockless);
     return run_suite(suite);
 }
