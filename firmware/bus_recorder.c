@@ -11,7 +11,7 @@ static bool is_usual(const struct bus_recorder *recorder)
     return !recorder->special && recorder->frames <= (recorder->usual_parts + PARTS / 2) / PARTS;
 }
 
-/* SDO, heartbeats: not of each period. */
+/* SDO, heartbeats: not of each tick. */
 static bool is_special(const struct can_msg *message)
 {
     return message->id >= (uint32_t)FRAME_SDO_ANSWER_BASE;
@@ -24,7 +24,7 @@ static void count_frame(struct bus_recorder *recorder, const struct can_msg *mes
     black_box_record(recorder->box, message);
 }
 
-/* Towards the median of the frames of a period: a device with more on the bus has quiet periods, too. */
+/* Towards the median of the frames of a tick: a device with more on the bus has quiet ticks, too. */
 static void follow_usual(struct bus_recorder *recorder)
 {
     const uint32_t now_parts = recorder->frames * PARTS;
@@ -36,7 +36,7 @@ static void follow_usual(struct bus_recorder *recorder)
     }
 }
 
-/* In the periods of gait events the controller has much to do, in those of heartbeats and
+/* In the ticks of gait events the controller has much to do, in those of heartbeats and
  * the like the CANopen node: a snapshot waits for a quieter one, unless the block is full before. None
  * while a node is being set up or asked: what was asked of it is not kept, and its answer would mean nothing to
  * a replay. */
@@ -48,7 +48,7 @@ static bool may_open(const struct bus_recorder *recorder, bool quiet)
     return quiet || (!asks && black_box_is_full(recorder->box));
 }
 
-bool bus_recorder_end_period(struct bus_recorder *recorder)
+static void record_snapshot(struct bus_recorder *recorder)
 {
     const struct black_box *box = recorder->box;
     const uint32_t next = box->header.next_sequence;
@@ -60,23 +60,25 @@ bool bus_recorder_end_period(struct bus_recorder *recorder)
         black_box_end_tick(recorder->box, recorder->source.task->tick, snapshot_save,
                            &recorder->source);
     }
-    recorder->ended = true;
     recorder->special = false;
     recorder->frames = 0;
-    return quiet && box->header.next_sequence == next;
+    recorder->quiet = quiet && box->header.next_sequence == next;
+}
+
+bool bus_recorder_take_quiet(struct bus_recorder *recorder)
+{
+    const bool quiet = recorder->quiet;
+
+    recorder->quiet = false;
+    return quiet;
 }
 
 static enum can_result bus_send(void *context, const struct can_msg *message)
 {
     struct bus_recorder *recorder = context;
-    const bool is_sync = message->id == FRAME_SYNC;
-
-    if (is_sync && !recorder->ended) {
-        (void)bus_recorder_end_period(recorder);
-    }
-    recorder->ended = recorder->ended && !is_sync;
     const enum can_result result = can_bus_send(&recorder->inner, message);
-    if (result == CAN_OK && !is_sync) { /* the SYNC counts when it comes back */
+
+    if (result == CAN_OK && message->id != FRAME_SYNC) { /* which counts when it comes back */
         struct can_msg own = *message;
         own.flags |= CAN_FRAME_OWN;
         count_frame(recorder, &own);
@@ -84,6 +86,7 @@ static enum can_result bus_send(void *context, const struct can_msg *message)
     return result;
 }
 
+/* All that was fetched has been digested, and nothing fetched since: the state is that of the tick's end. */
 static void end_tick(struct bus_recorder *recorder)
 {
     const struct control_task *task = recorder->source.task;
@@ -96,6 +99,7 @@ static void end_tick(struct bus_recorder *recorder)
         }
         recorder->fault = fault;
     }
+    record_snapshot(recorder);
     recorder->in_tick = false;
 }
 
@@ -137,7 +141,7 @@ void bus_recorder_init(struct bus_recorder *recorder, const struct can_bus *inne
     recorder->source = *source;
     recorder->in_tick = false;
     recorder->fault = SUPERVISOR_FAULT_NONE;
-    recorder->ended = recorder->special = false;
+    recorder->quiet = recorder->special = false;
     recorder->frames = recorder->usual_parts = 0;
 }
 

@@ -63,6 +63,7 @@ struct orthosis {
     const struct program_slots *program;
     struct program_scan program_scan;
     void (*in_quiet_ticks)(void);
+    uint32_t looked_at_tick; /* at the begin of the last cycle */
     bool program_damaged;
     uint32_t program_rounds; /* that found it whole; saturates */
     struct program_update update;

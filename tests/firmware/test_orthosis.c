@@ -294,14 +294,15 @@ START_TEST(it_looks_after_itself_in_quiet_ticks_only)
         const unsigned frames = is_full ? USUAL_FRAMES + 1 + i % 7 : USUAL_FRAMES;
         const uint32_t blocks = box.header.next_sequence;
         fake_bus_clear(&fake);
-        fake_bus_put(&fake, &sync);
         for (unsigned k = 0; k < frames; k++) {
             fake_bus_put(&fake, &frame);
         }
-        (void)orthosis_poll(&device);
-        const bool is_busy = control_task_was_busy(&device.task);
+        fake_bus_put(&fake, &sync);
         looks = 0;
         orthosis_start_cycle(&device);
+        ck_assert_uint_eq(looks, 0); /* no SYNC waits for it */
+        (void)orthosis_poll(&device);
+        const bool is_busy = control_task_was_busy(&device.task);
         if (i >= SETTLED) {
             ck_assert(looks == 0 || !(is_busy || is_full || box.header.next_sequence != blocks));
             quiet += looks;
@@ -310,6 +311,22 @@ START_TEST(it_looks_after_itself_in_quiet_ticks_only)
     }
     ck_assert_uint_ge(quiet, 200);
     ck_assert_uint_ge(full, 50);
+}
+END_TEST
+
+/* A board without a bus is tested, too. */
+START_TEST(without_a_bus_it_looks_after_itself_in_each_cycle)
+{
+    deliver();
+    power_up();
+    device.in_quiet_ticks = look;
+    looks = 0;
+    for (unsigned i = 0; i < 100; i++) {
+        fake_bus_clear(&fake);
+        orthosis_start_cycle(&device);
+        (void)orthosis_poll(&device);
+    }
+    ck_assert_uint_eq(looks, 100);
 }
 END_TEST
 
@@ -325,6 +342,7 @@ int main(void)
     tcase_add_test(tests, power_may_fail_at_any_word);
     tcase_add_test(tests, a_crash_is_shown_until_it_was_seen);
     tcase_add_test(tests, it_looks_after_itself_in_quiet_ticks_only);
+    tcase_add_test(tests, without_a_bus_it_looks_after_itself_in_each_cycle);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

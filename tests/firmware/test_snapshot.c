@@ -160,7 +160,7 @@ START_TEST(only_a_fault_that_comes_freezes_the_recording)
 }
 END_TEST
 
-/* A period with the own SYNC and so many answers. */
+/* So many answers, and the tick of the own SYNC. */
 static bool period(struct bus_recorder *recorder, struct fake_bus *fake, unsigned answers,
                    uint32_t id)
 {
@@ -168,15 +168,17 @@ static bool period(struct bus_recorder *recorder, struct fake_bus *fake, unsigne
     const struct can_msg sync = {.id = FRAME_SYNC, .flags = CAN_FRAME_OWN};
     struct can_msg answer = {.id = id, .length = 8}, message;
     fake_bus_clear(fake);
-    fake_bus_put(fake, &sync);
     for (unsigned i = 0; i < answers; i++) {
         answer.data[i % 8]++;
         fake_bus_put(fake, &answer);
     }
-    while (can_bus_receive(&bus, &message, NULL) == CAN_OK) {
+    fake_bus_put(fake, &sync);
+    for (unsigned i = 0; i < answers + 1u; i++) {
+        ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
     }
     task.tick++;
-    return bus_recorder_end_period(recorder);
+    ck_assert_int_ne(can_bus_receive(&bus, &message, NULL), CAN_OK);
+    return bus_recorder_take_quiet(recorder);
 }
 
 static void begin(struct bus_recorder *recorder, struct fake_bus *fake, struct black_box *box)
@@ -188,6 +190,38 @@ static void begin(struct bus_recorder *recorder, struct fake_bus *fake, struct b
     black_box_start(box, 1, 2);
     bus_recorder_init(recorder, &inner, box, &source);
 }
+
+/* The nodes sample at the SYNC: it must not wait for a copy that is made now and then. The copy is made
+ * behind a tick, before anything else is fetched. */
+START_TEST(no_sync_waits_for_a_snapshot)
+{
+    static struct black_box box;
+    struct bus_recorder recorder;
+    struct fake_bus fake;
+    const struct can_msg sync = {.id = FRAME_SYNC},
+                         echo = {.id = FRAME_SYNC, .flags = CAN_FRAME_OWN},
+                         answer = {.id = 0x181, .length = 6};
+    struct can_msg message;
+    begin(&recorder, &fake, &box);
+    const struct can_bus bus = bus_recorder_interface(&recorder);
+    for (int i = 0; i < 3; i++) {
+        ck_assert_int_eq(can_bus_send(&bus, &sync), CAN_OK);
+        ck_assert_uint_eq(box.header.next_sequence, 0);
+        ck_assert_int_ne(can_bus_receive(&bus, &message, NULL), CAN_OK);
+        ck_assert_uint_eq(box.header.next_sequence, 0);
+    }
+    fake_bus_put(&fake, &echo);
+    fake_bus_put(&fake, &answer);
+    ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
+    task.tick++;
+    ck_assert_uint_eq(box.header.next_sequence, 0);
+    ck_assert_int_eq(can_bus_receive(&bus, &message, NULL), CAN_OK);
+    ck_assert_uint_eq(message.id, 0x181);
+    ck_assert_uint_eq(box.header.next_sequence, 1);
+    ck_assert_uint_eq(box.blocks[0].first_tick, 1);
+    ck_assert(box.blocks[0].used > box.blocks[0].snapshot_bytes); /* the answer is behind it */
+}
+END_TEST
 
 /* Whatever a device has on the bus: its usual periods are the quiet ones, and the box goes on from block to block. */
 START_TEST(a_device_with_more_on_the_bus_is_recorded_on)
@@ -283,6 +317,7 @@ int main(void)
     tcase_add_test(tests, where_it_is_put_makes_no_difference);
     tcase_add_test(tests, what_was_saved_comes_back);
     tcase_add_test(tests, the_recorder_hands_on_what_the_bus_says_and_is_asked);
+    tcase_add_test(tests, no_sync_waits_for_a_snapshot);
     tcase_add_test(tests, a_device_with_more_on_the_bus_is_recorded_on);
     tcase_add_test(tests, a_period_with_more_than_usual_is_not_quiet);
     tcase_add_test(tests, a_full_block_does_not_wait_for_a_quiet_period);
