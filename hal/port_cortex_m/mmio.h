@@ -33,10 +33,11 @@ static inline void mmio_unlock(uint32_t primask)
     __asm volatile("msr primask, %0" ::"r"(primask) : "memory");
 }
 
-/* Sleeps until an interrupt is pending, also under mmio_lock. */
+/* Sleeps until an interrupt is pending, also under mmio_lock. The barrier behind it: scripts/errata.txt,
+ * system 2.2.8. */
 static inline void mmio_sleep(void)
 {
-    __asm volatile("dsb\n wfi" ::: "memory");
+    __asm volatile("dsb\n wfi\n isb" ::: "memory");
 }
 
 /* Everything written before is done before anything after begins. */

@@ -31,7 +31,7 @@ static const struct argp_option option_list[] = {
      "torn-settings, ecc-error, save-cut, load-cut, lost-write, half-written, "
      "damaged-program, stuck-ram, first-start, options-cut, supply-low, brown-out, ram-slice, "
      "ram-parity, core-register, float-register, slow-oscillator, fast-oscillator, deep-stack, "
-     "flash-corrected, early-feed, dirty-ram, mark, update, update-older, update-other-board, update-walking or update-cut",
+     "flash-corrected, early-feed, run-ram, write-program, first-store, dirty-ram, mark, update, update-older, update-other-board, update-walking or update-cut",
      0},
     {"fault-step", KEY_FAULT_STEP, "N", 0, "the fault comes after N steps (5)", 0},
     {"cut", KEY_CUT, "N", 0, "save-cut, load-cut: power fails in flash operation N, from 0 (0)", 0},

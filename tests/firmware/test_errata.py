@@ -7,6 +7,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 IMAGE = ROOT / "build/arm/afo-nucleo-g474re.elf"
+STARTER = ROOT / "build/arm/starter/starter.elf"
 TABLE = ROOT / "scripts/errata.txt"
 VERDICTS = {"handled", "avoided", "elsewhere"}
 SHORTEST_HANDLER = 15  # instructions: a division or a root takes 14 cycles (Cortex-M4 TRM, table of FPU instructions)
@@ -24,15 +25,19 @@ def test_each_row_is_whole_and_names_a_test(row):
     assert re.search(rf"(START_TEST\({name}\)|def {name}\()", (ROOT / path).read_text(encoding="utf-8")), row[4]
 
 
-@pytest.fixture(scope="module")
-def code():
-    assert IMAGE.exists(), "make firmware"
-    text = subprocess.run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", str(IMAGE)], capture_output=True, text=True,
+def disassembly(elf):
+    assert elf.exists(), "make firmware"
+    text = subprocess.run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", str(elf)], capture_output=True, text=True,
                           check=True).stdout
     functions = {}
     for name, body in re.findall(r"^[0-9a-f]+ <([^>]+)>:\n((?:.+\n)+)", text, re.MULTILINE):
         functions[name] = [line.split("\t", 1)[1] for line in body.splitlines() if "\t" in line]
     return functions
+
+
+@pytest.fixture(scope="module")
+def code():
+    return disassembly(IMAGE)
 
 
 def test_no_instruction_loads_the_stack_pointer(code):
@@ -66,3 +71,25 @@ def test_neither_edge_filtering_nor_single_shot_is_asked_for():
     text = (ROOT / "hal/port_fdcan/fdcan_setup.c").read_text() + (ROOT / "hal/port_fdcan/fdcan.c").read_text()
     written = set(re.findall(r"put\(FDCAN_CCCR, ([^)]+)\)", text))
     assert written == {"0", "FDCAN_CCCR_INIT", "FDCAN_CCCR_INIT | FDCAN_CCCR_CCE"}
+
+
+def test_a_barrier_follows_each_sleep(code):
+    """Else the core may go on with a wrong instruction where a debugger has left DBGMCU_CR set, as openocd does."""
+    sleeps = [(lines, i) for lines in code.values() for i, line in enumerate(lines) if line.startswith(("wfi", "wfe"))]
+    assert sleeps and all(lines[i + 1].startswith("isb") for lines, i in sleeps)
+
+
+def test_no_first_store_to_a_ram_matters():
+    """The starter's first instructions, by a reading of their own: no stack; each RAM is touched before it counts."""
+    lines = disassembly(STARTER)["starter_reset"]
+    registers, stores, loads = {}, [], []
+    for operation, *operands in (re.split(r"[\s,]+", line.split("@")[0].strip()) for line in lines):
+        if operation.startswith("mov"):
+            registers[operands[0]] = int(operands[1].lstrip("#"), 0)
+        elif operation == "orr.w":
+            registers[operands[0]] = registers[operands[1]] | int(operands[2].lstrip("#"), 0)
+        elif operation in ("str", "ldr"):
+            (stores if operation == "str" else loads).append(registers[operands[1].strip("[]")])
+        else:
+            assert operation in ("dsb", "b.n", "b.w"), operation
+    assert stores == [0x20000000, 0x20000000] and loads == [0x20008000, 0x20010000, 0x20014000]

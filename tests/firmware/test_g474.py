@@ -27,7 +27,7 @@ CYCLES_PER_INSTRUCTION = 4
 pytestmark = pytest.mark.skipif(not ENGINE, reason="the Unicorn engine is not in build/venv (scripts/setup test)")
 
 # enum crash_cause in hal/storage/crash_record.h, enum supervisor_state in controller/supervisor/supervisor.h
-CRASH_NONE, CRASH_NMI, CRASH_CLOCK_FAILED, CRASH_WATCHDOG, CRASH_LOST_WRITE = 0, 1, 8, 9, 11
+CRASH_NONE, CRASH_NMI, CRASH_MEMORY, CRASH_CLOCK_FAILED, CRASH_WATCHDOG, CRASH_LOST_WRITE = 0, 1, 3, 8, 9, 11
 STATE_FAULT = 6
 
 
@@ -47,7 +47,7 @@ def test_a_walk_of_a_minute_equals_the_host_and_replays(tmp_path):
     print(f"worst tick {walk['worst_tick_instructions']} instructions, {walk['wall_s']} s")
     assert walk["worst_tick_instructions"] * CYCLES_PER_INSTRUCTION <= CYCLES_OF_A_TICK
     assert walk["worst_tick_instructions"] <= INSTRUCTIONS_OF_A_TICK
-    assert walk["sync_late_ns"] < 20000
+    assert walk["sync_late_ns"] < 1000  # no SYNC waits for what is done now and then
     assert walk["permit_edges"] > walk["ticks"] // 2
     worst = max(int(line.split(",")[1]) for line in costs.read_text().splitlines())
     assert worst == walk["worst_tick_instructions"]
@@ -62,8 +62,8 @@ def test_a_device_of_others_walks_on_the_chip(device):
     walk = g474("--steps", "3", "--speed", "0.8", "--device", f"sim_host/devices/{device}.ini")
     assert walk["steps"] == 3 and not walk["fell"] and walk["findings"] == 0
     assert walk["differences"] == 0 and walk["compared_frames"] > 5000
-    # Above the limit in one tick: five heartbeats, two slow telegrams and the controller's own come together.
-    assert walk["worst_tick_instructions"] <= (12100 if device == "epos4" else INSTRUCTIONS_OF_A_TICK)
+    # Frames that come by the drives' own clocks bunch by their phase, which any change of the image shifts: firmware/README.md.
+    assert walk["worst_tick_instructions"] <= (13500 if device == "odrive" else INSTRUCTIONS_OF_A_TICK)
 
 
 @pytest.fixture(name="person", params=["made", pytest.param("recorded", marks=pytest.mark.data)])
@@ -138,7 +138,8 @@ def test_the_image_counts_its_own_cycles_and_tells_its_start_and_its_fault():
 
 @pytest.mark.parametrize("fault, crash", [
     ("ram-parity", 14), ("float-register", 15), ("slow-oscillator", 16), ("fast-oscillator", 16),
-    ("deep-stack", 17), ("early-feed", CRASH_WATCHDOG), ("brown-out", 10)])
+    ("deep-stack", 17), ("early-feed", CRASH_WATCHDOG), ("brown-out", 10), ("run-ram", CRASH_MEMORY),
+    ("write-program", CRASH_MEMORY)])
 def test_the_board_notices_its_own_faults_and_stays_safe(fault, crash):
     """firmware/README.md tells the longest times; here the fault lies where the test comes to soon."""
     end = g474("--fault", fault, "--speed", "0.45", "--fault-step", "2")
@@ -166,6 +167,20 @@ def test_a_supply_that_falls_unloads_and_the_list_of_the_board_tells():
     assert board["option bytes"]["value"] == "FEEFFBAA, wanted FEEFFBAA"
 
 
+def test_a_round_of_each_test_takes_no_longer_than_the_table_says():
+    """firmware/README.md, "A board's check-list". Registers and stacks: at the begin of each 64 of the RAM's slices."""
+    table = (ROOT / "firmware/README.md").read_text(encoding="utf-8")
+    walk, board = g474("--seconds", "33", "--steps", "20", "--speed", "0.8", "--board")
+    slices = -(-0x8000 // 4 // 3) * 64 / 60
+    for row, name in (("RAM while running", "RAM"), ("program memory", "program")):
+        at_most_s = float(re.search(rf"^\| {row} \|[^|]*\| at most ([\d.]+) s \|", table, re.MULTILINE).group(1))
+        rounds = int(re.search(r"tested (\d+) times", board[name]["value"]).group(1))
+        assert rounds >= 1 and walk["simulated_s"] / rounds <= at_most_s * (rounds + 1) / rounds
+    registers_s = float(re.search(r"^\| core registers, flags \|[^|]*\| at most ([\d.]+) s \|", table, re.MULTILINE).group(1))
+    ram = int(re.search(r"tested (\d+) times", board["RAM"]["value"]).group(1))
+    assert walk["simulated_s"] / ram / slices * 64 <= registers_s
+
+
 def test_a_corrected_flash_error_is_counted_and_the_walk_goes_on():
     end = g474("--fault", "flash-corrected", "--speed", "0.45", "--fault-step", "2")
     assert end["corrected"] >= 1 and end["fault"] == "none" and end["starts"] == 1
@@ -174,6 +189,12 @@ def test_a_corrected_flash_error_is_counted_and_the_walk_goes_on():
 def test_the_program_needs_nothing_of_what_the_starter_leaves_in_ram():
     """The starter's test of the RAM leaves it empty; a debugger's start does not."""
     end = g474("--fault", "dirty-ram", "--speed", "0.45", "--fault-step", "2")
+    assert end["fault"] == "none" and end["differences"] == 0 and end["starts"] == 1
+
+
+def test_a_lost_first_store_to_each_ram_does_no_harm():
+    """scripts/errata.txt, system 2.2.7."""
+    end = g474("--fault", "first-store", "--speed", "0.45", "--fault-step", "1")
     assert end["fault"] == "none" and end["differences"] == 0 and end["starts"] == 1
 
 
@@ -292,7 +313,7 @@ def test_every_broken_driver_is_noticed():
     result = subprocess.run([str(ROOT / "scripts" / "chip-in-the-loop"), "--only", "mutants"], cwd=ROOT,
                             capture_output=True, text=True)
     assert result.returncode == 0, result.stdout
-    assert "15 broken drivers, 15 noticed" in result.stdout
+    assert "18 broken drivers, 18 noticed" in result.stdout
 
 
 def test_what_is_missing_is_told():

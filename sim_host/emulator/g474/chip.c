@@ -11,7 +11,8 @@ enum {
     PAGE = 4096,
     MEMORY_KEPT_MV = 1000,
     EXCEPTION_NMI = 2,
-    STALL_LOOP = 0xE7FE /* b . */
+    STALL_LOOP = 0xE7FE,    /* b . */
+    STORE_R0_AT_R1 = 0x6008 /* A7.7.161 */
 };
 #define FLASH_BASE 0x08000000u
 #define SECOND_BANK (FLASH_BASE + CHIP_BANK_BYTES)
@@ -67,6 +68,11 @@ static uint32_t instructions_of_block(struct chip *chip, uint32_t address, uint3
     return block->instructions;
 }
 
+static bool may_leave_way(struct chip *chip)
+{
+    return chip->hang && chip->scs.depth == 0 && (core_get(&chip->core, CORE_PRIMASK) & 1) == 0;
+}
+
 /* Something is due before the next block; true when the core must stop. */
 static bool look_around(struct chip *chip)
 {
@@ -75,8 +81,7 @@ static bool look_around(struct chip *chip)
         chip_fire(chip);
     }
     return chip->stop_asked || chip->reset_asked || chip->dead ||
-           (chip->attention && chip_next_exception(chip) != 0) ||
-           (chip->hang && chip->scs.depth == 0 && (core_get(&chip->core, CORE_PRIMASK) & 1) == 0);
+           (chip->attention && chip_next_exception(chip) != 0) || may_leave_way(chip);
 }
 
 static void on_block(void *context, uint32_t address, uint32_t bytes)
@@ -88,6 +93,10 @@ static void on_block(void *context, uint32_t address, uint32_t bytes)
     }
     if (chip->stuck_register_bits != 0) {
         core_stick(&chip->core, chip->stuck_register, chip->stuck_register_bits);
+    }
+    if (chip->first_stores.watched && chip_first_stores_are_over(chip)) {
+        core_stop(&chip->core);
+        return;
     }
     if (chip->cycles >= chip->due && look_around(chip)) {
         core_stop(&chip->core);
@@ -114,14 +123,29 @@ static void sleep_on(struct chip *chip)
     }
 }
 
-static uint32_t stalled(const struct chip *chip)
+static uint32_t find_instruction(const struct chip *chip, uint16_t code)
 {
     for (uint32_t offset = 0x100; offset < CHIP_BANK_BYTES; offset += 2) {
-        if (*(const uint16_t *)(const void *)(chip->flash + offset) == STALL_LOOP) {
+        if (*(const uint16_t *)(const void *)(chip->flash + offset) == code) {
             return FLASH_BASE + offset;
         }
     }
     return 0;
+}
+
+/* Returns where it goes on. */
+static uint32_t leave_way(struct chip *chip)
+{
+    switch (chip->wild) {
+    case CHIP_WILD_IN_RAM:
+        return RAM_BASE;
+    case CHIP_WILD_IN_FLASH:
+        core_set(&chip->core, CORE_R1, FLASH_BASE + CHIP_STARTER_BYTES);
+        return find_instruction(chip, STORE_R0_AT_R1);
+    case CHIP_WILD_LOOP:
+        break;
+    }
+    return find_instruction(chip, STALL_LOOP);
 }
 
 /* Armv7-M, A7.7.161 and A7.7.163: plain stores of a word, which change nothing but memory. */
@@ -136,6 +160,14 @@ static uint32_t behind_store(struct chip *chip, uint32_t pc)
         chip_find(chip, "a store into flash by an instruction that is not modelled");
     }
     return pc + (is_short ? 2 : 4);
+}
+
+static uint32_t forbid_store(struct chip *chip, uint32_t pc)
+{
+    const uint32_t address = chip->forbidden_store;
+
+    chip->forbidden_store = 0;
+    return chip_enter(chip, chip_fault(chip, CORE_BAD_WRITE, address), pc);
 }
 
 static uint32_t run_core(struct chip *chip, uint32_t pc)
@@ -155,7 +187,7 @@ static uint32_t run_core(struct chip *chip, uint32_t pc)
         chip->sleeping = true;
         return pc;
     case CORE_STORED:
-        return behind_store(chip, pc);
+        return chip->forbidden_store == 0 ? behind_store(chip, pc) : forbid_store(chip, pc);
     case CORE_LOADED:
         chip_flash_use_load(chip, core->bad_address);
         return pc;
@@ -255,6 +287,9 @@ void chip_run(struct chip *chip, uint64_t until_ns)
         if (chip->debug != NULL) {
             chip->debug(chip->debug_context);
         }
+        if (chip->first_stores.watched && chip_first_stores_are_over(chip)) {
+            chip_first_stores_end(chip);
+        }
         chip_check_guards(chip);
         chip_refresh(chip);
         if (chip->sleeping || chip->dead) {
@@ -267,9 +302,9 @@ void chip_run(struct chip *chip, uint64_t until_ns)
         const unsigned exception = chip->attention ? chip_next_exception(chip) : 0;
         if (exception != 0) {
             chip->pc = chip_enter(chip, exception, chip->pc);
-        } else if (chip->hang && chip->scs.depth == 0) {
+        } else if (may_leave_way(chip)) {
             chip->hang = false;
-            chip->pc = stalled(chip);
+            chip->pc = leave_way(chip);
         }
         chip->pc = run_core(chip, chip->pc);
     }

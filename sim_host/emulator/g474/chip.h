@@ -56,6 +56,13 @@ enum chip_reset {
     CHIP_RESET_WATCHDOG = 1 << 29
 };
 
+/* What a program does that has left its way. */
+enum chip_wild {
+    CHIP_WILD_LOOP,    /* it loops for ever */
+    CHIP_WILD_IN_RAM,  /* it executes RAM */
+    CHIP_WILD_IN_FLASH /* it writes to itself */
+};
+
 struct chip_flash_use;
 
 struct chip_scs {
@@ -116,6 +123,13 @@ struct chip_block {
     bool has_float; /* an instruction of the floating-point unit is among them */
 };
 
+/* Of each RAM, whether it was touched since, and what its first store would have changed. */
+enum { CHIP_RAMS = 5 };
+struct chip_first_stores {
+    bool watched, touched[CHIP_RAMS], lost[CHIP_RAMS];
+    uint32_t offset[CHIP_RAMS], word[CHIP_RAMS];
+};
+
 struct chip {
     struct core core;
     uint8_t *flash, *ram;              /* of flash, what the core fetches: the first bank */
@@ -156,7 +170,9 @@ struct chip {
     uint32_t weak_reads;
     bool weak_is_ram;                             /* its parity fails; else flash, which mends it */
     uint32_t stuck_register, stuck_register_bits; /* core_stick's number, and bits that stay 1 */
-    bool hang; /* for tests: the program loops for ever from now on, interrupts go on */
+    bool hang;           /* for tests: the program leaves its way from now on, interrupts go on */
+    enum chip_wild wild; /* where to */
+    uint32_t forbidden_store; /* the address of a store into flash that the MPU forbids; 0: none */
     /* Findings. */
     char findings[CHIP_FINDINGS_MAX][CHIP_FINDING_BYTES];
     uint64_t finding_count;
@@ -166,8 +182,9 @@ struct chip {
     void (*debug)(void *context); /* between two runs of the core; NULL = no debugger */
     void *debug_context;
     bool debug_halted, debug_step; /* it stops before the next instruction, or after it */
-    bool dirty_ram;                /* a program that begins finds anything in RAM */
-    struct chip_profile *profile;  /* NULL = not asked for; the caller's */
+    struct chip_first_stores first_stores;
+    bool dirty_ram;               /* a program that begins finds anything in RAM */
+    struct chip_profile *profile; /* NULL = not asked for; the caller's */
     FILE *trace; /* what a debugger records of the trace port; NULL = none listens */
     char message[CORE_MESSAGE_MAX];
 };
@@ -209,6 +226,9 @@ void chip_feed_watchdog(struct chip *chip);
  * flash mends it. 0: no more. */
 void chip_weaken(struct chip *chip, uint32_t address);
 
+/* From now on the first access to each RAM is lost if it is a store (ES0430, 2.2.7). */
+void chip_lose_first_stores(struct chip *chip);
+
 /* Holds a pin at a level from outside. */
 void chip_drive_pin(struct chip *chip, unsigned port, unsigned pin, bool high);
 
@@ -240,6 +260,9 @@ uint32_t chip_read(void *context, uint32_t address, uint32_t bytes);
 void chip_flash_changed(void *context, uint32_t offset, uint32_t bytes);
 /* Another program begins: what was translated of changed flash is forgotten. */
 void chip_flash_forget(struct chip *chip);
+/* Before each block: what was lost is lost. Returns true once nothing is left to look for. */
+bool chip_first_stores_are_over(struct chip *chip);
+void chip_first_stores_end(struct chip *chip);
 /* The beginning of RAM gets anything, the same after as many resets. */
 void chip_fill_ram(struct chip *chip, uint32_t bytes);
 /* The starter hands over to the program. */
@@ -285,6 +308,8 @@ void chip_store_float(struct chip *chip);
 /* Remembers what the closed regions in RAM hold, and pends the fault when one was written. */
 void chip_guard(struct chip *chip);
 void chip_check_guards(struct chip *chip);
+/* Whether the MPU forbids an access of that kind: CORE_BAD_READ, CORE_BAD_WRITE or CORE_BAD_FETCH. */
+bool chip_mpu_forbids(const struct chip *chip, uint32_t address, enum core_stop access);
 /* An access or instruction failed at `pc`. Returns the exception to enter. */
 unsigned chip_fault(struct chip *chip, enum core_stop stop, uint32_t address);
 

@@ -38,6 +38,7 @@ enum {
     CFSR_UNDEFINED = 1 << 16,
     HFSR_FORCED = 1 << 30
 };
+#define RAM_BASE 0x20000000u
 
 static int priority_of(const struct chip *chip, unsigned exception)
 {
@@ -304,7 +305,20 @@ uint32_t chip_leave(struct chip *chip, uint32_t exc_return)
 
 /* ---- Faults -------------------------------------------------------------------------------------- */
 
-static bool mpu_forbids(const struct chip *chip, uint32_t address)
+/* DDI 0403, B3.5.9: the program is privileged throughout. Permissions 5 to 7 are read only. */
+static bool region_forbids(uint32_t rasr, enum core_stop access)
+{
+    const uint32_t permission = rasr >> 24 & 7;
+    const bool never_executed = (rasr >> 28 & 1) != 0;
+
+    if (permission == 0) {
+        return true;
+    }
+    return (access == CORE_BAD_FETCH && never_executed) ||
+           (access == CORE_BAD_WRITE && permission >= 5);
+}
+
+bool chip_mpu_forbids(const struct chip *chip, uint32_t address, enum core_stop access)
 {
     const struct chip_scs *scs = &chip->scs;
 
@@ -315,7 +329,7 @@ static bool mpu_forbids(const struct chip *chip, uint32_t address)
         const uint32_t rasr = scs->mpu_rasr[i];
         const uint32_t bytes = 2u << (rasr >> 1 & 0x1F);
         if ((rasr & 1) != 0 && address - scs->mpu_rbar[i] < bytes) {
-            return (rasr >> 24 & 7) == 0;
+            return region_forbids(rasr, access);
         }
     }
     return false;
@@ -368,7 +382,7 @@ unsigned chip_fault(struct chip *chip, enum core_stop stop, uint32_t address)
 
     if (stop == CORE_UNDEFINED) {
         scs->cfsr |= CFSR_UNDEFINED;
-    } else if (mpu_forbids(chip, address)) {
+    } else if (chip_mpu_forbids(chip, address, stop)) {
         exception = MEMORY_FAULT;
         scs->cfsr |= fetch ? CFSR_MEMORY_FETCH : CFSR_MEMORY_DATA | CFSR_MEMORY_ADDRESS;
         scs->mmfar = address;
@@ -376,6 +390,9 @@ unsigned chip_fault(struct chip *chip, enum core_stop stop, uint32_t address)
         exception = BUS_FAULT;
         scs->cfsr |= fetch ? CFSR_BUS_FETCH : CFSR_BUS_DATA | CFSR_BUS_ADDRESS;
         scs->bfar = address;
+        if (fetch && address - RAM_BASE < (uint32_t)CHIP_RAM_BYTES) {
+            chip_find(chip, "RAM is executed: the MPU does not forbid it");
+        }
     }
     if (!is_enabled(chip, exception) ||
         group_of(chip, priority_of(chip, exception)) >= running_priority(chip) ||

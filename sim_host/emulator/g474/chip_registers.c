@@ -95,6 +95,10 @@ void chip_write_flash(void *context, uint32_t address, uint32_t bytes, uint32_t 
 {
     struct chip *chip = context;
 
+    if (chip_mpu_forbids(chip, address, CORE_BAD_WRITE)) {
+        chip->forbidden_store = address;
+        return;
+    }
     MODEL_CHECK(bytes == 4 && address % 4 == 0, "flash %#x was written by %u bytes", address,
                 bytes);
     flash_model_store(&chip->flash_registers, (address & ~3u) - 0x08000000u, value);

@@ -71,6 +71,10 @@ const struct chip_fault_kind chip_faults[CHIP_FAULT_COUNT] = {
     [CHIP_FAULT_FLASH_CORRECTED] = {.name = "flash-corrected"},
     [CHIP_FAULT_EARLY_FEED] = {"early-feed", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_WATCHDOG, NULL,
                                0},
+    [CHIP_FAULT_RUN_RAM] = {"run-ram", SUPERVISOR_FAULT_RESTARTED, 0, CRASH_MEMORY_FAULT, NULL, 0},
+    [CHIP_FAULT_WRITE_PROGRAM] = {"write-program", SUPERVISOR_FAULT_RESTARTED, 0,
+                                  CRASH_MEMORY_FAULT, NULL, 0},
+    [CHIP_FAULT_FIRST_STORE] = {.name = "first-store"},
     [CHIP_FAULT_DIRTY_RAM] = {.name = "dirty-ram"},
     [CHIP_FAULT_MARK] = {.name = "mark"},
     [CHIP_FAULT_UPDATE] = {.name = "update"},
@@ -145,6 +149,9 @@ int chip_session_start(struct chip_session *session, const struct loop_config *c
         return -1;
     }
     session->chip.dirty_ram = session->fault == CHIP_FAULT_DIRTY_RAM;
+    if (session->fault == CHIP_FAULT_FIRST_STORE) {
+        chip_lose_first_stores(&session->chip);
+    }
     chip_drive_pin(&session->chip, PORT_C, 0, true); /* the emergency stop's contact is closed */
     chip_set_crystal(&session->chip, session->fault != CHIP_FAULT_NO_CRYSTAL);
     if (session->fault == CHIP_FAULT_HALF_WRITTEN) {

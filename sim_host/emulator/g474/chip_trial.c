@@ -268,6 +268,14 @@ static void break_chip(struct chip_session *session)
         chip_feed_watchdog(chip);
         chip_feed_watchdog(chip);
         break;
+    case CHIP_FAULT_RUN_RAM:
+        chip->wild = CHIP_WILD_IN_RAM;
+        chip->hang = true;
+        break;
+    case CHIP_FAULT_WRITE_PROGRAM:
+        chip->wild = CHIP_WILD_IN_FLASH;
+        chip->hang = true;
+        break;
     default:
         memset(chip->ram + margin, 0, sizeof(uint32_t));
         break;
@@ -365,6 +373,7 @@ static void bring_fault(struct chip_session *session)
     case CHIP_FAULT_FIRST_START:
     case CHIP_FAULT_OPTIONS_CUT:
     case CHIP_FAULT_DIRTY_RAM:
+    case CHIP_FAULT_FIRST_STORE:
         break;
     case CHIP_FAULT_SUPPLY_LOW:
         chip_bridge_stop_comparing(bridge);
@@ -381,6 +390,8 @@ static void bring_fault(struct chip_session *session)
     case CHIP_FAULT_FAST_OSCILLATOR:
     case CHIP_FAULT_DEEP_STACK:
     case CHIP_FAULT_EARLY_FEED:
+    case CHIP_FAULT_RUN_RAM:
+    case CHIP_FAULT_WRITE_PROGRAM:
         break_chip(session);
         break;
     case CHIP_FAULT_FLASH_CORRECTED:
@@ -414,8 +425,8 @@ static void bring_fault(struct chip_session *session)
 static bool goes_on(enum chip_fault fault)
 {
     return fault == CHIP_FAULT_FLASH_CORRECTED || fault == CHIP_FAULT_MARK ||
-           fault == CHIP_FAULT_DIRTY_RAM || fault == CHIP_FAULT_FIRST_START ||
-           fault == CHIP_FAULT_OPTIONS_CUT;
+           fault == CHIP_FAULT_DIRTY_RAM || fault == CHIP_FAULT_FIRST_STORE ||
+           fault == CHIP_FAULT_FIRST_START || fault == CHIP_FAULT_OPTIONS_CUT;
 }
 
 static void judge(struct chip_session *session)

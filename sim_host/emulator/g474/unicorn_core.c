@@ -21,10 +21,12 @@ enum {
     HOOK_BAD_MEMORY = 0x3F << 4, /* read, write, fetch: unmapped and forbidden */
     HOOK_BAD_INSTRUCTION = 1 << 14,
     HOOK_READ = 1 << 10,
+    HOOK_WRITE = 1 << 11,
     /* uc_ctl: forget all translations, write at bit 30. */
     CONTROL_FORGET = 10 | 1 << 30,
     ERROR_NONE = 0,
     ERROR_NO_INSTRUCTION = 10,
+    MEMORY_WRITE = 17,
     MEMORY_READ_UNMAPPED = 19,
     MEMORY_WRITE_UNMAPPED = 20,
     MEMORY_WRITE_FORBIDDEN = 22,
@@ -269,6 +271,33 @@ void core_watch_reads(struct core *core, uint32_t address, void (*function)(void
         memcpy(&hooked, &read, sizeof hooked);
         (void)core->library.add_hook(core->engine, &core->read_hook, HOOK_READ, hooked, core,
                                      address, (uint64_t)address + 3);
+    }
+    (void)core->library.control(core->engine, CONTROL_FORGET);
+}
+
+static void on_watched_access(void *engine, int kind, uint64_t address, int bytes, int64_t value,
+                              void *context)
+{
+    const struct core *core = context;
+    (void)engine;
+    (void)bytes;
+    (void)value;
+    core->watched_access(core->callbacks.context, (uint32_t)address, kind == MEMORY_WRITE);
+}
+
+void core_watch_accesses(struct core *core, uint32_t base, uint32_t bytes,
+                         void (*function)(void *context, uint32_t address, bool is_store))
+{
+    void (*const access)(void *, int, uint64_t, int, int64_t, void *) = on_watched_access;
+    void *hooked;
+
+    core->watched_access = function;
+    if (function == NULL) {
+        (void)core->library.remove_hook(core->engine, core->access_hook);
+    } else {
+        memcpy(&hooked, &access, sizeof hooked);
+        (void)core->library.add_hook(core->engine, &core->access_hook, HOOK_READ | HOOK_WRITE,
+                                     hooked, core, base, (uint64_t)base + bytes - 1);
     }
     (void)core->library.control(core->engine, CONTROL_FORGET);
 }

@@ -84,6 +84,8 @@ struct core {
     uint32_t watched_base, watched_bytes;
     size_t read_hook;
     void (*watched_read)(void *context); /* gets callbacks.context */
+    size_t access_hook;
+    void (*watched_access)(void *context, uint32_t address, bool is_store); /* likewise */
     struct {
         uint32_t address;
         size_t hook;
@@ -138,6 +140,11 @@ void core_stick(struct core *core, uint32_t number, uint32_t bits);
 /* Calls `function` before each read of the word at `address`, of one at a time; NULL: no more. Not from
  * a callback. */
 void core_watch_reads(struct core *core, uint32_t address, void (*function)(void *context));
+
+/* Calls `function` before each load and store in a range, of one at a time; NULL: no more. Not from a
+ * callback. */
+void core_watch_accesses(struct core *core, uint32_t base, uint32_t bytes,
+                         void (*function)(void *context, uint32_t address, bool is_store));
 
 /* Executes from `pc` (bit 0 is ignored) on. */
 enum core_stop core_run(struct core *core, uint32_t pc);

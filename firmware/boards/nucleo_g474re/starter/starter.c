@@ -40,6 +40,7 @@ static void write_ram(uint32_t address, uint32_t value)
 static const struct ram_march_access ram_access = {read_ram, write_ram};
 
 void starter_reset(void);
+void starter_begin(void);
 void starter_nmi(void);
 void starter_stop(void);
 
@@ -98,8 +99,11 @@ static void clear_parity_memory(void)
     const struct black_box *box = (const struct black_box *)BLACK_BOX;
 
     if (box->header.magic == (uint32_t)BLACK_BOX_MAGIC) {
+        (void)read_ram(CCM_RAM); /* as in starter_reset */
         return;
     }
+    write_ram(CCM_RAM, 0);
+    cortex_m4_barrier();
     for (uint32_t address = CCM_RAM; address < CCM_RAM + CCM_RAM_BYTES; address += 4u) {
         write_ram(address, 0);
     }
@@ -142,10 +146,31 @@ void starter_stop(void)
     say("afo: the starter failed; flash the program again (make flash)\r\n");
 }
 
-void starter_reset(void)
+/* Behind a reset the first store to each RAM may be lost (scripts/errata.txt, system 2.2.7): no stack before
+ * this. SRAM1 is of 32, 32 and 16 KiB, SRAM2 follows. The first has parity, so that what nobody wrote must not
+ * be loaded: two stores, and the march writes it anew. The others are the black box and the starter's own. */
+__attribute__((naked, noreturn)) void starter_reset(void)
+{
+    __asm volatile("mov.w r1, #0x20000000\n"
+                   "movs r0, #0\n"
+                   "str r0, [r1]\n"
+                   "dsb\n"
+                   "str r0, [r1]\n"
+                   "orr.w r2, r1, #0x8000\n"
+                   "ldr r0, [r2]\n"
+                   "orr.w r2, r1, #0x10000\n"
+                   "ldr r0, [r2]\n"
+                   "orr.w r2, r1, #0x14000\n"
+                   "ldr r0, [r2]\n"
+                   "dsb\n"
+                   "b starter_begin\n");
+}
+
+__attribute__((used, noreturn)) void starter_begin(void)
 {
     for (volatile uint32_t *to = starter_bss_start; to < starter_bss_end; to++) {
         *to = 0;
     }
     (void)main();
+    __builtin_unreachable(); /* it hands over, or says why not */
 }
