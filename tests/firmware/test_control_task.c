@@ -434,6 +434,39 @@ START_TEST(a_written_drive_that_does_not_follow_is_stopped)
 }
 END_TEST
 
+/* For that it is stopped while the controller unloads, and not in another state: at power-up there is nothing to
+ * follow, and in FAULT a drive is given 50 ms to obey, whoever wrote to it. */
+START_TEST(a_written_drive_is_to_follow_while_it_unloads_only)
+{
+    struct bench b;
+    start(&b);
+    put_own_sync(&b);
+    (void)control_task_poll(&b.task);
+    put_sdo(&b, 0x601, 0x23, 0x6080, 0);
+    for (int i = 0; i < 100; i++) {
+        put(&b, 0x181, 6, UINT64_C(200000) << 16 | 0x1227);
+        put_own_sync(&b);
+        (void)control_task_poll(&b.task);
+        ck_assert_int_eq(b.task.output.state, SUPERVISOR_INIT);
+        ck_assert_ptr_null(fake_bus_last(&b.fake, 0x000));
+        fake_bus_clear(&b.fake);
+    }
+    start(&b);
+    run_ticks(&b, 110, 0x1227);
+    b.stop_pressed = true;
+    run_ticks(&b, 600, 0x0221);
+    ck_assert_int_eq(b.task.output.state, SUPERVISOR_FAULT);
+    const uint32_t before = b.task.node.objects.counters.forced_stops;
+    put_sdo(&b, 0x601, 0x23, 0x6080, 0);
+    for (int i = 1; i <= 50; i++) {
+        ck_assert_uint_eq(b.task.node.objects.counters.forced_stops, before);
+        run_stuck_ticks(&b, 1);
+        fake_bus_clear(&b.fake);
+    }
+    ck_assert_uint_eq(b.task.node.objects.counters.forced_stops, before + 2); /* both are enabled */
+}
+END_TEST
+
 /* What it does when it is stopped is no longer known: it is shut down by its controlword. */
 START_TEST(where_a_stop_may_mean_nothing_a_drive_is_shut_down)
 {
@@ -917,6 +950,7 @@ int main(void)
     tcase_add_test(tests, a_tool_that_reads_is_counted_and_no_more);
     tcase_add_test(tests, a_written_drive_that_does_not_follow_is_stopped);
     tcase_add_test(tests, where_a_stop_may_mean_nothing_a_drive_is_shut_down);
+    tcase_add_test(tests, a_written_drive_is_to_follow_while_it_unloads_only);
     tcase_add_loop_test(tests, somebody_elses_answers_are_a_fault, 0, 4);
     tcase_add_test(tests, what_is_wrong_with_the_nodes_at_power_up_is_a_fault);
     tcase_add_test(tests, a_drive_that_stays_enabled_is_stopped);

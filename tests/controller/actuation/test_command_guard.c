@@ -111,6 +111,61 @@ START_TEST(without_power_requests_are_only_remembered)
 }
 END_TEST
 
+/* Without power nothing is asked for, whatever was; and what was asked before limits no rise after it. */
+START_TEST(without_power_a_request_is_taken_back)
+{
+    request[SIDE_LEFT] = (struct sea_request){REAL(0.1), true, true};
+    request[SIDE_RIGHT] = (struct sea_request){REAL(-0.1), true, true};
+    command_guard_limit(&guard, false, request);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        ck_assert(request[side].precompression_m == REAL(0.0));
+        ck_assert(!request[side].enable && !request[side].latch_armed);
+        ck_assert(!guard.last[side].enable);
+        request[side] = (struct sea_request){REAL(0.25), true, true};
+    }
+    command_guard_limit(&guard, true, request);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        ck_assert(request[side].precompression_m == REAL(0.25));
+        ck_assert(request[side].enable && request[side].latch_armed);
+    }
+}
+END_TEST
+
+/* Down to as far below zero as above, and no farther: exactly there is still within. */
+START_TEST(the_limit_itself_is_within)
+{
+    request[SIDE_LEFT].precompression_m = -guard.command_limit_m;
+    command_guard_limit(&guard, true, request);
+    ck_assert(request[SIDE_LEFT].enable);
+    assert_close((double)request[SIDE_LEFT].precompression_m, -0.301, 1e-6, 0.0);
+    request[SIDE_LEFT].precompression_m = REAL(-0.3011);
+    command_guard_limit(&guard, true, request);
+    ck_assert(!request[SIDE_LEFT].enable);
+}
+END_TEST
+
+/* Motions of commissioning: a share of r0_max and what counts as slack; six tenths of the reference's speed. */
+START_TEST(motions_have_limits_of_their_own)
+{
+    params.r0_ceiling_m = REAL(0.6); /* not for motions */
+    command_guard_begin_motions(&guard, &params, REAL(0.25));
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        guard.last[side] = request[side] = (struct sea_request){REAL(0.0), true, false};
+    }
+    for (int tick = 1; tick <= 300; tick++) {
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            request[side].precompression_m = REAL(0.3);
+        }
+        command_guard_limit(&guard, true, request);
+        const double risen_m = 0.6 * 0.8e-3 * tick;
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            assert_close((double)request[side].precompression_m, risen_m < 0.076 ? risen_m : 0.076,
+                         1e-5, 0.0);
+        }
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("command guard");
@@ -122,6 +177,9 @@ int main(void)
     tcase_add_test(tests, what_climbs_past_the_largest_push_off_is_held_there);
     tcase_add_test(tests, what_the_ceiling_allows_passes);
     tcase_add_test(tests, without_power_requests_are_only_remembered);
+    tcase_add_test(tests, without_power_a_request_is_taken_back);
+    tcase_add_test(tests, the_limit_itself_is_within);
+    tcase_add_test(tests, motions_have_limits_of_their_own);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -190,6 +190,76 @@ START_TEST(a_second_strike_makes_nothing_loaded)
 }
 END_TEST
 
+/* Three in a row of either kind, and not two. */
+START_TEST(two_in_a_row_are_not_three)
+{
+    watch.missed_in_row = PUSH_WATCH_MISSES - 1;
+    watch.dragged_in_row = PUSH_WATCH_MISSES - 1;
+    ck_assert(!push_watch_fails(&watch));
+    watch.missed_in_row = PUSH_WATCH_MISSES;
+    ck_assert(push_watch_fails(&watch));
+    watch.missed_in_row = 0;
+    watch.dragged_in_row = PUSH_WATCH_MISSES;
+    ck_assert(push_watch_fails(&watch));
+}
+END_TEST
+
+/* Only a push that was given and did not drag ends a row of drags; one that was missed says nothing of it. */
+START_TEST(a_row_of_drags_ends_with_a_push_that_does_not)
+{
+    (void)stance(true, false, LATCH_OPEN, true);
+    ck_assert(push_watch_drag(&watch, SIDE_LEFT));
+    ck_assert(!push_watch_drag(&watch, SIDE_LEFT)); /* once a swing */
+    ck_assert_uint_eq(watch.dragged_in_row, 1);
+    ck_assert_uint_eq(watch.leg[SIDE_LEFT].count[PUSH_DRAGS], 1);
+    ck_assert_int_eq(stance(false, false, LATCH_CLOSED, false), PUSH_NOT_LOADED);
+    ck_assert_uint_eq(watch.dragged_in_row, 1);
+    (void)stance(true, false, LATCH_OPEN, true);
+    ck_assert_uint_eq(watch.dragged_in_row, 1); /* the one before was no push */
+    ck_assert(push_watch_drag(&watch, SIDE_LEFT));
+    ck_assert_uint_eq(watch.dragged_in_row, 2);
+    (void)stance(true, false, LATCH_OPEN, true);
+    ck_assert_uint_eq(watch.dragged_in_row, 2);
+    push_watch_prescribe(&watch, SIDE_LEFT); /* that was given, and nobody saw it drag */
+    ck_assert_uint_eq(watch.dragged_in_row, 0);
+}
+END_TEST
+
+/* A leg waits for its latch while it does, not for ever: what opens later was late, not open. */
+START_TEST(who_has_stopped_waiting_does_not_wait)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, false, true, false, LATCH_OPEN);
+    tick(SIDE_LEFT, false, false, false, LATCH_CLOSED);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_LOADED);
+}
+END_TEST
+
+/* Full at some tick, and the first of them counts: what is lost again was loaded in time all the same. */
+START_TEST(the_first_full_tick_counts)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, true, false, false, LATCH_CLOSED);
+    const uint32_t full_tick = now;
+    tick(SIDE_LEFT, false, false, false, LATCH_CLOSED);
+    tick(SIDE_LEFT, true, false, false, LATCH_CLOSED);
+    push_watch_strike(&watch, SIDE_LEFT, full_tick);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_RELEASED);
+}
+END_TEST
+
+/* A new stance knows nothing of the one before, given or not. */
+START_TEST(a_stance_begins_afresh)
+{
+    (void)stance(true, true, LATCH_OPEN, true);
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, false, false, false, LATCH_OPEN);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_LOADED);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("push_watch");
@@ -205,6 +275,11 @@ int main(void)
                         (int)(sizeof reports / sizeof reports[0]));
     tcase_add_test(tests, only_what_should_have_opened_it_counts);
     tcase_add_test(tests, a_second_strike_makes_nothing_loaded);
+    tcase_add_test(tests, two_in_a_row_are_not_three);
+    tcase_add_test(tests, a_row_of_drags_ends_with_a_push_that_does_not);
+    tcase_add_test(tests, who_has_stopped_waiting_does_not_wait);
+    tcase_add_test(tests, the_first_full_tick_counts);
+    tcase_add_test(tests, a_stance_begins_afresh);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -144,6 +144,133 @@ START_TEST(limits_hold_for_any_sequence_of_targets)
 }
 END_TEST
 
+/* Ticks until it is at its target, with a motor that follows; past it by what one tick brakes at most. */
+static int ticks_to(struct sea_reference *sea, const struct control_params *params)
+{
+    int ticks = 0;
+    const float sign = sea->target_m > sea->position_m ? 1.0f : -1.0f;
+    float before_m = sea->position_m;
+    const float one_tick_m = 25.0f * 1e-6f;
+    while (sea->position_m != sea->target_m && ticks < 2000) {
+        (void)sea_reference_update(sea, params, sea->position_m);
+        ck_assert(sign * (sea->position_m - before_m) >= -one_tick_m);
+        ck_assert(sign * (sea->target_m - sea->position_m) >= -one_tick_m);
+        before_m = sea->position_m;
+        ticks++;
+    }
+    ck_assert(sea->speed_m_s == 0.0f);
+    return ticks;
+}
+
+static double trapezoid_s(double way_m, double speed_m_s, double acceleration_m_s2)
+{
+    return way_m / speed_m_s + speed_m_s / acceleration_m_s2;
+}
+
+/* A stop may use 1.2 times the speed and 1.6 times the acceleration, and the next load has the usual limits again. */
+START_TEST(a_stop_goes_faster_and_the_next_load_does_not)
+{
+    const struct control_params params = limits();
+    const struct sea_stop stop = sea_reference_stop_limits(&params);
+    struct sea_reference sea;
+    sea_reference_init(&sea, 0.0f);
+    for (int i = 0; i < 2; i++) {
+        sea_reference_begin_loading(&sea, 0.1f);
+        assert_close(ticks_to(&sea, &params) * 1e-3, trapezoid_s(0.1, 0.5, 10.0), 0.004, 0.0);
+        sea_reference_stop(&sea, &stop, sea.position_m);
+        assert_close(ticks_to(&sea, &params) * 1e-3, trapezoid_s(0.1, 0.6, 16.0), 0.004, 0.0);
+        ck_assert_int_eq(sea.phase, SEA_UNLOADED);
+    }
+}
+END_TEST
+
+START_TEST(who_hurries_back_has_the_limits_that_were_given)
+{
+    const struct control_params params = limits();
+    struct sea_reference sea;
+    sea_reference_init(&sea, 0.0f);
+    sea_reference_begin_loading(&sea, 0.1f);
+    (void)ticks_to(&sea, &params);
+    sea_reference_hurry_back(&sea, 0.8f, 25.0f);
+    assert_close(ticks_to(&sea, &params) * 1e-3, trapezoid_s(0.1, 0.8, 25.0), 0.004, 0.0);
+    ck_assert_int_eq(sea.phase, SEA_UNLOADED);
+}
+END_TEST
+
+/* A motor left behind by more than 1 % of the leg is taken back from where it is, not from where it was to be. */
+START_TEST(a_stop_begins_where_a_motor_was_left_behind)
+{
+    const struct control_params params = limits();
+    const struct sea_stop stop = sea_reference_stop_limits(&params);
+    static const struct {
+        double measured_m, from_m;
+    } cases[] = {{0.091, 0.1}, {0.089, 0.089}, {0.02, 0.02}, {-0.02, 0.0}, {0.15, 0.1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct sea_reference sea;
+        sea_reference_init(&sea, 0.0f);
+        sea_reference_begin_loading(&sea, 0.2f);
+        while (sea.position_m < 0.1f) {
+            (void)sea_reference_update(&sea, &params, sea.position_m);
+        }
+        sea.position_m = 0.1f;
+        const float speed_m_s = sea.speed_m_s;
+        ck_assert(speed_m_s > 0.4f);
+        sea_reference_stop(&sea, &stop, (float)cases[i].measured_m);
+        assert_close(sea.position_m, cases[i].from_m, 1e-7, 0.0);
+        assert_close(sea.speed_m_s, cases[i].from_m < 0.1 ? 0.0 : (double)speed_m_s, 1e-7, 0.0);
+        ck_assert_int_eq(sea.phase, SEA_UNLOADING);
+    }
+}
+END_TEST
+
+/* Within 1 mm to either side: armed where it was sent, unloaded at zero. */
+START_TEST(a_motor_has_arrived_within_its_tolerance)
+{
+    static const struct {
+        double off_m;
+        bool arrived;
+    } cases[] = {
+        {0.0, true}, {0.00099, true}, {-0.00099, true}, {0.00101, false}, {-0.00101, false}};
+    const struct control_params params = limits();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct sea_reference sea;
+        const float off_m = (float)cases[i].off_m;
+        sea_reference_init(&sea, 0.0f);
+        sea_reference_begin_loading(&sea, 0.05f);
+        sea_reference_set_target(&sea, 0.04f);
+        sea_reference_set_target(&sea, 0.05f); /* the last word counts until it is armed */
+        struct sea_request request = {0};
+        for (int k = 0; k < 500; k++) {
+            request = sea_reference_update(&sea, &params, sea.position_m + off_m);
+        }
+        assert_close(request.precompression_m, 0.05, 1e-7, 0.0);
+        ck_assert_int_eq(request.latch_armed, cases[i].arrived);
+        sea_reference_unload(&sea);
+        for (int k = 0; k < 500; k++) {
+            request = sea_reference_update(&sea, &params, sea.position_m + off_m);
+        }
+        assert_close(request.precompression_m, 0.0, 1e-9, 0.0);
+        ck_assert_int_eq(sea.phase, cases[i].arrived ? SEA_UNLOADED : SEA_UNLOADING);
+        ck_assert(!request.latch_armed && !request.enable);
+    }
+}
+END_TEST
+
+/* What is unloaded stays so; a reference that began elsewhere goes to zero. */
+START_TEST(an_unloaded_spring_is_not_unloaded_again)
+{
+    const struct control_params params = limits();
+    struct sea_reference sea;
+    sea_reference_init(&sea, 0.03f);
+    ck_assert_int_eq(sea.phase, SEA_UNLOADED);
+    assert_close(sea.position_m, 0.03, 1e-9, 0.0);
+    sea_reference_unload(&sea);
+    ck_assert_int_eq(sea.phase, SEA_UNLOADED);
+    assert_close(ticks_to(&sea, &params) * 1e-3, 2.0 * sqrt(0.03 / 10.0), 0.004,
+                 0.0); /* a triangle */
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sea_reference");
@@ -155,6 +282,11 @@ int main(void)
     tcase_add_test(tests, trim_out_of_turn_is_ignored);
     tcase_add_test(tests, limits_hold_for_any_sequence_of_targets);
     tcase_add_test(tests, an_armed_spring_takes_no_new_target);
+    tcase_add_test(tests, a_stop_goes_faster_and_the_next_load_does_not);
+    tcase_add_test(tests, who_hurries_back_has_the_limits_that_were_given);
+    tcase_add_test(tests, a_stop_begins_where_a_motor_was_left_behind);
+    tcase_add_test(tests, a_motor_has_arrived_within_its_tolerance);
+    tcase_add_test(tests, an_unloaded_spring_is_not_unloaded_again);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -90,6 +90,18 @@ START_TEST(a_strike_that_cannot_be_recalled_loses_it)
 }
 END_TEST
 
+/* A state of before it began is none: 10.5 ms ago is two ticks farther back than whole ones. */
+START_TEST(the_oldest_strike_that_can_be_recalled)
+{
+    for (uint32_t ticks = 11; ticks <= 13; ticks++) {
+        reset();
+        begin();
+        model_observer_strike(&observer, TICK + ticks, 0.0105f, 0.05f);
+        ck_assert_int_eq(observer.phase, ticks < 12 ? MODEL_LOST : MODEL_DOUBLE);
+    }
+}
+END_TEST
+
 /* Lift-off is where the ankle reaches its rest; it must be on its way there, and near. */
 START_TEST(a_lift_off_that_the_motion_does_not_explain_loses_it)
 {
@@ -250,6 +262,7 @@ int main(void)
     tcase_add_test(tests, an_ankle_that_no_triangle_explains_loses_it);
     tcase_add_test(tests, a_strike_beside_the_other_foot_loses_it);
     tcase_add_test(tests, a_strike_of_a_rising_sum_is_when_it_was_detected);
+    tcase_add_test(tests, the_oldest_strike_that_can_be_recalled);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -68,6 +68,15 @@ START_TEST(what_is_told_stays_between_a_tenth_and_eight_tenths)
 }
 END_TEST
 
+/* A speed of exactly nothing is that of no step: right after power-on, and where a mean came to it. */
+START_TEST(no_speed_is_that_of_a_slow_step)
+{
+    expect(1, 0.3 * UNIT);
+    walking_speed_apex(&speed, 5000, REAL(0.0));
+    expect(5001, 0.3 * UNIT);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("walking_speed");
@@ -77,6 +86,7 @@ int main(void)
     tcase_add_test(tests, a_mean_takes_three_tenths_of_each_new_one);
     tcase_add_test(tests, a_jump_or_a_rest_begins_anew);
     tcase_add_test(tests, what_is_told_stays_between_a_tenth_and_eight_tenths);
+    tcase_add_test(tests, no_speed_is_that_of_a_slow_step);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

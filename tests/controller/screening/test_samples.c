@@ -200,6 +200,114 @@ START_TEST(a_motor_s_jump_is_no_motion_however_long_it_lasts)
 }
 END_TEST
 
+/* What was not received in this tick is not taken, however well it would fit; each value by its own age. */
+START_TEST(what_is_old_is_not_taken)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        setup();
+        input.leg[side].ankle_extension_m = REAL(0.01);
+        input.sea[side].precompression_m = REAL(0.02);
+        (void)screened();
+        input.leg[side].ankle_extension_m = REAL(0.011);
+        input.leg[side].leg_angle_rad = REAL(0.001);
+        input.leg[side].age_ticks = 1;
+        input.sea[side].precompression_m = REAL(0.021);
+        input.sea[side].age_ticks = 1;
+        const struct controller_input values = screened();
+        assert_close((double)values.leg[side].leg_angle_rad, 0.0, 1e-9, 0.0);
+        assert_close((double)values.leg[side].ankle_extension_m, 0.01, 1e-9, 0.0);
+        assert_close((double)values.sea[side].precompression_m, 0.02, 1e-9, 0.0);
+        ck_assert_uint_eq(values.leg[side].age_ticks, 1); /* ages stay as received */
+        ck_assert_uint_eq(values.sea[side].age_ticks, 1);
+        input.sea[side].age_ticks = 0; /* the motor's telegram comes, the leg's does not */
+        ck_assert(screened().sea[side].precompression_m == REAL(0.021));
+        input.leg[side].age_ticks = 0;
+        ck_assert(screened().leg[side].ankle_extension_m == REAL(0.011));
+        ck_assert_uint_eq(samples.leg[side].angle_rejected_ticks, 0);
+        ck_assert_uint_eq(samples.leg[side].extension_rejected_ticks, 0);
+        ck_assert_uint_eq(samples.leg[side].motor_rejected_ticks, 0);
+    }
+}
+END_TEST
+
+/* After lost samples an ankle and a motor may have gone farther, too: by their fastest of each tick. */
+START_TEST(a_lost_ankle_and_motor_may_have_gone_farther)
+{
+    for (int lost = 1; lost < 6; lost++) {
+        const double ankle = 6.0 * sqrt(9.81) * 1e-3 * (lost + 1) + 0.005;
+        const double motor = 2.0 * 1.5 * 1e-3 * (lost + 1) + 0.005;
+        for (int beyond = 0; beyond < 2; beyond++) {
+            const double factor = beyond != 0 ? -1.01 : -0.99;
+            setup();
+            (void)screened();
+            for (int i = 1; i <= lost; i++) {
+                input.leg[SIDE_LEFT].age_ticks = input.sea[SIDE_LEFT].age_ticks = (uint16_t)i;
+                (void)screened();
+                ck_assert_uint_eq(samples.leg[SIDE_LEFT].extension_rejected_ticks, (unsigned)i);
+                ck_assert_uint_eq(samples.leg[SIDE_LEFT].motor_rejected_ticks, (unsigned)i);
+            }
+            input.leg[SIDE_LEFT].age_ticks = input.sea[SIDE_LEFT].age_ticks = 0;
+            input.leg[SIDE_LEFT].ankle_extension_m = (real)(factor * ankle);
+            input.sea[SIDE_LEFT].precompression_m = (real)(factor * motor);
+            const struct controller_input values = screened();
+            ck_assert_int_eq(values.leg[SIDE_LEFT].ankle_extension_m < REAL(0.0), beyond == 0);
+            ck_assert_int_eq(values.sea[SIDE_LEFT].precompression_m < REAL(0.0), beyond == 0);
+        }
+    }
+}
+END_TEST
+
+/* Speeds scale with the leg: sqrt(g/l) of its angle, sqrt(g l) of its ankle; the noise of a length with l. */
+START_TEST(limits_scale_with_the_leg)
+{
+    const double leg_m = 0.5;
+    const double angle = 6.0 * sqrt(9.81 / leg_m) * 1e-3 + 0.02;
+    const double ankle = 6.0 * sqrt(9.81 * leg_m) * 1e-3 + 0.005 * leg_m;
+    const double motor = 2.0 * 1.5 * 1e-3 + 0.005 * leg_m;
+    for (int beyond = 0; beyond < 2; beyond++) {
+        const double factor = beyond != 0 ? 1.01 : 0.99;
+        setup();
+        params.leg_length_m = (real)leg_m;
+        (void)screened();
+        input.leg[SIDE_LEFT].leg_angle_rad = (real)(factor * angle);
+        input.leg[SIDE_LEFT].ankle_extension_m = (real)(factor * ankle);
+        input.sea[SIDE_LEFT].precompression_m = (real)(factor * motor);
+        const struct controller_input values = screened();
+        ck_assert_int_eq(values.leg[SIDE_LEFT].leg_angle_rad > REAL(0.0), beyond == 0);
+        ck_assert_int_eq(values.leg[SIDE_LEFT].ankle_extension_m > REAL(0.0), beyond == 0);
+        ck_assert_int_eq(values.sea[SIDE_LEFT].precompression_m > REAL(0.0), beyond == 0);
+    }
+}
+END_TEST
+
+/* Told as received, number or not, of either leg and of each of its three values. */
+START_TEST(what_was_received_is_told)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        for (int value = 0; value < 3; value++) {
+            setup();
+            (void)screened();
+            ck_assert(samples.leg[side].received_finite);
+            real *const places[] = {&input.leg[side].leg_angle_rad,
+                                    &input.leg[side].ankle_extension_m,
+                                    &input.sea[side].precompression_m};
+            *places[value] = (real)NAN;
+            (void)screened();
+            ck_assert(!samples.leg[side].received_finite);
+            ck_assert(samples.leg[1 - side].received_finite);
+        }
+        setup();
+        (void)screened();
+        input.leg[side].leg_angle_rad = REAL(0.9);
+        (void)screened();
+        ck_assert(samples.leg[side].received_rad == REAL(0.9));
+        samples_init(&samples); /* nothing is remembered: any first sample is taken again */
+        ck_assert(screened().leg[side].leg_angle_rad == REAL(0.9));
+        ck_assert(samples.leg[side].received_rad == REAL(0.9));
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("samples");
@@ -213,6 +321,10 @@ int main(void)
     tcase_add_test(tests, an_angle_may_change_so_much_and_no_more);
     tcase_add_test(tests, an_ankle_and_a_motor_may_move_so_much_and_no_more);
     tcase_add_test(tests, a_motor_s_jump_is_no_motion_however_long_it_lasts);
+    tcase_add_test(tests, what_is_old_is_not_taken);
+    tcase_add_test(tests, a_lost_ankle_and_motor_may_have_gone_farther);
+    tcase_add_test(tests, limits_scale_with_the_leg);
+    tcase_add_test(tests, what_was_received_is_told);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -274,6 +274,144 @@ START_TEST(what_is_new_is_told_once)
 }
 END_TEST
 
+/* Half a second of silence, two seconds beyond a limit, five of a warning: and not before. */
+START_TEST(times_are_waited_for)
+{
+    look(1.0);
+    reading[SIDE_RIGHT].has_temperature = false;
+    look(0.4);
+    ck_assert_int_eq(derate.leg[SIDE_RIGHT].cause, DERATE_NONE);
+    look(0.2);
+    ck_assert_int_eq(derate.leg[SIDE_RIGHT].cause, DERATE_SILENT);
+    setup();
+    look(1.0);
+    reading[SIDE_LEFT].supply_V = 61.0f;
+    look(1.9);
+    ck_assert(!derate.withdrawn);
+    look(0.2);
+    ck_assert(derate.withdrawn);
+    ck_assert_int_eq(derate.withdrew_leg, SIDE_LEFT);
+    ck_assert_int_eq(derate.withdrew_cause, DERATE_SUPPLY_HIGH);
+    setup();
+    look(1.0);
+    reading[SIDE_RIGHT].warning = true;
+    look(4.9);
+    ck_assert_int_eq(derate.leg[SIDE_RIGHT].cause, DERATE_NONE);
+    look(0.2);
+    ck_assert_int_eq(derate.leg[SIDE_RIGHT].cause, DERATE_WARNING);
+}
+END_TEST
+
+/* What was true for long is forgotten within the same time, not later: it is counted no further than it is asked. */
+START_TEST(what_is_over_is_forgotten_in_its_own_time)
+{
+    look(1.0);
+    reading[SIDE_LEFT].warning = true;
+    look(60.0);
+    reading[SIDE_LEFT].warning = false;
+    look(0.2);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_NONE);
+    look(4.9); /* to nothing, and below that it does not go */
+    reading[SIDE_LEFT].warning = true;
+    look(4.8);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_NONE);
+    look(0.4);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_WARNING);
+}
+END_TEST
+
+/* A limit that is not told is none, whatever the reading; and one limit alone is one. */
+START_TEST(each_limit_stands_alone)
+{
+    static const struct {
+        struct derate_limits limit;
+        float degC, volt;
+        bool tells_temperature, tells_supply;
+        double share;
+        enum derate_cause cause;
+    } cases[] = {{{0, 0, 20.0f, 0}, 500.0f, 1000.0f, true, true, 1.0, DERATE_NONE},
+                 {{0, 0, 20.0f, 0}, 500.0f, 20.5f, true, true, 0.5, DERATE_SUPPLY_LOW},
+                 {{0, 0, 0, 60.0f}, 500.0f, 1.0f, true, true, 1.0, DERATE_NONE},
+                 {{0, 0, 0, 60.0f}, 500.0f, 58.5f, true, true, 0.5, DERATE_SUPPLY_HIGH},
+                 {{80.0f, 100.0f, 0, 0}, 90.0f, 0.0f, true, true, 0.5, DERATE_TEMPERATURE},
+                 {{80.0f, 100.0f, 0, 0}, 25.0f, 0.0f, true, false, 1.0, DERATE_NONE},
+                 {{0, 0, 20.0f, 60.0f}, 0.0f, 48.0f, false, true, 1.0, DERATE_NONE},
+                 {{0, 0, 20.0f, 0}, 0.0f, 48.0f, true, false, 0.0, DERATE_SILENT},
+                 {{0, 0, 0, 60.0f}, 0.0f, 48.0f, true, false, 0.0, DERATE_SILENT},
+                 {{80.0f, 100.0f, 0, 0}, 25.0f, 48.0f, false, true, 0.0, DERATE_SILENT}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            setup();
+            limit[side] = cases[i].limit;
+            reading[side] = (struct derate_reading){true,
+                                                    cases[i].tells_temperature,
+                                                    cases[i].tells_supply,
+                                                    false,
+                                                    cases[i].degC,
+                                                    cases[i].volt};
+            look(20.0);
+            assert_close(derate.share, cases[i].share, 1e-4, 0.0);
+            ck_assert_msg(derate.leg[side].cause == (int)cases[i].cause, "case %zu", i);
+            ck_assert_int_eq(derate.leg[1 - side].cause, DERATE_NONE);
+        }
+    }
+}
+END_TEST
+
+/* Back to all of it, however little is missing; for less than a tenth otherwise not. */
+START_TEST(the_last_bit_is_given_back)
+{
+    look(1.0);
+    reading[SIDE_LEFT].temperature_degC = 81.0f; /* 0.95 */
+    look(5.0);
+    assert_close(derate.share, 0.95, 1e-4, 0.0);
+    reading[SIDE_LEFT].temperature_degC = 80.2f; /* 0.99 */
+    look(20.0);
+    assert_close(derate.share, 0.95, 1e-4, 0.0);
+    reading[SIDE_LEFT].temperature_degC = 80.0f;
+    look(20.0);
+    assert_close(derate.share, 1.0, 1e-6, 0.0);
+    assert_close(derate.least_share, 0.95, 1e-4, 0.0);
+}
+END_TEST
+
+/* Withdrawn, it returns when both legs are well, whichever was beyond. */
+START_TEST(it_returns_when_both_are_well)
+{
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        setup();
+        look(1.0);
+        reading[side].temperature_degC = 101.0f;
+        reading[1 - side].temperature_degC = 85.0f;
+        look(3.0);
+        ck_assert(derate.withdrawn);
+        reading[side].temperature_degC = 25.0f;
+        look(10.0);
+        ck_assert(derate.withdrawn); /* the other is not */
+        reading[1 - side].temperature_degC = 25.0f;
+        ck_assert(derate_update(&derate, limit, reading, ++now)); /* and that is told */
+        ck_assert(!derate.withdrawn);
+        ck_assert(!derate_update(&derate, limit, reading, ++now));
+        reading[side].temperature_degC = 90.0f;
+        ck_assert(derate_update(&derate, limit, reading, ++now)); /* a cause, of either leg */
+    }
+}
+END_TEST
+
+/* The first look knows no time before it. */
+START_TEST(the_first_look_moves_nothing)
+{
+    reading[SIDE_LEFT].temperature_degC = 100.0f;
+    now += 500;
+    ck_assert(derate_update(&derate, limit, reading, now));
+    assert_close(derate.share, 1.0, 0.0, 0.0);
+    assert_close(derate.leg[SIDE_LEFT].share, 0.0, 0.0, 0.0);
+    now += 500;
+    (void)derate_update(&derate, limit, reading, now);
+    assert_close(derate.share, 0.9, 1e-5, 0.0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("derate");
@@ -292,6 +430,12 @@ int main(void)
     tcase_add_test(tests, a_limit_that_nobody_can_watch_withdraws);
     tcase_add_test(tests, time_between_looks_is_bounded);
     tcase_add_test(tests, what_is_new_is_told_once);
+    tcase_add_test(tests, times_are_waited_for);
+    tcase_add_test(tests, what_is_over_is_forgotten_in_its_own_time);
+    tcase_add_test(tests, each_limit_stands_alone);
+    tcase_add_test(tests, the_last_bit_is_given_back);
+    tcase_add_test(tests, it_returns_when_both_are_well);
+    tcase_add_test(tests, the_first_look_moves_nothing);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

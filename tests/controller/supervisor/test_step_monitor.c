@@ -212,6 +212,42 @@ START_TEST(steps_across_the_end_of_the_clock)
 }
 END_TEST
 
+/* By a third of the longer one, and not by a tick more: shorter or longer than the one before. */
+START_TEST(a_third_is_still_alike)
+{
+    static const struct {
+        uint32_t first_ms, second_ms;
+        unsigned steady;
+    } cases[] = {{600, 400, 1}, {600, 399, 0}, {400, 600, 1}, {400, 601, 0}, {400, 602, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct walk walk;
+        start(&walk);
+        step(&walk, SIDE_RIGHT, cases[i].first_ms);
+        step(&walk, SIDE_LEFT, cases[i].second_ms);
+        ck_assert_msg(walk.monitor.steady == cases[i].steady, "case %zu", i);
+        ck_assert_uint_eq(walk.monitor.step_ticks[0], cases[i].second_ms);
+        ck_assert_uint_eq(walk.monitor.step_ticks[1], cases[i].first_ms);
+    }
+}
+END_TEST
+
+/* The foot that strikes is the one that was in swing: the stance leg's own does not count, nor one before any apex. */
+START_TEST(only_the_other_foot_s_strike_counts)
+{
+    struct walk walk;
+    start(&walk);
+    ck_assert_uint_eq(walk.monitor.strikes, 0);
+    strike(&walk, SIDE_LEFT);
+    ck_assert_uint_eq(walk.monitor.strikes, 0);
+    strike(&walk, SIDE_RIGHT);
+    ck_assert_uint_eq(walk.monitor.strikes, 1);
+    step_monitor_init(&walk.monitor);
+    strike(&walk, SIDE_RIGHT);
+    ck_assert_uint_eq(walk.monitor.strikes, 0);
+    ck_assert(!walk.monitor.seen);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("step monitor");
@@ -227,6 +263,8 @@ int main(void)
     tcase_add_test(tests, counters_saturate);
     tcase_add_test(tests, steps_across_the_end_of_the_clock);
     tcase_add_test(tests, the_same_leg_twice_is_no_steady_step);
+    tcase_add_test(tests, a_third_is_still_alike);
+    tcase_add_test(tests, only_the_other_foot_s_strike_counts);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -179,6 +179,77 @@ START_TEST(no_drive_is_enabled_at_a_person_who_is_not_on_their_feet)
 }
 END_TEST
 
+/* Only STANDBY is waiting: a fault or an unload in between begins anew, and a pause waits for nobody. */
+START_TEST(only_standby_is_waited_in)
+{
+    static const enum supervisor_state between[] = {SUPERVISOR_INIT,      SUPERVISOR_SELF_TEST,
+                                                    SUPERVISOR_ENGAGING,  SUPERVISOR_WALKING,
+                                                    SUPERVISOR_UNLOADING, SUPERVISOR_FAULT};
+    for (size_t i = 0; i < sizeof between / sizeof between[0]; i++) {
+        struct wearer wearer = {0};
+        for (int round = 0; round < 2; round++) {
+            for (int k = 0; k < WEARER_WAIT_TICKS - 1; k++) {
+                wearer_update(&wearer, false, true, SUPERVISOR_STANDBY, false);
+            }
+            ck_assert(wearer_allows(&wearer));
+            ck_assert_uint_eq(wearer.wait_ticks, WEARER_WAIT_TICKS - 1);
+            wearer_update(&wearer, false, true, between[i], false);
+            ck_assert_uint_eq(wearer.wait_ticks, 0);
+        }
+    }
+    struct wearer wearer = {.paused = true};
+    for (int k = 0; k < WEARER_WAIT_TICKS + 10; k++) {
+        wearer_update(&wearer, false, true, SUPERVISOR_STANDBY, false);
+    }
+    ck_assert(!wearer.stopped);
+    ck_assert_uint_eq(wearer.wait_ticks, 0);
+}
+END_TEST
+
+/* However long it hangs, it is one press, and held. */
+START_TEST(a_button_that_hangs_is_one_press)
+{
+    struct wearer wearer = {0};
+    pass(&wearer, true, 200000, true);
+    ck_assert_uint_eq(wearer.pressed_ticks, UINT16_MAX);
+    ck_assert(wearer.stopped);
+    ck_assert(wearer.paused); /* its pushes had become smaller for 4 s */
+}
+END_TEST
+
+/* The second press while they become smaller ends them, with nothing left of the fading; the third goes on. */
+START_TEST(nothing_of_a_fade_is_left_in_a_pause)
+{
+    struct wearer wearer = {0};
+    press(&wearer, true);
+    ck_assert_uint_eq(wearer.fade_steps, WEARER_FADE_STEPS);
+    ck_assert(wearer_end_step(&wearer) < REAL(1.0));
+    press(&wearer, true);
+    ck_assert(wearer.paused);
+    ck_assert_uint_eq(wearer.fade_steps, 0);
+    ck_assert(wearer_end_step(&wearer) == REAL(1.0));
+    pass(&wearer, false, 10, true);
+    ck_assert_uint_eq(wearer.fade_ticks, 0);
+    press(&wearer, true);
+    ck_assert(wearer_allows(&wearer));
+    press(&wearer, true); /* a new one takes its whole time again */
+    pass(&wearer, false, WEARER_FADE_TICKS - 3, true);
+    ck_assert(wearer_allows(&wearer));
+    pass(&wearer, false, 1, true);
+    ck_assert(!wearer_allows(&wearer));
+}
+END_TEST
+
+/* Where nothing can become smaller a press pauses at once. */
+START_TEST(without_pushes_a_press_pauses_at_once)
+{
+    struct wearer wearer = {0};
+    pass(&wearer, true, WEARER_PRESS_TICKS, false);
+    ck_assert(wearer.paused && !wearer.stopped);
+    ck_assert_uint_eq(wearer.fade_steps, 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("wearer");
@@ -190,6 +261,10 @@ int main(void)
     tcase_add_test(tcase, a_request_without_a_walk_is_given_up);
     tcase_add_test(tcase, the_cue_comes_before_the_first_assisted_step);
     tcase_add_test(tcase, no_drive_is_enabled_at_a_person_who_is_not_on_their_feet);
+    tcase_add_test(tcase, only_standby_is_waited_in);
+    tcase_add_test(tcase, a_button_that_hangs_is_one_press);
+    tcase_add_test(tcase, nothing_of_a_fade_is_left_in_a_pause);
+    tcase_add_test(tcase, without_pushes_a_press_pauses_at_once);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }

@@ -33,6 +33,7 @@ static struct co_pdo_four pdos;
 static struct co_device device;
 static uint32_t mapped;     /* what the first RPDO is mapped to by default */
 static uint32_t mapped_out; /* and the second TPDO, which is cyclic; 0: to nothing */
+static uint32_t out_cob_id;
 static uint8_t map_count;
 static uint16_t heartbeat_ms;
 static uint64_t now_ns;
@@ -45,7 +46,7 @@ static void defaults(void *context, struct co_comm *comm)
     comm->rpdo[0].map[0] = mapped;
     comm->rpdo[0].map_count = map_count;
     if (mapped_out != 0) {
-        comm->tpdo[1].cob_id = 0x285;
+        comm->tpdo[1].cob_id = out_cob_id;
         comm->tpdo[1].type = 1;
         comm->tpdo[1].map[0] = mapped_out;
         comm->tpdo[1].map_count = 1;
@@ -72,6 +73,7 @@ static void setup(void)
     memset(&pdos, 0, sizeof pdos);
     mapped = 0x20000020;
     mapped_out = 0;
+    out_cob_id = 0x285;
     map_count = 1;
     heartbeat_ms = 0;
     now_ns = 1000 * (uint64_t)MS;
@@ -690,6 +692,20 @@ START_TEST(a_pdo_that_is_not_there_cannot_be_triggered)
 }
 END_TEST
 
+/* No remote requests, whether the profile's defaults say so or not: bit 30 is set, and nothing else changes. */
+START_TEST(a_tpdo_is_not_asked_for_by_remote_frames)
+{
+    static const uint32_t defaults_say[] = {0x285, 0x40000285, 0xC0000285};
+    mapped_out = 0x20000020;
+    for (size_t i = 0; i < sizeof defaults_say / sizeof defaults_say[0]; i++) {
+        out_cob_id = defaults_say[i];
+        ck_assert_int_eq(init(NODE), 0);
+        ck_assert_uint_eq(sdo(0x40, 0x1801, 1, 0), defaults_say[i] | 0x40000000);
+        ck_assert_uint_eq(sdo(0x40, 0x1800, 1, 0), 0xC0000185);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("co_device bare");
@@ -727,6 +743,7 @@ int main(void)
     tcase_add_test(tcase, counters_stay_at_their_ends);
     tcase_add_test_raise_signal(tcase, no_error_cannot_be_raised, SIGILL);
     tcase_add_test_raise_signal(tcase, a_pdo_that_is_not_there_cannot_be_triggered, SIGILL);
+    tcase_add_test(tcase, a_tpdo_is_not_asked_for_by_remote_frames);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }
