@@ -102,6 +102,19 @@ START_TEST(the_oldest_strike_that_can_be_recalled)
 }
 END_TEST
 
+/* A single support that began right after power-on has a past like any other. */
+START_TEST(a_strike_soon_after_power_on_is_recalled)
+{
+    for (uint32_t began = 0; began <= 10; began += 5) {
+        reset();
+        begin();
+        observer.since_tick = began;
+        model_observer_strike(&observer, 40, 0.001f, 0.05f);
+        ck_assert_int_eq(observer.phase, MODEL_DOUBLE);
+    }
+}
+END_TEST
+
 /* Lift-off is where the ankle reaches its rest; it must be on its way there, and near. */
 START_TEST(a_lift_off_that_the_motion_does_not_explain_loses_it)
 {
@@ -263,6 +276,7 @@ int main(void)
     tcase_add_test(tests, a_strike_beside_the_other_foot_loses_it);
     tcase_add_test(tests, a_strike_of_a_rising_sum_is_when_it_was_detected);
     tcase_add_test(tests, the_oldest_strike_that_can_be_recalled);
+    tcase_add_test(tests, a_strike_soon_after_power_on_is_recalled);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -48,6 +48,11 @@ START_TEST(a_jump_or_a_rest_begins_anew)
     expect(5600, 1.31);
     walking_speed_apex(&speed, 6200, REAL(0.91));
     expect(6200, 0.91);
+    walking_speed_apex(&speed, 6300, REAL(1.2));
+    expect(6300, 1.2); /* a jump */
+    speed.mean_rad_s = REAL(1.0);
+    walking_speed_apex(&speed, 6300, REAL(1.0) - REAL(0.3)); /* by just 0.3 of it: none */
+    expect(6300, 0.91);
     walking_speed_apex(&speed, 6199 + 3 * SECOND, REAL(1.11)); /* a rest of no more than 3 s */
     expect(6199 + 3 * SECOND, 0.97);
     walking_speed_apex(&speed, 6202 + 6 * SECOND, REAL(1.17));
@@ -58,6 +63,9 @@ END_TEST
 START_TEST(what_is_told_stays_between_a_tenth_and_eight_tenths)
 {
     walking_speed_apex(&speed, 5000, REAL(0.2));
+    expect(5000, 0.1 * UNIT);
+    speed = (struct walking_speed){0};
+    walking_speed_apex(&speed, 5000, REAL(0.05));
     expect(5000, 0.1 * UNIT);
     walking_speed_apex(&speed, 5600, REAL(4.0));
     expect(5600, 0.8 * UNIT);
