@@ -260,6 +260,116 @@ START_TEST(a_stance_begins_afresh)
 }
 END_TEST
 
+/* What is not prescribed leaves no trace: not that it was armed, full or struck. What the latch tells is always noted. */
+START_TEST(nothing_counts_that_was_not_prescribed)
+{
+    tick(SIDE_LEFT, true, true, false, LATCH_OPEN);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    const struct push_leg *leg = &watch.leg[SIDE_LEFT];
+    ck_assert(!leg->waited && !leg->armed && !leg->full && !leg->opened && !leg->struck &&
+              !leg->loaded);
+    ck_assert_uint_eq(leg->told, PUSH_WATCH_OPEN);
+    tick(SIDE_LEFT, false, false, false, LATCH_CLOSED);
+    ck_assert_uint_eq(leg->told, PUSH_WATCH_OPEN | PUSH_WATCH_CLOSED);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].told, 0);
+    tick(SIDE_RIGHT, false, false, false, LATCH_UNKNOWN);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].told, 0);
+    tick(SIDE_RIGHT, false, false, false, LATCH_CLOSED);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].told, PUSH_WATCH_CLOSED);
+    push_watch_begin(&watch);
+    ck_assert_uint_eq(leg->told, 0);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].told, 0);
+    ck_assert_uint_eq(watch.missed_in_row, 0);
+    ck_assert_uint_eq(watch.dragged_in_row, 0);
+    ck_assert_uint_eq(leg->unchanged_in_row, 0);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NONE);
+    ck_assert_uint_eq(leg->last, PUSH_NONE);
+}
+END_TEST
+
+/* A latch that opened, and closes again before the foot leaves; armed once is armed, full before is in time. */
+START_TEST(what_was_seen_stays_seen)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, true, false, false, LATCH_CLOSED);
+    tick(SIDE_LEFT, false, false, false, LATCH_OPEN); /* not armed any more: it was on its way */
+    tick(SIDE_LEFT, false, false, false, LATCH_CLOSED);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_GIVEN);
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, true, false, false, LATCH_CLOSED);
+    tick(SIDE_LEFT, true, false, false, LATCH_CLOSED);
+    push_watch_strike(&watch, SIDE_LEFT, now + 5);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_RELEASED);
+}
+END_TEST
+
+/* A stance that was given and has no end yet ends where the next one begins. */
+START_TEST(the_next_stance_ends_the_one_before)
+{
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    tick(SIDE_LEFT, true, false, false, LATCH_OPEN);
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    ck_assert_uint_eq(watch.leg[SIDE_LEFT].count[PUSH_GIVEN], 1);
+    tick(SIDE_LEFT, false, false, false, LATCH_CLOSED);
+    push_watch_strike(&watch, SIDE_LEFT, now);
+    ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_LOADED);
+}
+END_TEST
+
+/* A drag that was seen in this swing is no push that did not drag, whatever the one before was. */
+START_TEST(a_drag_is_the_last_that_is_known_of_a_push)
+{
+    (void)stance(true, false, LATCH_OPEN, true);
+    (void)push_watch_drag(&watch, SIDE_LEFT);
+    ck_assert_uint_eq(watch.leg[SIDE_LEFT].last, PUSH_DRAGS);
+    push_watch_prescribe(&watch, SIDE_LEFT);
+    ck_assert_uint_eq(watch.dragged_in_row, 1);
+    push_watch_prescribe(&watch, SIDE_LEFT); /* and no push since */
+    ck_assert_uint_eq(watch.dragged_in_row, 1);
+}
+END_TEST
+
+/* A leg that never pushed ends no row of the other's drags. */
+START_TEST(a_leg_without_a_push_ends_no_row)
+{
+    (void)stance(true, false, LATCH_OPEN, true);
+    (void)push_watch_drag(&watch, SIDE_LEFT);
+    push_watch_prescribe(&watch, SIDE_RIGHT);
+    ck_assert_uint_eq(watch.dragged_in_row, 1);
+}
+END_TEST
+
+/* A latch that changes begins a new row of three, and what it told of one stance says nothing of the next. */
+START_TEST(a_change_begins_a_new_row_of_unchanged_reports)
+{
+    release(LATCH_CLOSED, LATCH_OPEN);
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    ck_assert_uint_eq(watch.leg[SIDE_LEFT].unchanged_in_row, 2);
+    release(LATCH_CLOSED, LATCH_OPEN);
+    ck_assert_uint_eq(watch.leg[SIDE_LEFT].unchanged_in_row, 0);
+    release(LATCH_CLOSED, LATCH_CLOSED);
+    ck_assert_uint_eq(watch.leg[SIDE_LEFT].unchanged_in_row, 1);
+    ck_assert_uint_eq(watch.leg[SIDE_RIGHT].unchanged_in_row, 0);
+}
+END_TEST
+
+/* Full in time, but never armed, for the other foot's strike was never near: no report had to change. */
+START_TEST(a_spring_that_was_never_armed_had_nothing_to_tell)
+{
+    for (int i = 0; i < 5; i++) {
+        push_watch_prescribe(&watch, SIDE_LEFT);
+        const struct push_view view = {.full = true, .latch = LATCH_CLOSED};
+        push_watch_tick(&watch, SIDE_LEFT, &view, ++now);
+        push_watch_strike(&watch, SIDE_LEFT, now);
+        ck_assert_int_eq(push_watch_end(&watch, SIDE_LEFT), PUSH_NOT_RELEASED);
+        ck_assert_uint_eq(watch.leg[SIDE_LEFT].behind_ticks, 0);
+    }
+    ck_assert(!push_watch_latch_is_stuck(&watch, SIDE_LEFT));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("push_watch");
@@ -280,6 +390,13 @@ int main(void)
     tcase_add_test(tests, who_has_stopped_waiting_does_not_wait);
     tcase_add_test(tests, the_first_full_tick_counts);
     tcase_add_test(tests, a_stance_begins_afresh);
+    tcase_add_test(tests, nothing_counts_that_was_not_prescribed);
+    tcase_add_test(tests, what_was_seen_stays_seen);
+    tcase_add_test(tests, the_next_stance_ends_the_one_before);
+    tcase_add_test(tests, a_drag_is_the_last_that_is_known_of_a_push);
+    tcase_add_test(tests, a_leg_without_a_push_ends_no_row);
+    tcase_add_test(tests, a_change_begins_a_new_row_of_unchanged_reports);
+    tcase_add_test(tests, a_spring_that_was_never_armed_had_nothing_to_tell);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -223,6 +223,19 @@ START_TEST(a_stop_begins_where_a_motor_was_left_behind)
 }
 END_TEST
 
+/* By just 1 % it is not behind yet. */
+START_TEST(a_motor_at_the_limit_is_not_left_behind)
+{
+    const struct sea_stop stop = {.speed_m_s = 0.6f, .acceleration_m_s2 = 16.0f, .left_behind_m = 0.125f};
+    struct sea_reference sea;
+    sea_reference_init(&sea, 0.5f);
+    sea_reference_begin_loading(&sea, 0.5f);
+    sea.speed_m_s = 0.25f;
+    sea_reference_stop(&sea, &stop, 0.375f);
+    ck_assert(sea.position_m == 0.5f && sea.speed_m_s == 0.25f);
+}
+END_TEST
+
 /* Within 1 mm to either side: armed where it was sent, unloaded at zero. */
 START_TEST(a_motor_has_arrived_within_its_tolerance)
 {
@@ -271,6 +284,37 @@ START_TEST(an_unloaded_spring_is_not_unloaded_again)
 }
 END_TEST
 
+/* Left behind by 1 % of the leg, whatever its length. */
+START_TEST(the_limits_of_a_stop_scale)
+{
+    struct control_params params = limits();
+    params.leg_length_m = 0.5f;
+    const struct sea_stop stop = sea_reference_stop_limits(&params);
+    assert_close(stop.left_behind_m, 0.005, 1e-8, 0.0);
+    assert_close(stop.speed_m_s, 0.6, 1e-7, 0.0);
+    assert_close(stop.acceleration_m_s2, 16.0, 1e-5, 0.0);
+}
+END_TEST
+
+/* The fastest that can still be braked: one tick at v and then down by a T each tick ends at the target. */
+START_TEST(a_short_way_is_braked_as_late_as_possible)
+{
+    const struct control_params params = limits();
+    const double change = 10.0 * 1e-3;
+    for (int ticks = 2; ticks <= 5; ticks++) {
+        struct sea_reference sea;
+        /* so far that braking from `ticks` times the change takes just that way */
+        const double way_m = change * 1e-3 * ticks * (ticks + 1) / 2.0;
+        sea_reference_init(&sea, 0.0f);
+        sea_reference_begin_loading(&sea, (float)way_m);
+        sea.speed_m_s = (float)(ticks * change);
+        (void)sea_reference_update(&sea, &params, 0.0f);
+        assert_close(sea.speed_m_s, ticks * change, 1e-5, 0.0);
+        assert_close(sea.position_m, ticks * change * 1e-3, 1e-8, 0.0);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sea_reference");
@@ -287,6 +331,9 @@ int main(void)
     tcase_add_test(tests, a_stop_begins_where_a_motor_was_left_behind);
     tcase_add_test(tests, a_motor_has_arrived_within_its_tolerance);
     tcase_add_test(tests, an_unloaded_spring_is_not_unloaded_again);
+    tcase_add_test(tests, the_limits_of_a_stop_scale);
+    tcase_add_test(tests, a_short_way_is_braked_as_late_as_possible);
+    tcase_add_test(tests, a_motor_at_the_limit_is_not_left_behind);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

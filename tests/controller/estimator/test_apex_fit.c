@@ -81,7 +81,8 @@ START_TEST(a_curve_that_is_bent_both_ways)
         for (int n = -WINDOW; n <= WINDOW; n++) {
             const double u = (double)n / WINDOW;
             stance[(CENTRE + n) % SIZE] =
-                (real)(size_rad * (at - u + bend * sign * (at * at - u * u) - twist * (at * at * at - u * u * u)));
+                (real)(size_rad * (at - u + bend * sign * (at * at - u * u) -
+                                   twist * (at * at * at - u * u * u)));
         }
         const struct apex_sums sums = add_up(stance, WINDOW);
         const struct apex_fit fit = apex_fit_solve(&sums, WINDOW);
