@@ -193,6 +193,27 @@ START_TEST(a_memory_that_refuses_and_a_device_without_one_say_so)
 }
 END_TEST
 
+/* After power-on nothing valid was received, whatever this memory held before; without slots nothing is read. */
+START_TEST(nothing_was_received_at_power_on)
+{
+    memset(&update, 0xA5, sizeof update);
+    program_update_init(&update, &slots);
+    ck_assert_uint_eq(update.status, PROGRAM_STATUS_NONE);
+    ck_assert_uint_eq(update.received, 0);
+    ck_assert_uint_eq(update.filled, 0);
+    ck_assert_uint_eq(update.restart_in, 0);
+    ck_assert(!update.restart_now);
+    ck_assert_uint_eq(update.version, 5);
+    ck_assert_uint_eq(update.identification, bytes_get_u32(image + 0x21C));
+    memset(&update, 0xA5, sizeof update);
+    program_update_init(&update, NULL);
+    ck_assert_uint_eq(update.status, PROGRAM_STATUS_NONE);
+    ck_assert_uint_eq(update.version, 0);
+    ck_assert_uint_eq(update.identification, 0);
+    ck_assert_uint_eq(program_update_begin(&update, 100), CO_ABORT_DEVICE_STATE);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("program_update");
@@ -205,6 +226,7 @@ int main(void)
     tcase_add_test(tests, more_than_there_is_room_for_ends_in_an_error);
     tcase_add_test(tests, clearing_takes_an_order_back);
     tcase_add_test(tests, a_memory_that_refuses_and_a_device_without_one_say_so);
+    tcase_add_test(tests, nothing_was_received_at_power_on);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -226,7 +226,8 @@ END_TEST
 /* By just 1 % it is not behind yet. */
 START_TEST(a_motor_at_the_limit_is_not_left_behind)
 {
-    const struct sea_stop stop = {.speed_m_s = 0.6f, .acceleration_m_s2 = 16.0f, .left_behind_m = 0.125f};
+    const struct sea_stop stop = {
+        .speed_m_s = 0.6f, .acceleration_m_s2 = 16.0f, .left_behind_m = 0.125f};
     struct sea_reference sea;
     sea_reference_init(&sea, 0.5f);
     sea_reference_begin_loading(&sea, 0.5f);

@@ -106,14 +106,29 @@ START_TEST(bad_tables_are_refused)
     table.r0_step_m = INFINITY;
     ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_BAD_GRID);
     table = sampled_curve();
-    table.r0_min_m = NAN;
-    ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_BAD_GRID);
+    const float no_grid[] = {NAN, INFINITY, -INFINITY, 0.0f, -0.001f};
+    for (size_t i = 0; i < sizeof no_grid / sizeof no_grid[0]; i++) {
+        table = sampled_curve();
+        table.r0_min_m = no_grid[i];
+        ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_BAD_GRID);
+        table = sampled_curve();
+        table.r0_step_m = no_grid[i];
+        ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_BAD_GRID);
+    }
     table = sampled_curve();
     table.speed_rad_s[20] = table.speed_rad_s[19];
     ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_NOT_RISING);
     table = sampled_curve();
     table.speed_rad_s[63] = NAN;
     ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_NOT_RISING);
+    table.speed_rad_s[63] = INFINITY;
+    ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_NOT_RISING);
+    table = sampled_curve();
+    table.speed_rad_s[0] = 0.0f;
+    ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_NOT_RISING);
+    table = sampled_curve();
+    table.count = 4;
+    ck_assert_int_eq(speed_table_check(&table), SPEED_TABLE_OK);
 }
 END_TEST
 

@@ -54,13 +54,15 @@ static void defaults(void *context, struct co_comm *comm)
     comm->heartbeat_ms = heartbeat_ms;
 }
 
+static const struct co_device_ops none = {.sync = NULL};
+static const struct co_device_ops *ops = &none;
+
 static int init(uint8_t node)
 {
-    static const struct co_device_ops none = {.sync = NULL};
     static const struct co_dictionary dictionary = {table, sizeof table / sizeof table[0], &values};
     const struct co_device_config config = {.node_id = node,
                                             .application = &dictionary,
-                                            .ops = &none,
+                                            .ops = ops,
                                             .pdos = co_pdo_four_init(&pdos),
                                             .defaults = defaults};
     return co_device_init(&device, &config, fake_bus_interface(&fake), now_ns);
@@ -706,6 +708,97 @@ START_TEST(a_tpdo_is_not_asked_for_by_remote_frames)
 }
 END_TEST
 
+/* SYNC may have any identifier that no PDO of this device has, be it above or below theirs. */
+START_TEST(sync_may_lie_beside_the_pdos)
+{
+    static const uint32_t free_ids[] = {0x185, 0x204, 0x206, 0x284, 0x286, 0x300, 0x57F};
+    mapped_out = 0x20000020;
+    ck_assert_int_eq(init(NODE), 0);
+    for (size_t i = 0; i < sizeof free_ids / sizeof free_ids[0]; i++) {
+        ck_assert_uint_eq(sdo(0x23, 0x1005, 0, free_ids[i]), 0);
+        ck_assert_uint_eq(sdo(0x40, 0x1005, 0, 0), free_ids[i]);
+    }
+    ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x205), REFUSED_VALUE); /* the RPDO's */
+    ck_assert_uint_eq(sdo(0x23, 0x1005, 0, 0x285), REFUSED_VALUE); /* the TPDO's */
+}
+END_TEST
+
+static struct {
+    unsigned off, back, lost, alive, states;
+    uint8_t node;
+    enum co_nmt_state state;
+} told;
+
+static void tell_bus_off(void *context, bool is_off, uint64_t at_ns)
+{
+    (void)context;
+    (void)at_ns;
+    told.off += is_off ? 1 : 0;
+    told.back += is_off ? 0 : 1;
+}
+
+static void tell_heartbeat(void *context, uint8_t node, bool alive, uint64_t at_ns)
+{
+    (void)context;
+    (void)at_ns;
+    told.node = node;
+    told.lost += alive ? 0 : 1;
+    told.alive += alive ? 1 : 0;
+}
+
+static void tell_state(void *context, enum co_nmt_state state, uint64_t at_ns)
+{
+    (void)context;
+    (void)at_ns;
+    told.state = state;
+    told.states++;
+}
+
+/* What a profile reacts to: the own bus that is off and comes back, a heartbeat that is lost and returns, each new
+ * state; each told once. */
+START_TEST(a_profile_is_told_once_of_each_change)
+{
+    static const struct co_device_ops reactions = {
+        .bus_off = tell_bus_off, .heartbeat = tell_heartbeat, .state_changed = tell_state};
+    struct can_msg error = {.flags = CAN_FRAME_ERROR};
+    memset(&told, 0, sizeof told);
+    ops = &reactions;
+    ck_assert_int_eq(init(NODE), 0);
+    ck_assert_uint_eq(told.states, 1);
+    ck_assert_int_eq(told.state, CO_STATE_PRE_OPERATIONAL);
+    nmt(1);
+    nmt(1);
+    ck_assert_uint_eq(told.states, 2);
+    ck_assert_int_eq(told.state, CO_STATE_OPERATIONAL);
+    for (unsigned round = 1; round <= 2; round++) {
+        fake.status.error_state = CAN_BUS_OFF;
+        ck_assert(co_device_receive(&device, &error, now_ns));
+        ck_assert(co_device_receive(&device, &error, now_ns));
+        ck_assert_uint_eq(told.off, round);
+        ck_assert_uint_eq(told.back, round - 1);
+        fake.status.error_state = CAN_ERROR_ACTIVE;
+        run(3);
+        ck_assert_uint_eq(told.off, round);
+        ck_assert_uint_eq(told.back, round);
+    }
+    ck_assert_int_eq(told.state, CO_STATE_PRE_OPERATIONAL); /* 0x1029:1 = 0 */
+    ck_assert_uint_eq(sdo(0x23, 0x1016, 1, 0x00110032), 0);
+    ck_assert(give(0x711, 1, 5));
+    run(49);
+    ck_assert_uint_eq(told.lost, 0);
+    run(2);
+    ck_assert_uint_eq(told.lost, 1);
+    ck_assert_uint_eq(told.node, 17);
+    run(200);
+    ck_assert_uint_eq(told.lost, 1);
+    ck_assert_uint_eq(told.alive, 0);
+    ck_assert(give(0x711, 1, 5));
+    ck_assert(give(0x711, 1, 5));
+    ck_assert_uint_eq(told.alive, 1);
+    ops = &none;
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("co_device bare");
@@ -744,6 +837,8 @@ int main(void)
     tcase_add_test_raise_signal(tcase, no_error_cannot_be_raised, SIGILL);
     tcase_add_test_raise_signal(tcase, a_pdo_that_is_not_there_cannot_be_triggered, SIGILL);
     tcase_add_test(tcase, a_tpdo_is_not_asked_for_by_remote_frames);
+    tcase_add_test(tcase, sync_may_lie_beside_the_pdos);
+    tcase_add_test(tcase, a_profile_is_told_once_of_each_change);
     suite_add_tcase(suite, tcase);
     return run_suite(suite);
 }

@@ -493,6 +493,42 @@ START_TEST(what_was_not_answered_is_asked_again_at_once)
 }
 END_TEST
 
+static void heartbeat_has_a_high_bit(struct can_msg *answer)
+{
+    if (answer->data[0] == 0x4B && answer->data[1] == 0x17 && answer->data[2] == 0x10) {
+        answer->data[5] |= 0x80;
+    }
+}
+
+/* All bits of an object are compared: a heartbeat of 32,868 ms is none of 100. */
+START_TEST(every_bit_of_a_value_is_compared)
+{
+    start();
+    spoil = heartbeat_has_a_high_bit;
+    ck_assert_int_eq(finish(true), SETUP_DIFFERS);
+    ck_assert_uint_eq(b.setup.failure.index, 0x1017);
+    ck_assert_uint_eq(b.setup.failure.expected, HEARTBEAT_PERIOD_MS);
+    ck_assert_uint_eq(b.setup.failure.found, HEARTBEAT_PERIOD_MS | 0x8000);
+}
+END_TEST
+
+static void mode_has_four_bytes(struct can_msg *answer)
+{
+    if (answer->data[0] == 0x4F && answer->data[1] == 0x60 && answer->data[2] == 0x60) {
+        answer->data[0] = 0x43;
+        memset(answer->data + 5, 0x55, 3);
+    }
+}
+
+/* And none beyond its size: a mode is one byte, whatever stands behind it. */
+START_TEST(bytes_behind_a_value_are_not_compared)
+{
+    start();
+    spoil = mode_has_four_bytes;
+    ck_assert_int_eq(finish(true), SETUP_DONE);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("node_setup");
@@ -514,6 +550,8 @@ int main(void)
     tcase_add_loop_test(tests, a_value_that_comes_late_is_waited_for, 0, 4);
     tcase_add_test(tests, a_drive_that_is_too_slow_is_refused);
     tcase_add_test(tests, what_was_not_answered_is_asked_again_at_once);
+    tcase_add_test(tests, every_bit_of_a_value_is_compared);
+    tcase_add_test(tests, bytes_behind_a_value_are_not_compared);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -196,6 +196,25 @@ START_TEST(a_block_of_impossible_lengths_is_passed_over)
 }
 END_TEST
 
+/* A new recording has nothing of the one before: its blocks are the new one's alone. */
+START_TEST(a_new_recording_forgets_the_last_one)
+{
+    setup();
+    for (uint32_t i = 0; i < BLACK_BOX_BLOCK_COUNT; i++) {
+        if (i != box.header.current) {
+            box.blocks[i] = *block();
+        }
+    }
+    ck_assert_uint_eq(black_box_reader_open(&reader, &box), BLACK_BOX_BLOCK_COUNT);
+    black_box_start(&box, 1, 2);
+    for (uint32_t i = 0; i < BLACK_BOX_BLOCK_COUNT; i++) {
+        ck_assert_uint_eq(box.blocks[i].magic, 0);
+    }
+    black_box_end_tick(&box, 1, NULL, NULL);
+    ck_assert_uint_eq(black_box_reader_open(&reader, &box), 1);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("black_box_edges");
@@ -211,6 +230,7 @@ int main(void)
     tcase_add_test(tests, a_length_beyond_a_frame_s_copies_nothing);
     tcase_add_test(tests, a_whole_record_is_read_a_cut_one_is_damage);
     tcase_add_test(tests, a_block_of_impossible_lengths_is_passed_over);
+    tcase_add_test(tests, a_new_recording_forgets_the_last_one);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -1,0 +1,136 @@
+/* The program in flash is looked through again and again while the device works: what was found damaged once stays so,
+ * whatever the next round finds. */
+#include "firmware/orthosis.h"
+
+#include <string.h>
+
+#include "hal/bus/bytes.h"
+#include "hal/storage/crc.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/fake_bus.h"
+#include "tests/support/nv_memory.h"
+
+enum { ROOM = 4096, IMAGE_BYTES = 2000, ROUND_TICKS_MOST = 5000 };
+
+static uint8_t flash[3 * ROOM];
+static struct fake_bus fake;
+static struct nv_memory memory;
+static struct nv_store nv;
+static struct black_box box;
+static struct crash_record crash;
+static struct orthosis device;
+
+static bool read_word(void *context, uint32_t address, uint8_t *out)
+{
+    (void)context;
+    memcpy(out, flash + address, PROGRAM_WORD_BYTES);
+    return true;
+}
+
+static bool never_pressed(void *context)
+{
+    (void)context;
+    return false;
+}
+
+static void feed(void *context)
+{
+    (void)context;
+}
+
+/* Header and sums as hal/storage/program_image.h lays them out. */
+static void make_image(void)
+{
+    memset(flash, 0xFF, sizeof flash);
+    for (uint32_t i = 0; i < IMAGE_BYTES; i++) {
+        flash[i] = (uint8_t)(i * 11u + 5u);
+    }
+    bytes_put_u32(flash + 0x200, 0x474D4941);
+    bytes_put_u32(flash + 0x204, 7);
+    bytes_put_u32(flash + 0x208, 5);
+    bytes_put_u32(flash + 0x210, IMAGE_BYTES);
+    bytes_put_u32(flash + 0x21C, crc32_update(crc32_update(CRC32_INIT, flash, 0x21C), flash + 0x220,
+                                              IMAGE_BYTES - 0x220));
+}
+
+static void power_up(void)
+{
+    static const struct emergency_stop_ops stop_ops = {never_pressed};
+    static const struct watchdog_ops feed_ops = {feed};
+    static const struct watchdog watchdog = {&feed_ops, NULL};
+    static const struct program_slots slots = {.memory = {.read = read_word, .page_bytes = ROOM},
+                                               .stage = ROOM,
+                                               .room = ROOM,
+                                               .mark = 2 * ROOM,
+                                               .hardware = 7};
+    const struct orthosis_config config = {.bus = fake_bus_interface(&fake),
+                                           .stop = {&stop_ops, NULL},
+                                           .watchdog = &watchdog,
+                                           .nv = &nv,
+                                           .black_box = &box,
+                                           .crash = &crash,
+                                           .program = &slots};
+    nv_memory_init(&memory);
+    nv = nv_memory_store(&memory);
+    fake_bus_init(&fake);
+    orthosis_init(&device, &config);
+    device.task.config.configure_nodes = false; /* it would ask the silent ones all the time */
+}
+
+/* Ticks until another round is done. */
+static void go_round(void)
+{
+    const uint32_t before = device.program_rounds;
+    const struct can_msg sync = {.id = 0x080, .flags = CAN_FRAME_OWN};
+    for (int i = 0; i < ROUND_TICKS_MOST && device.program_rounds == before; i++) {
+        fake_bus_init(&fake);
+        orthosis_start_cycle(&device);
+        fake_bus_put(&fake, &sync);
+        (void)orthosis_poll(&device);
+    }
+    ck_assert_uint_eq(device.program_rounds, before + 1);
+}
+
+START_TEST(a_damaged_program_stays_damaged)
+{
+    make_image();
+    power_up();
+    go_round();
+    go_round();
+    ck_assert(!orthosis_program_is_damaged(&device));
+    flash[IMAGE_BYTES - 100] ^= 0x10; /* a cell that reads as it likes */
+    go_round();
+    go_round(); /* the round under way may have been past it */
+    ck_assert(orthosis_program_is_damaged(&device));
+    flash[IMAGE_BYTES - 100] ^= 0x10;
+    go_round();
+    go_round();
+    ck_assert(orthosis_program_is_damaged(&device));
+}
+END_TEST
+
+START_TEST(the_count_of_rounds_stays_at_its_end)
+{
+    const struct can_msg sync = {.id = 0x080, .flags = CAN_FRAME_OWN};
+    make_image();
+    power_up();
+    device.program_rounds = UINT32_MAX;
+    for (int i = 0; i < ROUND_TICKS_MOST; i++) {
+        fake_bus_init(&fake);
+        orthosis_start_cycle(&device);
+        fake_bus_put(&fake, &sync);
+        (void)orthosis_poll(&device);
+        ck_assert_uint_eq(device.program_rounds, UINT32_MAX);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("orthosis' program");
+    TCase *tests = tcase_create("all");
+    tcase_add_test(tests, a_damaged_program_stays_damaged);
+    tcase_add_test(tests, the_count_of_rounds_stays_at_its_end);
+    suite_add_tcase(suite, tests);
+    return run_suite(suite);
+}
