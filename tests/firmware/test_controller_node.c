@@ -577,19 +577,52 @@ START_TEST(it_says_that_it_sends_sync)
 }
 END_TEST
 
-START_TEST(it_says_which_hardware_and_software_it_is)
+/* A text longer than four characters: by segments. */
+static void read_text(uint16_t index, uint8_t sub, char text[36])
 {
-    char software[36] = "";
-    ck_assert_uint_ne(ask(0x40, 0x1009, 0, 0)[4], 0);
-    (void)ask(0x40, 0x100A, 0, 0); /* longer than four characters: by segments */
+    memset(text, 0, 36);
+    (void)ask(0x40, index, sub, 0);
     for (unsigned i = 0, toggle = 0x60; i < 5; i++, toggle ^= 0x10) {
         const uint8_t *segment = ask((uint8_t)toggle, 0, 0, 0);
-        memcpy(software + 7 * i, segment + 1, 7);
+        memcpy(text + 7 * i, segment + 1, 7);
         if ((segment[0] & 1) != 0) {
             break;
         }
     }
+}
+
+START_TEST(it_says_which_hardware_and_software_it_is)
+{
+    char software[36];
+    ck_assert_uint_ne(ask(0x40, 0x1009, 0, 0)[4], 0);
+    read_text(0x100A, 0, software);
     ck_assert_str_eq(software, version_text());
+    read_text(0x2030, 1, software);
+    ck_assert_str_eq(software, version_text());
+    ck_assert_uint_eq(read_u32(0x2030, 2), version_build_id());
+}
+END_TEST
+
+/* CiA 301 clause 7.4.6: sub-index 0 of an array or record is its highest sub-index. */
+START_TEST(sub_index_0_is_the_highest_one)
+{
+    const struct co_dictionary *own = &node.device.dictionaries[2];
+    unsigned records = 0;
+    for (size_t i = 0; i < own->count; i++) {
+        const uint16_t index = own->entries[i].index;
+        unsigned highest = 0;
+        for (size_t k = 0; k < own->count; k++) {
+            if (own->entries[k].index == index && own->entries[k].sub > highest) {
+                highest = own->entries[k].sub;
+            }
+        }
+        if (own->entries[i].sub == 0 && highest > 0) {
+            records++;
+            ck_assert_msg(ask(0x40, index, 0, 0)[4] == highest, "%04X has %u, and says %u", index,
+                          highest, ask(0x40, index, 0, 0)[4]);
+        }
+    }
+    ck_assert_uint_ge(records, 15);
 }
 END_TEST
 
@@ -778,6 +811,7 @@ int main(void)
     tcase_add_test(tests, each_fault_and_each_refused_node_is_told);
     tcase_add_test(tests, it_says_that_it_sends_sync);
     tcase_add_test(tests, it_says_which_hardware_and_software_it_is);
+    tcase_add_test(tests, sub_index_0_is_the_highest_one);
     tcase_add_test(tests, a_refused_node_is_told_until_it_is_set_up);
     tcase_add_test(tests, found_offsets_become_parameters);
     tcase_add_test(tests, without_a_memory_nothing_is_kept);

@@ -217,6 +217,24 @@ START_TEST(what_was_not_found_tells_of_no_double_support)
 }
 END_TEST
 
+/* Without switches it opens behind the strike of this swing: without one it does not, however long ago the last was. */
+START_TEST(without_a_strike_it_does_not_open)
+{
+    struct bench bench;
+    start(&bench, 0.0, 0.02);
+    bench.view.own_leg_turns_back = true;
+    pass(&bench, 100);
+    bench.view.slowing = bench.view.swings = true;
+    pass(&bench, 300);
+    ck_assert_uint_eq(bench.opened_tick, 0);
+    arm_window_strike(&bench.window, bench.tick, REAL(0.0));
+    pass(&bench, 19);
+    ck_assert_uint_eq(bench.opened_tick, 0);
+    pass(&bench, 2);
+    ck_assert_uint_ne(bench.opened_tick, 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("arm_window");
@@ -228,6 +246,7 @@ int main(void)
     tcase_add_test(all, a_strike_alone_opens_nothing);
     tcase_add_test(all, a_double_support_too_short_for_a_push_is_known);
     tcase_add_test(all, what_was_not_found_tells_of_no_double_support);
+    tcase_add_test(all, without_a_strike_it_does_not_open);
     suite_add_tcase(suite, all);
     return run_suite(suite);
 }

@@ -412,6 +412,28 @@ START_TEST(the_first_look_moves_nothing)
 }
 END_TEST
 
+/* What a drive does not tell is not judged, whatever stands there; and a drive without room between warn and stop is
+ * not judged by a division by it. */
+START_TEST(only_what_is_told_is_judged)
+{
+    look(1.0);
+    reading[SIDE_LEFT].has_temperature = false;
+    reading[SIDE_LEFT].temperature_degC = 95.0f;
+    look(0.3);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_NONE);
+    reading[SIDE_LEFT].has_temperature = true;
+    reading[SIDE_LEFT].has_supply = false;
+    reading[SIDE_LEFT].temperature_degC = 25.0f;
+    reading[SIDE_LEFT].supply_V = 0.0f;
+    look(0.1);
+    ck_assert_int_eq(derate.leg[SIDE_LEFT].cause, DERATE_NONE);
+    setup();
+    limit[SIDE_LEFT].temperature_warn_degC = limit[SIDE_LEFT].temperature_stop_degC;
+    look(10.0);
+    assert_close(derate.share, 1.0, 0.0, 0.0);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("derate");
@@ -436,6 +458,7 @@ int main(void)
     tcase_add_test(tests, the_last_bit_is_given_back);
     tcase_add_test(tests, it_returns_when_both_are_well);
     tcase_add_test(tests, the_first_look_moves_nothing);
+    tcase_add_test(tests, only_what_is_told_is_judged);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

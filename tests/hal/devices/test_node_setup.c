@@ -389,6 +389,15 @@ START_TEST(another_rated_torque_is_refused_with_both_values)
         b.config.rated_torque_mNm[SIDE_LEFT] = told_mNm;
         ck_assert_int_eq(finish(true), told_mNm == 0 ? SETUP_DONE : SETUP_DIFFERS);
     }
+    for (uint32_t found_mNm = 72; found_mNm <= 78;
+         found_mNm++) { /* 75 and 2 %, and half of one: 2 */
+        start();
+        b.drive.objects.rated_torque_mNm = found_mNm;
+        b.config.lacks[SIDE_LEFT] = 1u << (unsigned)DEVICE_LACKS_SCALING;
+        b.config.rated_torque_mNm[SIDE_LEFT] = 75;
+        const bool is_alike = found_mNm >= 73 && found_mNm <= 77;
+        ck_assert_int_eq(finish(true), is_alike ? SETUP_DONE : SETUP_DIFFERS);
+    }
 }
 END_TEST
 

@@ -345,6 +345,34 @@ START_TEST(a_latch_board_hears_the_latch_and_tells_where_it_can)
 }
 END_TEST
 
+/* An ankle sensor on a node of its own: one entry in its frame, and what else it may send is switched off. */
+START_TEST(an_ankle_sensor_of_its_own_is_asked_what_it_is)
+{
+    static const struct setup_step left[] = {
+        {E, 0x1000, 0, 4, 406, 0xFFFF},
+        PRODUCER,
+        CONSUMER,
+        PDO(0x1801, 0x40000287, 1, 1, 1, 0x20200210, 1, 0x20200210, 1, 0x20200210),
+        {E, 0x2021, 0, 4, 0, 0xFF},
+        {A, 0x6503, 0, 4, 0, 0xFFFF},
+        {T, 0x1800, 1, 4, 0x80000189, 0},
+        {T, 0x1802, 1, 4, 0x80000389, 0}};
+    static const struct setup_step makers[] = {
+        {E, 0x1000, 0, 4, 406, 0xFFFF},
+        PRODUCER,
+        CONSUMER,
+        PDO(0x1801, 0x288, 1, 1, 1, 0x60040020, 1, 0x60040020, 1, 0x60040020),
+        {A, 0x6503, 0, 4, 0, 0xFFFF},
+        {T, 0x1800, 1, 4, 0x80000189, 0},
+        {T, 0x1802, 1, 4, 0x80000389, 0}};
+    start();
+    CHECK(NETWORK_ANKLE_LEFT, false, left);
+    config.ankle_object[RIGHT] = 0x600400;
+    config.ankle_bits[RIGHT] = 32;
+    CHECK(NETWORK_ANKLE_RIGHT, true, makers);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("setup_steps");
@@ -358,6 +386,7 @@ int main(void)
     tcase_add_test(tests, a_makers_leg_sensor_has_its_own_objects);
     tcase_add_test(tests, a_latch_board_hears_the_latch_and_tells_where_it_can);
     Suite *suite = suite_create("setup_steps");
+    tcase_add_test(tests, an_ankle_sensor_of_its_own_is_asked_what_it_is);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }

@@ -206,9 +206,18 @@ START_TEST(a_new_recording_forgets_the_last_one)
         }
     }
     ck_assert_uint_eq(black_box_reader_open(&reader, &box), BLACK_BOX_BLOCK_COUNT);
+    memset(&box.header, 0xA5, sizeof box.header);
     black_box_start(&box, 1, 2);
     for (uint32_t i = 0; i < BLACK_BOX_BLOCK_COUNT; i++) {
         ck_assert_uint_eq(box.blocks[i].magic, 0);
+    }
+    ck_assert_uint_eq(box.header.reason, 0);
+    ck_assert_uint_eq(box.header.trigger_tick, 0);
+    ck_assert_uint_eq(box.header.close_tick, 0);
+    ck_assert_uint_eq(box.header.next_sequence, 0);
+    ck_assert_uint_eq(box.header.lost_frames, 0);
+    for (int row = 0; row < BLACK_BOX_ROW_MAX; row++) {
+        ck_assert_uint_eq(box.header.last[row][0], 0);
     }
     black_box_end_tick(&box, 1, NULL, NULL);
     ck_assert_uint_eq(black_box_reader_open(&reader, &box), 1);

@@ -1,5 +1,5 @@
-/* The program in flash is looked through again and again while the device works: what was found damaged once stays so,
- * whatever the next round finds. */
+/* What the device looks after beside its controller: the program in flash, again and again; the first reason of a fault;
+ * and the black box' trigger. */
 #include "firmware/orthosis.h"
 
 #include <string.h>
@@ -53,6 +53,8 @@ static void make_image(void)
                                               IMAGE_BYTES - 0x220));
 }
 
+static bool restarted;
+
 static void power_up(void)
 {
     static const struct emergency_stop_ops stop_ops = {never_pressed};
@@ -69,7 +71,8 @@ static void power_up(void)
                                            .nv = &nv,
                                            .black_box = &box,
                                            .crash = &crash,
-                                           .program = &slots};
+                                           .program = &slots,
+                                           .restarted = restarted};
     nv_memory_init(&memory);
     nv = nv_memory_store(&memory);
     fake_bus_init(&fake);
@@ -125,12 +128,59 @@ START_TEST(the_count_of_rounds_stays_at_its_end)
 }
 END_TEST
 
+/* Without settings it does not walk, whatever a restart says in addition. */
+START_TEST(missing_settings_outweigh_a_restart)
+{
+    make_image();
+    restarted = true;
+    power_up();
+    restarted = false;
+    ck_assert_int_eq(device.task.controller.supervisor.latched, SUPERVISOR_FAULT_PARAMETERS);
+    ck_assert_int_eq(device.task.controller.supervisor.state, SUPERVISOR_FAULT);
+}
+END_TEST
+
+static void pass(int ticks)
+{
+    const struct can_msg sync = {.id = 0x080, .flags = CAN_FRAME_OWN};
+    for (int i = 0; i < ticks; i++) {
+        fake_bus_init(&fake);
+        orthosis_start_cycle(&device);
+        fake_bus_put(&fake, &sync);
+        (void)orthosis_poll(&device);
+        fake_bus_init(&fake);
+        (void)orthosis_poll(&device);
+    }
+}
+
+/* A recording that was begun anew in a fault is not ended by what the same stop turns into: its reason was told. */
+START_TEST(a_fault_behind_a_fault_triggers_nothing)
+{
+    make_image();
+    memset(&box, 0, sizeof box);
+    power_up();
+    pass(20);
+    ck_assert_int_eq(device.task.output.fault, SUPERVISOR_FAULT_PARAMETERS);
+    ck_assert_uint_ne(box.header.state, BLACK_BOX_RECORDING);
+    ck_assert_uint_eq(box.header.reason, 1u << SUPERVISOR_FAULT_PARAMETERS);
+    black_box_start(&box, 1, 2);
+    pass(20);
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_RECORDING);
+    device.forced_fault = SUPERVISOR_FAULT_NODE_LOST; /* another reason, in every tick */
+    pass(20);
+    ck_assert_int_eq(device.task.output.fault, SUPERVISOR_FAULT_NODE_LOST);
+    ck_assert_uint_eq(box.header.state, BLACK_BOX_RECORDING);
+}
+END_TEST
+
 int main(void)
 {
-    Suite *suite = suite_create("orthosis' program");
+    Suite *suite = suite_create("orthosis' care");
     TCase *tests = tcase_create("all");
     tcase_add_test(tests, a_damaged_program_stays_damaged);
     tcase_add_test(tests, the_count_of_rounds_stays_at_its_end);
+    tcase_add_test(tests, missing_settings_outweigh_a_restart);
+    tcase_add_test(tests, a_fault_behind_a_fault_triggers_nothing);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }
