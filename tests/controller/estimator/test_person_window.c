@@ -40,7 +40,7 @@ static struct seen walk(int spoiled, enum foot_contact shown)
             }
         }
         gait_observer_update(&observer, &params, &input);
-        const int own = observer.state.stance;
+        const int own = (int)observer.state.stance;
         if (tick > LEARNED_TICKS && observer.state.strike_near) {
             const double landing = at[1 - own] > 0.5 ? at[1 - own] - 1.0 : at[1 - own];
             seen.steps[own] += was_near ? 0 : 1;
