@@ -120,7 +120,8 @@ void sim_report_csv(FILE *stream, const struct walk_record *record, double targe
     }
 }
 
-/* A reflex person's segments, each against the vertical or the ground: positive leaning forward, swung forward, toes up. */
+/* A reflex person's segments, each against the vertical or the ground: positive leaning forward, swung forward, toes up.
+ * And the centre of pressure below each foot, world, where the ground carries it. */
 static bool has_segments(const struct loop *loop)
 {
     return loop->config.plant.kind == PLANT_REFLEX_PERSON;
@@ -134,9 +135,11 @@ void sim_tick_header(FILE *stream, const struct loop *loop)
           "ground_left_x_N,ground_left_y_N,ground_right_x_N,ground_right_y_N",
           stream);
     if (has_segments(loop)) {
-        fputs(",trunk_lean_rad,thigh_left_rad,shank_left_rad,foot_left_rad,thigh_right_rad,"
-              "shank_right_rad,foot_right_rad",
-              stream);
+        fputs(
+            ",trunk_lean_rad,thigh_left_rad,shank_left_rad,foot_left_rad,thigh_right_rad,"
+            "shank_right_rad,foot_right_rad,pressure_left_x_m,pressure_left_y_m,pressure_right_x_m,"
+            "pressure_right_y_m",
+            stream);
     }
     fputc('\n', stream);
 }
@@ -194,6 +197,11 @@ static void segments(FILE *stream, const struct plant *plant)
     fprintf(stream, ",%.6f", -angle[MULTIBODY_TRUNK]);
     for (int i = MULTIBODY_TRUNK + 1; i < MULTIBODY_DOF; i++) {
         fprintf(stream, ",%.6f", angle[i]);
+    }
+    for (int k = 0; k < SIDE_COUNT; k++) {
+        const struct vector2 at = plant->reflex.pressure_m[k];
+        const double place_m[2] = {-at.x, at.y};
+        write_numbers(stream, place_m, 2, plant->reflex.ground_N[k].y > 0.0);
     }
 }
 

@@ -94,38 +94,41 @@ def write_storage(name, wanted, degrees, told, path):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def ground_forces(names, columns, told):
-    """The columns of a file of ground reaction forces for OpenSim, x forwards and y up; and words where there is none.
+def ground_forces(names, columns):
+    """The columns of a file of ground reaction forces for OpenSim, x forwards and y up; or None and the words why.
 
-    The force of a compass is at its toe. That of a foot lies between heel and ball, and the table does not say where."""
+    They act at the centre of pressure below a foot, and at a compass' toe."""
     if any(name not in names for name in GROUND_COLUMNS):
         return None, "the table has no ground forces"
-    values = {name: [number(text) for text in columns[names.index(name)]] for name in ("time_s", *GROUND_COLUMNS)}
-    if told.get("who", {}).get("plant") == "reflex" or any(math.isnan(value) for value in values["ground_left_y_N"]):
+    places = tuple(f"pressure_{side}_{axis}_m" for side in ("left", "right") for axis in "xy")
+    where = "pressure" if all(name in names for name in places) else "toe"
+    wanted = ("time_s", *GROUND_COLUMNS, *(places if where == "pressure" else ()))
+    values = {name: [number(text) for text in columns[names.index(name)]] for name in wanted}
+    if any(math.isnan(value) for value in values["ground_left_y_N"]):
         return None, "where the ground's force acts on a person's foot is not known"
-    zero, wanted = [0.0] * len(values["time_s"]), {"time": values["time_s"]}
+    zero, forces = [0.0] * len(values["time_s"]), {"time": values["time_s"]}
     for side, letter in (("left", "l"), ("right", "r")):
         plate = f"ground_force_{letter}"
-        wanted |= {f"{plate}_vx": [-x for x in values[f"ground_{side}_x_N"]], f"{plate}_vy": values[f"ground_{side}_y_N"],
-                   f"{plate}_vz": zero, f"{plate}_px": [-x for x in values[f"toe_{side}_x_m"]],
-                   f"{plate}_py": values[f"toe_{side}_y_m"], f"{plate}_pz": zero,
+        x, y = ([0.0 if math.isnan(value) else value for value in values[f"{where}_{side}_{axis}_m"]] for axis in "xy")
+        forces |= {f"{plate}_vx": [-x_N for x_N in values[f"ground_{side}_x_N"]], f"{plate}_vy": values[f"ground_{side}_y_N"],
+                   f"{plate}_vz": zero, f"{plate}_px": [-x_m for x_m in x], f"{plate}_py": y, f"{plate}_pz": zero,
                    **{f"ground_torque_{letter}_{axis}": zero for axis in "xyz"}}
-    return wanted, ""
+    return forces, f"at the {'toes' if where == 'toe' else 'centres of pressure'}"
 
 
 def beside_motion(path, names, columns, told):
     """Writes walk_grf.mot beside walk.mot, where the forces are known; the words for who exports."""
-    wanted, reason = ground_forces(names, columns, told)
-    if wanted is None:
-        return f"no file of ground forces: {reason}"
+    forces, words = ground_forces(names, columns)
+    if forces is None:
+        return f"no file of ground forces: {words}"
     path = path.with_name(f"{path.stem}_grf{path.suffix}")
     fresh = path.with_name(path.name + ".new")
     try:
-        write_storage("afo_walk_ground_forces", wanted, False, told, fresh)
+        write_storage("afo_walk_ground_forces", forces, False, told, fresh)
         os.replace(fresh, path)
     finally:
         fresh.unlink(missing_ok=True)
-    return f"{path}: the ground's forces on both legs, N, at the toes"
+    return f"{path}: the ground's forces on both legs, N, {words}"
 
 
 def joints_of_compass(values, side):

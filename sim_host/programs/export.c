@@ -53,7 +53,7 @@ int afo_export(int argc, char **argv)
         "  afo export ticks.csv --out walk.mot\n"
         "  afo export ticks.csv --out walk.svg\n\n"
         "A motion has Rajagopal's coordinates (2016): the pelvis at the hip, and hip, knee and ankle in degrees, flexion positive. A compass has straight knees. "
-        "walk.mot has walk_grf.mot beside it, the ground's forces, where the walker is a compass. "
+        "walk.mot has walk_grf.mot beside it, the ground's forces at a compass' toes or a person's centres of pressure. "
         "Trials of afo view are exported by afo report --export.\n\n"
         "Exit status: 0 written, 2 wrong usage, or a table that cannot be read.",
         0,

@@ -219,6 +219,9 @@ void reflex_person_init(struct reflex_person *person, const struct reflex_person
         }
     }
     person->ground_N[SIDE_RIGHT].y = params->mass_kg * params->gravity_m_s2;
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        person->pressure_m[side] = reflex_person_ball(person, (enum side)side);
+    }
     struct reflex_moment moment;
     sense(person, &moment);
     reflexes_init(&person->reflexes, &moment);
@@ -236,9 +239,15 @@ struct held {
     struct multibody_pose pose;
 };
 
+/* What the ground does to the feet. */
+struct ground_reactions {
+    struct vector2 force_N[SIDE_COUNT];
+    struct vector2 moment_Nm[SIDE_COUNT]; /* each point's vertical force times its place */
+};
+
 static void accelerate(const struct reflex_person *person, const struct held *held,
                        const struct multibody_state *body, double acceleration[MULTIBODY_DOF],
-                       struct vector2 ground_N[SIDE_COUNT])
+                       struct ground_reactions *reactions)
 {
     const struct reflex_person_params *params = &person->params;
     double force[MULTIBODY_DOF] = {held->loads->push_N.x, held->loads->push_N.y};
@@ -251,7 +260,9 @@ static void accelerate(const struct reflex_person *person, const struct held *he
         muscles_joint_angles(body, (enum side)side, &joints);
         muscles_add_joint_ends(&joints, params->mass_kg, torque);
         muscles_add_to_body(torque, (enum side)side, force);
-        ground_N[side] = (struct vector2){0.0, 0.0};
+        struct vector2 *force_N = &reactions->force_N[side];
+        struct vector2 *moment_Nm = &reactions->moment_Nm[side];
+        *force_N = *moment_Nm = (struct vector2){0.0, 0.0};
         for (int point = 0; point < FOOT_POINTS; point++) {
             struct vector2 position, velocity;
             const struct vector2 at = point_of(&params->segments, (enum foot_point)point);
@@ -261,12 +272,26 @@ static void accelerate(const struct reflex_person *person, const struct held *he
                               &held->ground[side][point], NULL);
             if (push.y > 0.0) {
                 multibody_add_force(&pose, (enum side)side, at, push, force);
-                ground_N[side].x += push.x;
-                ground_N[side].y += push.y;
+                force_N->x += push.x;
+                force_N->y += push.y;
+                moment_Nm->x += push.y * position.x;
+                moment_Nm->y += push.y * position.y;
             }
         }
     }
     multibody_accelerations(&params->segments, body, &pose, force, acceleration);
+}
+
+static void keep_reactions(struct reflex_person *person, const struct ground_reactions *reactions)
+{
+    memcpy(person->ground_N, reactions->force_N, sizeof person->ground_N);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        const double vertical_N = reactions->force_N[side].y;
+        if (vertical_N > 0.0) {
+            person->pressure_m[side] = (struct vector2){reactions->moment_Nm[side].x / vertical_N,
+                                                        reactions->moment_Nm[side].y / vertical_N};
+        }
+    }
 }
 
 /* Runge and Kutta's fourth order; the contacts' holds stay where they are meanwhile. */
@@ -278,19 +303,19 @@ static void advance_body(struct reflex_person *person, const struct held *held)
     struct multibody_state slope = {{0}, {0}}, sum = {{0}, {0}};
     for (int stage = 0; stage < 4; stage++) {
         struct multibody_state here;
-        struct vector2 ground_N[SIDE_COUNT];
+        struct ground_reactions reactions;
         for (int i = 0; i < MULTIBODY_DOF; i++) {
             here.q[i] = start.q[i] + at[stage] * step_s * slope.q[i];
             here.dq[i] = start.dq[i] + at[stage] * step_s * slope.dq[i];
         }
-        accelerate(person, held, &here, slope.dq, ground_N);
+        accelerate(person, held, &here, slope.dq, &reactions);
         for (int i = 0; i < MULTIBODY_DOF; i++) {
             slope.q[i] = here.dq[i];
             sum.q[i] += weight[stage] / 6.0 * slope.q[i];
             sum.dq[i] += weight[stage] / 6.0 * slope.dq[i];
         }
         if (stage == 0) {
-            memcpy(person->ground_N, ground_N, sizeof ground_N);
+            keep_reactions(person, &reactions);
         }
     }
     for (int i = 0; i < MULTIBODY_DOF; i++) {

@@ -47,6 +47,8 @@ struct reflex_person {
     double stimulation[SIDE_COUNT][MUSCLE_COUNT];
     struct vector2
         ground_N[SIDE_COUNT]; /* the ground's force on each foot, at the last step's begin */
+    struct vector2 pressure_m
+        [SIDE_COUNT]; /* the centre of pressure then; where a foot has no force, its last */
     double muscle_work_J[SIDE_COUNT][JOINT_COUNT]; /* at each joint, since the start */
     double muscle_positive_work_J[SIDE_COUNT][JOINT_COUNT];
     double torque_Nm[SIDE_COUNT][JOINT_COUNT]; /* of the muscles, at the last step's begin */

@@ -167,12 +167,26 @@ def test_a_walk_as_an_opensim_motion(written, tmp_path):
     assert np.corrcoef(moved, turned)[0, 1] > 0.97
 
 
+def roll_over(forces, letter, ball_x_m):
+    """A stance begins at the heel, as far behind the ball as a foot that lands reaches, ends at the ball, and never lies outside."""
+    down = (forces[f"ground_force_{letter}_vy"] > 20).to_numpy()
+    behind_m = (ball_x_m - forces[f"ground_force_{letter}_px"]).to_numpy()
+    ends = np.flatnonzero(down[:-1] & ~down[1:])
+    begins = np.flatnonzero(~down[:-1] & down[1:]) + 1
+    assert len(begins) >= 2 and len(ends) >= 2
+    assert np.all(np.abs(behind_m[ends]) < 1e-3)
+    foot_m = behind_m[begins]
+    assert np.ptp(foot_m) < 0.03 and 0.12 < foot_m.mean() < 0.25
+    assert behind_m[down].min() > -1e-3 and behind_m[down].max() < foot_m.max() + 0.01
+
+
 def test_a_person_who_bends_their_knees_as_an_opensim_motion(tmp_path):
     """From the hip by the motion's angles alone: the ankle is as far from the ball as a foot is long, and the foot as it is turned."""
     ticks, path = tmp_path / "ticks.csv", tmp_path / "walk.mot"
     made(ticks, "--plant", "reflex", "--person", ROOT / "sim_host/persons/reflex-new.ini", "--device",
          ROOT / "sim_host/devices/virtual-adult.ini", "--without-device", "--steps", "6", "--quiet", f"--ticks={ticks}")
-    assert run(ticks, "--out", path, command="export").returncode == 0
+    done = run(ticks, "--out", path, command="export")
+    assert done.returncode == 0 and "N, at the centres of pressure" in done.stdout
     told, table = json.loads(ticks.with_name("ticks.csv.json").read_text()), pandas.read_csv(ticks)
     _, motion = storage(path)
     part = told["who"]["leg_length_m"] / 2
@@ -186,6 +200,7 @@ def test_a_person_who_bends_their_knees_as_an_opensim_motion(tmp_path):
         along = (np.cos(foot) * ball[0] + np.sin(foot) * ball[1], -np.sin(foot) * ball[0] + np.cos(foot) * ball[1])
         assert np.std(along[0]) < 1e-6 and np.std(along[1]) < 1e-6 and np.mean(along[0]) > 0.1
         assert motion[f"knee_angle_{letter}"].max() > 40 and motion[f"knee_angle_{letter}"].min() > -5
+        roll_over(storage(tmp_path / "walk_grf.mot")[1], letter, -table[f"toe_{side}_x_m"])
     assert np.degrees(table["trunk_lean_rad"]).to_numpy() == pytest.approx(-motion["pelvis_tilt"].to_numpy(), abs=1e-6)
 
 
