@@ -163,7 +163,7 @@ def test_a_supply_that_falls_unloads_and_the_list_of_the_board_tells():
     assert end["fault"] == "emergency stop" and end["starts"] == 1
     assert board["supply"] == {"good": False, "value": "above 2.9 V, 1 dips"}
     bad = {name for name, row in board.items() if not row["good"]}
-    assert bad == {"supply"} and board["clock"]["value"] == "170000000 Hz" and len(board) == 12
+    assert bad == {"supply"} and board["clock"]["value"] == "170000000 Hz" and len(board) == 13
     assert board["option bytes"]["value"] == "FEEFFBAA, wanted FEEFFBAA"
 
 
