@@ -16,15 +16,27 @@ static bool count_disobedience(uint8_t *ticks, bool disobeys)
     return true;
 }
 
-/* Up while a drive is not known to be off; at its end the hold is added, which passes while all are off. */
+/* The power is away until this is counted down to the limit, whatever the state is by then. */
+static bool count_hold(struct drive_watch *watch)
+{
+    if (watch->powered_ticks < DRIVE_WATCH_POWER_TICKS) {
+        return false;
+    }
+    watch->powered_ticks =
+        watch->powered_ticks > DRIVE_WATCH_POWER_TICKS ? (uint16_t)(watch->powered_ticks - 1u) : 0;
+    return true;
+}
+
+/* Up while a drive is not known to be off, down while all are: one telegram does not outweigh the others. At its
+ * end the hold is added. */
 static void count_powered(struct drive_watch *watch, bool off)
 {
-    if (off) {
-        watch->powered_ticks = watch->powered_ticks > DRIVE_WATCH_POWER_TICKS
-                                   ? (uint16_t)(watch->powered_ticks - 1u)
-                                   : 0;
-    } else if (++watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS) {
-        watch->powered_ticks = DRIVE_WATCH_POWER_TICKS + DRIVE_WATCH_HOLD_TICKS;
+    if (!off) {
+        if (++watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS) {
+            watch->powered_ticks = DRIVE_WATCH_POWER_TICKS + DRIVE_WATCH_HOLD_TICKS;
+        }
+    } else if (!count_hold(watch) && watch->powered_ticks > 0) {
+        watch->powered_ticks--;
     }
 }
 
@@ -34,7 +46,9 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
     unsigned to_stop = 0;
     bool off = true;
     if (state != SUPERVISOR_UNLOADING && state != SUPERVISOR_FAULT) {
-        watch->powered_ticks = 0;
+        if (!count_hold(watch)) {
+            watch->powered_ticks = 0;
+        }
         for (int leg = 0; leg < SIDE_COUNT; leg++) {
             (void)count_disobedience(&watch->disobeys[leg], false);
         }

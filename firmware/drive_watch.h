@@ -36,7 +36,8 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
                             enum supervisor_state state);
 
 /* True when the hardware must take the drives' power: for DRIVE_WATCH_POWER_TICKS one has been silent in
- * SUPERVISOR_UNLOADING or FAULT, or under torque in FAULT; or it was so DRIVE_WATCH_HOLD_TICKS ago. O(1). */
+ * SUPERVISOR_UNLOADING or FAULT, or under torque in FAULT; or it was so DRIVE_WATCH_HOLD_TICKS ago, whatever the state
+ * is now. A tick in which all are off takes one back from the count. O(1). */
 static inline bool drive_watch_power_must_go(const struct drive_watch *watch)
 {
     return watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS;
