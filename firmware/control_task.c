@@ -264,7 +264,8 @@ static unsigned run_tick(struct control_task *task)
             : 0;
     const bool sent = send_commands(task);
     stop_by_nmt(task,
-                stuck | drive_watch_update(&task->watch, &task->config.drives, task->output.state));
+                stuck | drive_watch_update(&task->watch, &task->config.drives, task->output.state,
+                                           task->output.sea, &task->node.objects.params));
     tool_watch_end_tick(&task->tools, &task->bring_up, &task->config.drives,
                         supervisor_may_enable(task->output.state));
     task->node.objects.reset_requested = 0;

@@ -1,5 +1,7 @@
 #include "firmware/drive_watch.h"
 
+#include <float.h>
+
 /* One telegram that says otherwise does not outweigh the others. Returns true when the drive
  * must be stopped. */
 static bool count_disobedience(uint8_t *ticks, bool disobeys)
@@ -40,8 +42,31 @@ static void count_powered(struct drive_watch *watch, bool off)
     }
 }
 
+/* A drive needs its torque while it is led to an empty spring. It is led while it follows a target that moves, or
+ * unloads, however slowly; how long that may take is the supervisor's. One that answers and holds its spring is not. */
+static bool is_led(struct drive_watch *watch, enum side leg, const struct sea_drive_reading *drive,
+                   const struct sea_request *request, const struct control_params *params)
+{
+    const float reading_m = drive->precompression_m, target_m = request->precompression_m;
+    const bool follows =
+        target_m > 0.0f && reading_m - target_m <= DRIVE_WATCH_BEHIND_RATIO * params->leg_length_m;
+    const bool moves =
+        watch->nearest_m[leg] - reading_m >= DRIVE_WATCH_STILL_RATIO * params->leg_length_m;
+    const bool slack = reading_m <= params->sea_tolerance_m;
+    if (follows || moves || slack) {
+        watch->nearest_m[leg] = reading_m;
+        watch->still_ticks[leg] = 0;
+    } else if (watch->still_ticks[leg] < DRIVE_WATCH_LED_TICKS) {
+        watch->still_ticks[leg]++;
+    }
+    return drive->age_ticks <= DRIVE_WATCH_HEARD_TICKS &&
+           watch->still_ticks[leg] < DRIVE_WATCH_LED_TICKS;
+}
+
 unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
-                            enum supervisor_state state)
+                            enum supervisor_state state,
+                            const struct sea_request request[SIDE_COUNT],
+                            const struct control_params *params)
 {
     unsigned to_stop = 0;
     bool off = true;
@@ -51,6 +76,8 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
         }
         for (int leg = 0; leg < SIDE_COUNT; leg++) {
             (void)count_disobedience(&watch->disobeys[leg], false);
+            watch->still_ticks[leg] = 0;
+            watch->nearest_m[leg] = FLT_MAX; /* whatever it reads first is nearer */
         }
         return 0;
     }
@@ -58,8 +85,8 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
         struct sea_drive_reading drive;
         sea_drives_read(drives, (enum side)leg, &drive);
         const bool heard = drive.age_ticks <= DRIVE_WATCH_STOP_TICKS;
-        /* While it is led to an empty spring it needs its torque; how long that may take is the supervisor's. */
-        const bool led = state == SUPERVISOR_UNLOADING && drive.age_ticks <= DRIVE_WATCH_LED_TICKS;
+        const bool led = state == SUPERVISOR_UNLOADING &&
+                         is_led(watch, (enum side)leg, &drive, &request[leg], params);
         const bool is_off = drive.state == DRIVE_DISABLED || drive.state == DRIVE_FAULT;
         off = off && heard && (led || is_off);
         /* What a silent one said last may be of before it was switched off and on. */

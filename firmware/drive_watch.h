@@ -9,13 +9,21 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "controller/control_params.h"
+#include "controller/signals.h"
 #include "controller/supervisor/supervisor.h"
 #include "hal/devices/sea_drives.h"
 #include "model/tick.h"
 
+/* Shares of the leg's length. So far behind its target a drive follows it, as tool_watch.h has it. By so little it
+ * moves within DRIVE_WATCH_LED_TICKS: 4 mm/s at 1 m; 2 s at most for a spring of some cm ask for more. */
+#define DRIVE_WATCH_BEHIND_RATIO 0.02f
+#define DRIVE_WATCH_STILL_RATIO 0.0002f
+
 enum {
-    DRIVE_WATCH_LED_TICKS = TICKS_OF_MS(10),    /* a drive that is led has answered so lately */
-    DRIVE_WATCH_STOP_TICKS = TICKS_OF_MS(50),   /* enabled for so long in SUPERVISOR_FAULT */
+    DRIVE_WATCH_HEARD_TICKS = TICKS_OF_MS(10), /* a drive that is led has answered so lately */
+    DRIVE_WATCH_LED_TICKS = TICKS_OF_MS(50),  /* and has come nearer to an empty spring so lately */
+    DRIVE_WATCH_STOP_TICKS = TICKS_OF_MS(50), /* enabled for so long in SUPERVISOR_FAULT */
     DRIVE_WATCH_POWER_TICKS = TICKS_OF_MS(500), /* longer than any unload by itself takes */
     /* A drive whose torque was taken reports that it is off. Its power stays away for so long, so that the safety
      * relay, which waits 400 ms, falls too, and comes back only when somebody starts it. */
@@ -25,18 +33,22 @@ enum {
 struct drive_watch {
     uint16_t
         powered_ticks; /* while it stops: a drive is silent or under torque for so long; then the hold's */
-    uint8_t disobeys[SIDE_COUNT]; /* ticks a drive has been enabled in SUPERVISOR_FAULT */
+    uint8_t disobeys[SIDE_COUNT];    /* ticks a drive has been enabled in SUPERVISOR_FAULT */
+    uint8_t still_ticks[SIDE_COUNT]; /* ticks it has not come nearer to an empty spring */
+    float nearest_m[SIDE_COUNT];     /* what it read then */
 };
 
-/* Once a tick, with the supervisor's state. Returns the legs (bit 1 << side) whose drive must
+/* Once a tick, with the supervisor's state, what it asks of the drives (SIDE_COUNT) and the settings in force. Returns the legs (bit 1 << side) whose drive must
  * be stopped by NMT now: it still follows its target a while after the torque was to be off,
  * so it has not understood its controlword; stopped it unloads by itself (0x6007).
  * Loop only; O(1). */
 unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
-                            enum supervisor_state state);
+                            enum supervisor_state state,
+                            const struct sea_request request[SIDE_COUNT],
+                            const struct control_params *params);
 
 /* True when the hardware must take the drives' power: for DRIVE_WATCH_POWER_TICKS one has been silent in
- * SUPERVISOR_UNLOADING or FAULT, or under torque in FAULT; or it was so DRIVE_WATCH_HOLD_TICKS ago, whatever the state
+ * SUPERVISOR_UNLOADING or FAULT, has held its spring in UNLOADING, or was under torque in FAULT; or it was so DRIVE_WATCH_HOLD_TICKS ago, whatever the state
  * is now. A tick in which all are off takes one back from the count. O(1). */
 static inline bool drive_watch_power_must_go(const struct drive_watch *watch)
 {

@@ -48,6 +48,9 @@ static void watch(const struct derate_limits limit[SIDE_COUNT])
 {
     struct sea_request request[SIDE_COUNT];
     struct can_msg message;
+    struct control_params params;
+    params.leg_length_m = Frama_C_float_interval(0.1f, 1.5f);
+    params.sea_tolerance_m = Frama_C_float_interval(0.00001f, 0.05f);
     request[SIDE_LEFT] = request[SIDE_RIGHT] =
         (struct sea_request){any_float, any_bool(), any_bool()};
     any_message(&message);
@@ -59,7 +62,8 @@ static void watch(const struct derate_limits limit[SIDE_COUNT])
         drive_care_show(&objects, &controller.derate, &any_drives);
         break;
     case 2:
-        (void)drive_watch_update(&drive_watch, &any_drives, (enum supervisor_state)any_u32);
+        (void)drive_watch_update(&drive_watch, &any_drives, (enum supervisor_state)any_u32, request,
+                                 &params);
         break;
     case 3:
         (void)tool_watch_receive(&tool_watch, &network, &bring_up, &message, &objects);

@@ -15,7 +15,9 @@ static struct sea_output spring(enum side side)
 /* Walks until the left spring is loaded behind its latch, then lets the fault of the left drive's place come. */
 static void walk_and_break(bool person, enum fault_kind kind)
 {
-    const struct fault_shot shot = {.kind = kind, .duration_ticks = TICKS_OF_MS(3000)};
+    /* Of a drive that is slow: its share of its speed. It answers, and holds its motor. */
+    const struct fault_shot shot = {
+        .kind = kind, .duration_ticks = TICKS_OF_MS(3000), .magnitude = 1e-6};
     injected_walk_prepare(&loop, NULL, person ? 4 : 0);
     injected_walk_begin(&injector, &loop, 14);
     const double loaded_m = 0.8 * (double)loop.rig.task.controller.last_step.r0_m;
@@ -71,6 +73,22 @@ START_TEST(a_drive_that_hangs_loses_its_torque_at_once_and_its_spring_within_a_s
 }
 END_TEST
 
+/* Its control loop hangs, its telegrams come: neither the unload's time nor its answers keep it its torque. */
+START_TEST(a_drive_that_answers_and_holds_its_motor_is_slack_within_a_second)
+{
+    walk_and_break(_i == 1, FAULT_DRIVE_SLOW);
+    loop.rig.task.node.objects.params.unload_timeout_s = 2.0f;
+    loop.rig.task.node.objects.params_crc = params_guard_crc(&loop.rig.task.node.objects.params);
+    (void)until(is_noticed);
+    ck_assert(is_noticed());
+    const double torque_ms = until(is_without_torque);
+    const double slack_ms = torque_ms + until(is_slack);
+    ck_assert_double_ge(torque_ms, 500);
+    ck_assert_double_le(slack_ms, 1000);
+    ck_assert_int_eq(spring(SIDE_LEFT).latch, SEA_LATCH_CLOSED);
+}
+END_TEST
+
 /* A pin that does not cut, a broken wire: the pump's channel alone, 445 ms in place of 35. */
 START_TEST(without_the_cutting_line_the_pump_takes_it_later)
 {
@@ -121,6 +139,8 @@ int main(void)
     tcase_set_timeout(tests, 120);
     tcase_add_loop_test(
         tests, a_drive_that_hangs_loses_its_torque_at_once_and_its_spring_within_a_second, 0, 2);
+    tcase_add_loop_test(tests, a_drive_that_answers_and_holds_its_motor_is_slack_within_a_second, 0,
+                        2);
     tcase_add_test(tests, without_the_cutting_line_the_pump_takes_it_later);
     tcase_add_test(tests, a_controller_that_is_gone_leaves_the_drives_their_time_to_unload);
     tcase_add_test(tests, a_controller_that_restarts_cuts_nothing);
