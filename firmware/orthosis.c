@@ -255,9 +255,6 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0u) {
         program_update_tick(&orthosis->update);
     }
-    if (bus_recorder_take_quiet(&orthosis->recorder)) {
-        look_after_itself(orthosis);
-    }
     /* Until the first own SYNC came back no command was ever sent, nothing can move, and a
      * bus that is not there yet is no reason to restart. Nor can a drive be reached then,
      * whatever it does: it gets no power. (The tick wraps, the time does not.) */
@@ -269,6 +266,10 @@ unsigned orthosis_poll(struct orthosis *orthosis)
         watchdog_gate_report(&orthosis->gate, has_bus ? progress : (uint32_t)WATCHDOG_ALL);
     if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0u) {
         drive_power_update(&orthosis->drive_power, task, fed);
+    }
+    /* Behind the tick's edge of the permit line, as where there is no tick: the board counts its edges. */
+    if (bus_recorder_take_quiet(&orthosis->recorder)) {
+        look_after_itself(orthosis);
     }
     return progress;
 }

@@ -419,6 +419,34 @@ START_TEST(without_a_bus_the_drives_get_no_power)
 }
 END_TEST
 
+static unsigned looks;
+
+static void look_at_permit(void)
+{
+    looks++;
+    ck_assert_uint_eq(toggles, orthosis.task.tick);
+}
+
+/* The board tells from the line's level at two looks whether it moves: also of looks in a tick and without one. */
+START_TEST(the_board_looks_at_the_permit_line_behind_the_tick_s_edge)
+{
+    config.in_quiet_ticks = look_at_permit;
+    orthosis_init(&orthosis, &config);
+    for (int gap = 0; gap < 3; gap++) {
+        looks = 0;
+        run(101);
+        ck_assert_uint_ge(looks, 30);
+        looks = 0;
+        for (int i = 0; i < 10; i++) { /* no bus: no tick */
+            orthosis_start_cycle(&orthosis);
+            (void)orthosis_poll(&orthosis);
+        }
+        ck_assert_uint_ge(looks, 9);
+    }
+    ck_assert_uint_eq(toggles, 303);
+}
+END_TEST
+
 /* In FAULT, and no drive tells that it is off. After a restart the line is low again, as the pin is. */
 START_TEST(the_torque_is_taken_where_no_drive_says_that_it_is_off)
 {
@@ -590,6 +618,7 @@ int main(void)
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
     tcase_add_test(tests, the_wearer_s_panel_is_read_and_lit);
     tcase_add_test(tests, without_a_bus_the_drives_get_no_power);
+    tcase_add_test(tests, the_board_looks_at_the_permit_line_behind_the_tick_s_edge);
     tcase_add_test(tests, the_torque_is_taken_where_no_drive_says_that_it_is_off);
     tcase_add_test(tests, the_torque_is_taken_also_where_nothing_is_fed);
     tcase_add_test(tests, the_wrap_of_the_tick_is_no_start);
