@@ -89,6 +89,25 @@ START_TEST(a_drive_that_answers_and_holds_its_motor_is_slack_within_a_second)
 }
 END_TEST
 
+static bool is_cut(void)
+{
+    return loop.relay.is_cut;
+}
+
+/* Another controller speaks: all nodes are stopped by NMT. They unload, but none can tell so any more. */
+START_TEST(after_a_stop_by_nmt_the_power_goes)
+{
+    walk_and_break(false, FAULT_FOREIGN_TARGETS);
+    ck_assert_double_le(until(is_noticed), 60);
+    const double slack_ms = until(is_slack);
+    ck_assert_double_le(slack_ms, 300);
+    ck_assert(!is_cut());
+    const double cut_ms = slack_ms + until(is_cut);
+    ck_assert_double_ge(cut_ms, 500);
+    ck_assert_double_le(cut_ms, 520);
+}
+END_TEST
+
 /* A pin that does not cut, a broken wire: the pump's channel alone, 445 ms in place of 35. */
 START_TEST(without_the_cutting_line_the_pump_takes_it_later)
 {
@@ -121,14 +140,48 @@ START_TEST(a_controller_that_is_gone_leaves_the_drives_their_time_to_unload)
 }
 END_TEST
 
-/* A restart lets the line go, and the pump stands still for some ticks only: the drives keep their torque. */
+/* A board is away for so long: the watchdog's 120 ms, then the starter's test of RAM and program (firmware/README.md). */
+static const int downtimes_ms[] = {120, 200, 300, 400};
+
+/* The board comes back with the latched fault. The line that cuts is low meanwhile, and the pump stands still for less
+ * than K2 waits: the drives keep their torque until they have unloaded, and behind it. */
 START_TEST(a_controller_that_restarts_cuts_nothing)
 {
-    walk_and_break(false, FAULT_CONTROLLER_RESET);
-    for (int ticks = 0; ticks < TICKS_OF_MS(1000); ticks++) {
+    const struct fault_shot away = {.kind = FAULT_TICKS_MISSED,
+                                    .duration_ticks =
+                                        (uint32_t)TICKS_OF_MS((unsigned)downtimes_ms[_i])};
+    const struct fault_shot reset = {.kind = FAULT_CONTROLLER_RESET, .duration_ticks = 1};
+    walk_and_break(false, FAULT_TICKS_MISSED);
+    injector_begin(&injector, &loop, &away, 1);
+    for (uint32_t ticks = 0; ticks < away.duration_ticks; ticks++) {
         injector_tick(&injector);
         ck_assert(!loop.nodes.torque_is_off);
     }
+    injector_begin(&injector, &loop, &reset, 1);
+    injector_tick(&injector);
+    supervisor_force_fault(&loop.rig.task.controller.supervisor, SUPERVISOR_FAULT_RESTARTED);
+    for (int ticks = 0; ticks < TICKS_OF_MS(2000); ticks++) {
+        injector_tick(&injector);
+        ck_assert(!loop.nodes.torque_is_off);
+        ck_assert(!loop.relay.is_cut);
+    }
+    ck_assert(is_slack());
+    ck_assert_int_eq(loop.rig.task.output.state, SUPERVISOR_FAULT);
+}
+END_TEST
+
+/* Longer away than K2 waits: with its drives unloaded, and K2 has to be started. */
+START_TEST(a_controller_that_is_away_for_longer_has_lost_the_relay)
+{
+    walk_and_break(false, FAULT_TICKS_MISSED);
+    int ticks = 0;
+    while (!loop.nodes.torque_is_off && ticks < TICKS_OF_MS(1000)) {
+        injector_tick(&injector);
+        ticks++;
+    }
+    ck_assert_int_ge(ticks, TICKS_OF_MS(POWER_RELAY_PUMP_MS + POWER_RELAY_K2_MS));
+    ck_assert_int_le(ticks, TICKS_OF_MS(450));
+    ck_assert(is_slack());
 }
 END_TEST
 
@@ -141,9 +194,12 @@ int main(void)
         tests, a_drive_that_hangs_loses_its_torque_at_once_and_its_spring_within_a_second, 0, 2);
     tcase_add_loop_test(tests, a_drive_that_answers_and_holds_its_motor_is_slack_within_a_second, 0,
                         2);
+    tcase_add_test(tests, after_a_stop_by_nmt_the_power_goes);
     tcase_add_test(tests, without_the_cutting_line_the_pump_takes_it_later);
     tcase_add_test(tests, a_controller_that_is_gone_leaves_the_drives_their_time_to_unload);
-    tcase_add_test(tests, a_controller_that_restarts_cuts_nothing);
+    tcase_add_loop_test(tests, a_controller_that_restarts_cuts_nothing, 0,
+                        (int)(sizeof downtimes_ms / sizeof downtimes_ms[0]));
+    tcase_add_test(tests, a_controller_that_is_away_for_longer_has_lost_the_relay);
     suite_add_tcase(suite, tests);
     return run_suite(suite);
 }
