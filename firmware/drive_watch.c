@@ -76,10 +76,14 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
         }
         for (int leg = 0; leg < SIDE_COUNT; leg++) {
             (void)count_disobedience(&watch->disobeys[leg], false);
-            watch->still_ticks[leg] = 0;
-            watch->nearest_m[leg] = FLT_MAX; /* whatever it reads first is nearer */
         }
+        watch->stops = false;
         return 0;
+    }
+    if (!watch->stops) { /* whatever a drive reads first is nearer */
+        watch->stops = true;
+        watch->still_ticks[SIDE_LEFT] = watch->still_ticks[SIDE_RIGHT] = 0;
+        watch->nearest_m[SIDE_LEFT] = watch->nearest_m[SIDE_RIGHT] = FLT_MAX;
     }
     for (int leg = 0; leg < SIDE_COUNT; leg++) {
         struct sea_drive_reading drive;

@@ -34,6 +34,7 @@ struct drive_watch {
     uint16_t
         powered_ticks; /* while it stops: a drive is silent or under torque for so long; then the hold's */
     uint8_t disobeys[SIDE_COUNT];    /* ticks a drive has been enabled in SUPERVISOR_FAULT */
+    bool stops;                      /* the last tick was one of SUPERVISOR_UNLOADING or FAULT */
     uint8_t still_ticks[SIDE_COUNT]; /* ticks it has not come nearer to an empty spring */
     float nearest_m[SIDE_COUNT];     /* what it read then */
 };
