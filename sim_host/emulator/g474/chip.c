@@ -138,7 +138,7 @@ static uint32_t leave_way(struct chip *chip)
 {
     switch (chip->wild) {
     case CHIP_WILD_IN_RAM:
-        return RAM_BASE;
+        return RAM_BASE + (uint32_t)CHIP_UNUSED_RAM; /* not in a stack's guard */
     case CHIP_WILD_IN_FLASH:
         core_set(&chip->core, CORE_R1, FLASH_BASE + CHIP_STARTER_BYTES);
         return find_instruction(chip, STORE_R0_AT_R1);

@@ -33,6 +33,7 @@ enum {
     CHIP_STARTER_BYTES = 8 * 1024, /* which nothing writes */
     CHIP_UART_MAX = 512,
     CHIP_RAM_BYTES = 128 * 1024,
+    CHIP_UNUSED_RAM = 0x5A40, /* of the 32 KiB that the program tests, what it has no use for */
     CHIP_INTERRUPTS = 102,
     CHIP_EXCEPTIONS = 16 + CHIP_INTERRUPTS,
     CHIP_NEST_MAX = 32,

@@ -36,7 +36,6 @@ enum {
     LOAD_TICKS = 3000,
     CUT_TICKS = 600,
     GUARD_BYTES = 32,
-    UNUSED_RAM = 0x5A40, /* of the 32 KiB that the program tests, what it has no use for */
     LSI_HZ = 32000,
     REGISTER_R10 = 10,
     FLOAT_S29 = CORE_STICK_S0 + 29
@@ -244,11 +243,11 @@ static void break_chip(struct chip_session *session)
     chip_bridge_stop_comparing(&session->bridge);
     switch (session->fault) {
     case CHIP_FAULT_RAM_SLICE:
-        chip->stuck_at = UNUSED_RAM;
+        chip->stuck_at = (uint32_t)CHIP_UNUSED_RAM;
         chip->stuck_bit = 1u << 17;
         break;
     case CHIP_FAULT_RAM_PARITY:
-        chip_weaken(chip, 0x20000000u + UNUSED_RAM);
+        chip_weaken(chip, 0x20000000u + (uint32_t)CHIP_UNUSED_RAM);
         break;
     case CHIP_FAULT_CORE_REGISTER:
         chip->stuck_register = REGISTER_R10;
