@@ -8,7 +8,7 @@ void drive_power_update(struct drive_power *power, const struct control_task *ta
     if (lines == NULL) {
         return;
     }
-    if (must_go != power->is_cut) {
+    if (must_go || power->is_cut) {
         power->is_cut = must_go;
         drive_power_enable_cut(lines, must_go);
     }

@@ -1,7 +1,8 @@
 /* Whether the drives may have power, from what a tick was: the board and the simulated board ask here alike.
  *
  * The power may stay while the watchdog is fed and the drives can be trusted (drive_watch.h). Where one cannot, the
- * line that must toggle stands still, and the line that takes the torque at once rises.
+ * line that must toggle stands still, and the line that takes the torque at once rises. It is set anew in each such tick:
+ * a write that was lost is made up for.
  */
 #ifndef FIRMWARE_DRIVE_POWER_H
 #define FIRMWARE_DRIVE_POWER_H

@@ -80,7 +80,6 @@ static void toggle(void *context)
 static void cut(void *context, bool on)
 {
     (void)context;
-    ck_assert(on != is_cut); /* told once, not in every tick */
     is_cut = on;
     cuts++;
 }
@@ -457,19 +456,20 @@ START_TEST(the_torque_is_taken_where_no_drive_says_that_it_is_off)
         run(DRIVE_WATCH_POWER_TICKS - 2);
         ck_assert_uint_eq(cuts, 0);
         run(4);
-        ck_assert_uint_eq(cuts, 1);
+        ck_assert_uint_ge(cuts, 1);
         ck_assert(is_cut);
         const unsigned before = toggles;
         ck_assert_uint_ge(before, DRIVE_WATCH_POWER_TICKS - 2);
         ck_assert_uint_le(before, DRIVE_WATCH_POWER_TICKS);
         run(2000);
-        ck_assert_uint_eq(cuts, 1);
+        ck_assert(is_cut);
         ck_assert_uint_eq(toggles, before);
     }
     config.drive_power = NULL; /* a board without the lines */
     orthosis_init(&orthosis, &config);
+    cuts = 0;
     run(DRIVE_WATCH_POWER_TICKS + 2);
-    ck_assert_uint_eq(cuts, 1);
+    ck_assert_uint_eq(cuts, 0);
 }
 END_TEST
 
@@ -491,6 +491,27 @@ START_TEST(the_torque_is_taken_also_where_nothing_is_fed)
     ck_assert_uint_eq(toggles, 0);
     drive_power_update(&power, &orthosis.task, true);
     ck_assert_uint_eq(toggles, 1);
+}
+END_TEST
+
+/* One write that is lost, one bit of the port that flips: the next tick sets the line again. */
+START_TEST(the_line_that_takes_the_torque_is_set_anew_in_each_tick)
+{
+    struct drive_power power;
+    drive_power_init(&power, &drive_power);
+    orthosis_init(&orthosis, &config);
+    orthosis.task.watch.powered_ticks = DRIVE_WATCH_POWER_TICKS;
+    for (int tick = 0; tick < 5; tick++) {
+        is_cut = false;
+        drive_power_update(&power, &orthosis.task, tick % 2 == 0);
+        ck_assert(is_cut);
+    }
+    orthosis.task.watch.powered_ticks = 0;
+    drive_power_update(&power, &orthosis.task, true);
+    ck_assert(!is_cut);
+    const unsigned before = cuts; /* and nothing of it costs a usual tick time */
+    drive_power_update(&power, &orthosis.task, true);
+    ck_assert_uint_eq(cuts, before);
 }
 END_TEST
 
@@ -621,6 +642,7 @@ int main(void)
     tcase_add_test(tests, the_board_looks_at_the_permit_line_behind_the_tick_s_edge);
     tcase_add_test(tests, the_torque_is_taken_where_no_drive_says_that_it_is_off);
     tcase_add_test(tests, the_torque_is_taken_also_where_nothing_is_fed);
+    tcase_add_test(tests, the_line_that_takes_the_torque_is_set_anew_in_each_tick);
     tcase_add_test(tests, the_wrap_of_the_tick_is_no_start);
     tcase_add_test(tests, it_is_fed_while_settings_are_saved_and_forgotten);
     tcase_add_test(tests, no_real_tick_no_feed_while_settings_are_saved);
