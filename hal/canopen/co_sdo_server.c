@@ -142,7 +142,7 @@ static bool initiate_download(struct co_sdo_server *server, const uint8_t *reque
         const unsigned unused = (unsigned)(request[0] >> 2 & 3);
         const unsigned size = entry->size < 4 ? entry->size : 4;
         const unsigned length = (request[0] & SIZE_INDICATED) != 0 ? 4 - unused : size;
-        refused = write_object(server, request + 4, length);
+        refused = co_access_write(server->hooks, server->context, entry, base, request + 4, length);
         if (refused != CO_ABORT_NONE) {
             return send_abort(server, refused, answer);
         }
