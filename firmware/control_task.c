@@ -23,9 +23,8 @@ static uint32_t saturating_sum(uint32_t a, uint32_t b)
     return a > UINT32_MAX - b ? UINT32_MAX : a + b;
 }
 
-static void show_counters(void *context)
+static void show_counters(struct control_task *task)
 {
-    struct control_task *task = (struct control_task *)context;
     struct controller_counters *counters = &task->node.objects.counters;
     struct can_bus_status status;
     can_bus_get_status(&task->config.bus, &status);
@@ -43,10 +42,27 @@ static void show_counters(void *context)
     counters->tx_refused = status.tx_refused;
     counters->rx_overflow = status.rx_overflow;
     counters->bus_off_count = status.bus_off_count;
-    drive_care_show(&task->node.objects, &task->controller.derate, &task->config.drives);
-    task->node.objects.cue = (uint8_t)controller_cue(&task->controller);
-    commissioning_show(&task->node.objects, &task->controller.motion, &task->sensors,
-                       &task->config.drives);
+}
+
+/* All of it at once would be much beside a tick's own work. */
+static void show(void *context, uint16_t index)
+{
+    struct control_task *task = (struct control_task *)context;
+    switch (index) {
+    case CONTROLLER_INDEX_COUNTERS:
+        show_counters(task);
+        break;
+    case CONTROLLER_INDEX_DRIVES:
+        drive_care_show(&task->node.objects, &task->controller.derate, &task->config.drives);
+        break;
+    case CONTROLLER_INDEX_STATE:
+        task->node.objects.cue = (uint8_t)controller_cue(&task->controller);
+        break;
+    default:
+        commissioning_show(&task->node.objects, &task->controller.motion, &task->sensors,
+                           &task->config.drives);
+        break;
+    }
 }
 
 static bool has_numbers(const struct node_setup_config *setup)
@@ -75,7 +91,7 @@ int control_task_init(struct control_task *task, const struct control_task_confi
                                           config->walk_requested, config->bus);
     HAL_ASSERT(node == 0); /* the dictionary is a constant of the build */
     (void)node;
-    task->node.rules.show_counters = show_counters;
+    task->node.rules.show = show;
     task->node.rules.show_context = task;
     task->config.params = &task->node.objects.params;
     return controller_init(&task->controller, task->config.params);

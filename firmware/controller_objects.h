@@ -41,6 +41,13 @@ struct controller_counters {
     uint32_t behind_ticks[SIDE_COUNT];
 };
 
+/* Objects of which something is brought up to date when they are read. */
+enum {
+    CONTROLLER_INDEX_STATE = 0x2001,
+    CONTROLLER_INDEX_COUNTERS = 0x2020,
+    CONTROLLER_INDEX_DRIVES = 0x2021
+};
+
 /* 0x2033: the board under the controller, as its main tells; all 0 where there is none. */
 enum controller_board_bits {
     BOARD_BOOST = 1 << 0,        /* the core's regulator is in its boost mode */

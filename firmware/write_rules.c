@@ -14,12 +14,9 @@ enum {
     INDEX_PROGRAM_IDENTIFICATION = 0x1F56,
     INDEX_PROGRAM_STATUS = 0x1F57,
     INDEX_COMMANDS = 0x2000,
-    INDEX_STATE = 0x2001,
     SUB_CUE = 10,
     INDEX_CHANGE_LOG = 0x2005,
     INDEX_PARAMS = 0x2010,
-    INDEX_COUNTERS = 0x2020,
-    INDEX_DRIVES = 0x2021,
     INDEX_CRASH = 0x2032,
     INDEX_BLACK_BOX = 0x2040,
     INDEX_REFUSED_DEVICE = 0x2053,
@@ -300,11 +297,11 @@ uint32_t write_rules_reading(void *context, const struct co_entry *entry)
                                                      sizeof objects->changes.record};
     }
     const bool is_shown =
-        entry->index == INDEX_COUNTERS || entry->index == INDEX_DRIVES ||
-        (entry->index == INDEX_STATE && entry->sub == SUB_CUE) ||
+        entry->index == CONTROLLER_INDEX_COUNTERS || entry->index == CONTROLLER_INDEX_DRIVES ||
+        (entry->index == CONTROLLER_INDEX_STATE && entry->sub == SUB_CUE) ||
         (entry->index >= INDEX_COMMISSIONING && entry->index <= INDEX_FORCE_SAMPLES);
-    if (is_shown && rules->show_counters != NULL) {
-        rules->show_counters(rules->show_context);
+    if (is_shown && rules->show != NULL) {
+        rules->show(rules->show_context, entry->index);
     }
     if (entry->index == INDEX_PROGRAM_IDENTIFICATION || entry->index == INDEX_PROGRAM_STATUS) {
         show_program(rules);

@@ -36,11 +36,12 @@ struct write_rules {
     bool standstill; /* both legs are still */
     const struct controller_settings_store_ops *settings_store; /* NULL: nobody keeps settings */
     void *settings_store_context;
-    struct black_box *black_box;          /* NULL: there is none */
-    struct crash_record *crash;           /* NULL: nobody leaves one */
-    const struct sync_pulse *sync_pulse;  /* NULL: marks give none */
-    struct program_update *update;        /* NULL: no program is taken */
-    void (*show_counters)(void *context); /* NULL: they are as they are */
+    struct black_box *black_box;         /* NULL: there is none */
+    struct crash_record *crash;          /* NULL: nobody leaves one */
+    const struct sync_pulse *sync_pulse; /* NULL: marks give none */
+    struct program_update *update;       /* NULL: no program is taken */
+    /* Brings what is read at an index up to date: CONTROLLER_INDEX_... or commissioning. NULL: it is as it is. */
+    void (*show)(void *context, uint16_t index);
     void *show_context;
 };
 

@@ -71,7 +71,7 @@ static void run_to(enum supervisor_state state, double seconds)
 
 static const struct controller_objects *shown(void)
 {
-    task()->node.rules.show_counters(task()->node.rules.show_context);
+    task()->node.rules.show(task()->node.rules.show_context, CONTROLLER_INDEX_DRIVES);
     return &task()->node.objects;
 }
 
