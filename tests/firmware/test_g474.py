@@ -202,10 +202,17 @@ def test_a_mark_gives_a_pulse_at_once_wherever_it_comes_in_the_tick():
     """afo g474 itself checks that each mark has one pulse, and that the frames stay the host's."""
     end = g474("--fault", "mark", "--speed", "0.45", "--fault-step", "2")
     assert end["marks"] == 40 and end["differences"] == 0 and end["fault"] == "none"
+    assert end["sync_late_ns"] < 8000  # a SYNC waits for the answer to one request at most
     assert end["worst_tick_instructions"] <= INSTRUCTIONS_OF_A_TICK
     assert 0 < end["mark_delay_us"][0] <= end["mark_delay_us"][1] < 100
     assert end["mark_delay_us"][1] - end["mark_delay_us"][0] < 50
     assert all(abs(length - 10000) <= 1 for length in end["pulse_us"])
+
+
+def test_a_counter_that_is_read_leaves_the_tick_its_limit():
+    """At the end the trial reads 0x2020:28: here beside telegrams and with the drives' care. It took 12,703."""
+    end = g474("--fault", "mark", "--speed", "0.8", "--fault-step", "9")
+    assert end["told_cycles"] > 0 and end["worst_tick_instructions"] <= INSTRUCTIONS_OF_A_TICK
 
 
 @pytest.mark.parametrize("fault, options", [("first-start", "FEEFFBAA"), ("options-cut", "FFFFF8FF")])
