@@ -9,9 +9,10 @@
 #define ANKLE_RATE_RATIO REAL(6.0)
 /* A motor, in limits of its own reference. */
 #define MOTOR_RATE_RATIO REAL(2.0)
-/* Noise of a sample: rad, and in leg lengths. */
+/* Noise of a sample: rad, and in leg lengths. A motor's is its encoder's, and what it goes on between SYNC and sample. */
 #define ANGLE_NOISE_RAD REAL(0.02)
 #define LENGTH_NOISE_RATIO REAL(0.005)
+#define MOTOR_NOISE_RATIO REAL(0.002)
 
 static real speed_unit(const struct control_params *params)
 {
@@ -72,19 +73,24 @@ static void screen_length(real *accepted, uint16_t *rejected_ticks, real *value,
     *value = *accepted;
 }
 
-/* Longer than sensor_age_max_s may be, so that a jump that lasts becomes a fault; then any place is accepted. */
+/* Longer than sensor_age_max_s may be, so that a jump becomes a fault; from then on it counts as silent for so long. */
 enum { JUMP_TICKS = TICKS_OF_MS(120) };
+/* Wrong answers in a row that are no corrupted frames any more, but an encoder that has jumped. */
+enum { JUMP_ANSWERS = 3 };
 
 /* A drive answers in every tick, and its motor cannot move further in one than its limit of speed lets it. So the
- * time that counts is that without an answer: else a jump of some centimetres would pass after some ticks. */
+ * time that counts is that without an answer: else a jump of some centimetres would pass after some ticks.
+ * After a jump the drive leads its reading back to the target, and its motor away from it: within some ticks the
+ * reading would pass for a motion again. So it stays rejected. */
 static void screen_motor(struct leg_samples *leg, struct sea_measurement *sea, real rate_per_tick,
                          real noise)
 {
-    const bool fresh = sea->age_ticks == 0;
-    const uint16_t ticks = leg->motor_rejected_ticks > JUMP_TICKS
-                               ? count_up(leg->motor_rejected_ticks)
-                               : count_up(leg->motor_missing_ticks);
-    if (fresh && is_possible(sea->precompression_m, leg->motor_m, rate_per_tick, noise, ticks)) {
+    const bool fresh = sea->age_ticks == 0, over = leg->motor_rejected_ticks > JUMP_TICKS;
+    const bool jumped =
+        !over && leg->motor_rejected_ticks - leg->motor_missing_ticks >= JUMP_ANSWERS;
+    const uint16_t ticks = count_up(over ? leg->motor_rejected_ticks : leg->motor_missing_ticks);
+    if (fresh && !jumped &&
+        is_possible(sea->precompression_m, leg->motor_m, rate_per_tick, noise, ticks)) {
         leg->motor_m = sea->precompression_m;
         leg->motor_rejected_ticks = leg->motor_missing_ticks = 0;
         return;
@@ -113,6 +119,6 @@ void samples_screen(struct samples *samples, const struct control_params *params
         screen_length(&leg->extension_m, &leg->extension_rejected_ticks, &sample->ankle_extension_m,
                       sample->age_ticks == 0, ANKLE_RATE_RATIO * unit * length, noise);
         screen_motor(leg, sea, MOTOR_RATE_RATIO * params->sea_speed_max_m_s * CONTROL_PERIOD_S,
-                     noise);
+                     MOTOR_NOISE_RATIO * length);
     }
 }

@@ -2,9 +2,10 @@
  *
  * A sample is accepted when a leg, an ankle or a motor can have come there from the last accepted
  * one in the time between. Otherwise the last accepted value stands in for it (a leg's angle goes
- * on at its last rate), as for a sample that was lost. So one corrupted frame ends nothing. A motor's
- * time is that without an answer of its drive only: its encoder has no other way to jump. How
- * long this lasts is counted, and checks.h makes a lasting one a fault.
+ * on at its last rate), as for a sample that was lost. So one corrupted frame ends nothing. Of a motor
+ * only ticks without an answer widen what is accepted, and three answers in a row that no motion explains
+ * are a jump of its encoder: then 120 ms are rejected. How long this lasts is counted, and checks.h makes
+ * a lasting one a fault, where a push may come.
  */
 #ifndef CONTROLLER_SCREENING_SAMPLES_H
 #define CONTROLLER_SCREENING_SAMPLES_H
