@@ -179,12 +179,13 @@ START_TEST(an_ankle_and_a_motor_may_move_so_much_and_no_more)
 }
 END_TEST
 
-/* 0.02 m are seven ticks of the fastest motor: an encoder that jumps so far stays rejected, and one that was silent so
- * long may have moved there. After 120 ms, in which a walk has ended, the new place counts. */
+/* 0.007 m are more than one tick of the fastest motor, and less than two: an encoder that jumps so far stays rejected.
+ * 0.02 m are seven ticks, and one that was silent so long may have moved there. After 120 ms, in which a walk has ended, the new place counts. */
 START_TEST(a_motor_s_jump_is_no_motion_however_long_it_lasts)
 {
     (void)screened();
-    input.sea[SIDE_LEFT].precompression_m = input.sea[SIDE_RIGHT].precompression_m = REAL(0.02);
+    input.sea[SIDE_LEFT].precompression_m = REAL(0.007);
+    input.sea[SIDE_RIGHT].precompression_m = REAL(0.02);
     input.sea[SIDE_RIGHT].age_ticks = 1;
     for (uint16_t i = 1; i <= TICKS_OF_MS(120); i++) {
         const struct controller_input values = screened();
@@ -196,7 +197,7 @@ START_TEST(a_motor_s_jump_is_no_motion_however_long_it_lasts)
         ck_assert_int_eq(values.sea[SIDE_RIGHT].precompression_m > REAL(0.0), i > 7);
     }
     ck_assert(screened().sea[SIDE_LEFT].precompression_m == REAL(0.0));
-    ck_assert(screened().sea[SIDE_LEFT].precompression_m == REAL(0.02));
+    ck_assert(screened().sea[SIDE_LEFT].precompression_m == REAL(0.007));
     ck_assert_uint_eq(samples.leg[SIDE_LEFT].motor_missing_ticks, 0);
 }
 END_TEST
