@@ -169,7 +169,8 @@ static void check_early(struct person_judge *judge, int side)
 static void let_go(struct person_judge *judge, int side)
 {
     const struct plant *plant = &judge->loop->nodes.plant;
-    const double energy_J = sea_spring_energy_now_J(&plant->sea[side], plant->person.ankle_m[side]);
+    const double energy_J =
+        sea_spring_energy_now_J(&plant->sea[side], plant_spring_end_m(plant, (enum side)side));
     judge->push_J[side] = 0.0;
     if (energy_J <= LET_GO_J) {
         return;
@@ -215,9 +216,9 @@ static void check_foot(struct person_judge *judge, int side)
     const struct plant *plant = &judge->loop->nodes.plant;
     const struct sea *sea = &plant->sea[side];
     const double lever_m = plant->config.recording_format.ankle[side].lever_m;
-    const double ankle_m = plant->person.ankle_m[side];
+    const double end_m = plant_spring_end_m(plant, (enum side)side);
     const bool open = sea->latch != SEA_LATCH_CLOSED;
-    const double down_m = (sea->position_m - ankle_m) * TOE_DISTANCE_M / lever_m;
+    const double down_m = (sea->position_m - end_m) * TOE_DISTANCE_M / lever_m;
     const bool held = open && !plant->person.contact[side] && down_m > TOE_M;
     judge->toe_ticks[side] = held ? (uint16_t)(judge->toe_ticks[side] + 1u) : 0;
     if (judge->toe_ticks[side] > TICKS_OF_MS(TOE_MS)) {

@@ -142,7 +142,7 @@ static void take_leg(struct push_record *record, const struct loop *loop, enum s
     const struct sea *sea = &loop->nodes.plant.sea[side];
     struct sea_output out;
     plant_sea_output(&loop->nodes.plant, side, &out);
-    const double lever = lever_m(record, loop, side, truth->ankle_m[side]);
+    const double lever = lever_m(record, loop, side, truth->way_m[side]);
     const double torque_Nm = out.ankle_force_N * lever;
     const double target_m = sea->command.target_position_m;
     const double prescribed_m = (double)loop->rig.task.controller.springs.sea[side].target_m;
@@ -158,12 +158,13 @@ static void take_leg(struct push_record *record, const struct loop *loop, enum s
         out.position_m >= LOADED_SHARE * prescribed_m && leg->now.release_s < 0.0) {
         leg->now.loaded_s = truth->time_s;
     }
-    take_push(leg, torque_Nm, out.ankle_force_N * truth->ankle_rate_m_s[side]);
+    take_push(leg, torque_Nm, out.ankle_force_N * truth->way_rate_m_s[side]);
     take_freedom(leg, truth->time_s, torque_Nm);
     if (out.latch == SEA_LATCH_RELEASED) {
         double stiffness, play_m;
-        sea_spring_at(sea, truth->ankle_m[side], &stiffness, &play_m);
-        const double ideal_N = fmax(0.0, stiffness * (target_m - play_m - truth->ankle_m[side]));
+        const double end_m = plant_spring_end_m(&loop->nodes.plant, side);
+        sea_spring_at(sea, end_m, &stiffness, &play_m);
+        const double ideal_N = fmax(0.0, stiffness * (target_m - play_m - end_m));
         const double off_Nm = torque_Nm - ideal_N * lever;
         leg->track_squares_Nm2 += off_Nm * off_Nm;
         leg->track_ticks++;

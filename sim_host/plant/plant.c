@@ -76,6 +76,12 @@ static double ankle_rate_of(const struct plant *plant, enum side side)
                             : walk_ankle_rate_m_s(&plant->walk, plant->sea, side);
 }
 
+double plant_spring_end_m(const struct plant *plant, enum side side)
+{
+    return plant->config.kind == PLANT_REFLEX_PERSON ? plant_reflex_spring_end_m(plant, side)
+                                                     : ankle_of(plant, side);
+}
+
 void plant_sample(struct plant *plant, enum side side, struct sensor_sample *sample)
 {
     const struct sensor_truth truth = {
@@ -91,7 +97,7 @@ void plant_sample(struct plant *plant, enum side side, struct sensor_sample *sam
 
 void plant_sea_output(const struct plant *plant, enum side side, struct sea_output *output)
 {
-    sea_read(&plant->sea[side], ankle_of(plant, side), output);
+    sea_read(&plant->sea[side], plant_spring_end_m(plant, side), output);
 }
 
 /* The start hold sees the drives as they are at this SYNC. */
@@ -192,6 +198,8 @@ void plant_truth(const struct plant *plant, struct plant_truth *truth)
             is_person(plant) ? person->leg_rate_rad_s[side] : walk_leg_rate_rad_s(walk, side);
         truth->ankle_m[side] = ankle_of(plant, side);
         truth->ankle_rate_m_s[side] = ankle_rate_of(plant, side);
+        truth->way_m[side] = truth->ankle_m[side];
+        truth->way_rate_m_s[side] = truth->ankle_rate_m_s[side];
         truth->contact[side] =
             is_person(plant) ? person->contact[side] : walk_on_ground(walk, side);
     }
@@ -222,7 +230,8 @@ void plant_energy(const struct plant *plant, struct plant_energy *energy)
     }
     for (int i = 0; i < SIDE_COUNT; i++) {
         const enum side side = (enum side)i;
-        energy->springs_J += sea_spring_energy_now_J(&plant->sea[i], ankle_of(plant, side));
+        energy->springs_J +=
+            sea_spring_energy_now_J(&plant->sea[i], plant_spring_end_m(plant, side));
         energy->device_work_J[i] =
             is_person(plant) ? plant->person_work_J[i] : walk->device_work_J[i];
         energy->motor_work_J[i] = plant->sea[i].motor_work_J;

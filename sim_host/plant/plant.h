@@ -128,6 +128,8 @@ struct plant {
     struct reflex_person reflex;
     struct ground_line slope_line; /* below a reflex person */
     struct plant_stair stair;
+    double strut_m
+        [SIDE_COUNT]; /* of a reflex person's spring: the ankle's way at which it is locked, at most 0 */
     bool foothold_laid[SIDE_COUNT]; /* below a reflex person's foot in swing */
     struct person_motion motion;
     size_t recording_cursor;
@@ -170,7 +172,9 @@ struct plant_truth {
     uint64_t tick;
     double time_s;
     double leg_angle_rad[SIDE_COUNT], leg_rate_rad_s[SIDE_COUNT];
-    double ankle_m[SIDE_COUNT], ankle_rate_m_s[SIDE_COUNT];
+    double ankle_m[SIDE_COUNT], ankle_rate_m_s[SIDE_COUNT]; /* the extension: never below 0 */
+    double way_m[SIDE_COUNT],
+        way_rate_m_s[SIDE_COUNT]; /* the same, but a reflex person's is below 0 when flexed */
     bool contact[SIDE_COUNT];
     double ground_force_N[SIDE_COUNT][2]; /* walker and reflex person only */
     double hip_m[2];             /* the same, world; a reflex person walks towards -x, too */
@@ -195,6 +199,10 @@ double plant_walked_s(const struct plant *plant);
  * releases are events, too. False if there is none. */
 bool plant_next_event(struct plant *plant, struct walk_event *event);
 bool plant_next_step(struct plant *plant, struct walk_step *step);
+
+/* Where the end of an open latch's spring stands at the ankle, m: its compression is the motor's position less this. It
+ * is the ankle's extension, but a reflex person's (plant_reflex_person.c) may be beyond it, or below 0. */
+double plant_spring_end_m(const struct plant *plant, enum side side);
 
 /* Lever of the spring at a recorded person's ankle that is extended by ankle_m, m: torque per force. 0 of a
  * walker, whose spring works along the leg. */

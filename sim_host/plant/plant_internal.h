@@ -32,6 +32,8 @@ void plant_lay_reflex_stair(struct plant *plant, double rise_m);
 void plant_lay_foothold(struct plant *plant);
 /* A foothold has been taken: the next one is drawn. */
 void plant_pass_foothold(struct plant *plant);
+/* Where a spring's end would stand, were its latch open: the ankle's way less the strut's (plant_reflex_person.c). */
+double plant_reflex_spring_end_m(const struct plant *plant, enum side side);
 void plant_reflex_truth(const struct plant *plant, struct plant_truth *truth);
 
 #endif

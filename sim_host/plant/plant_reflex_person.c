@@ -1,5 +1,11 @@
 /* A person who walks by reflexes, with the SEAs at the ankles: what the springs do moves the person. Like a
- * recording's, the walk begins at recording_start_tick; the pose of its begin is held before. Who has fallen lies still. */
+ * recording's, the walk begins at recording_start_tick; the pose of its begin is held before. Who has fallen lies still.
+ *
+ * Between a spring's end and the ankle there is a strut. While the latch is closed it gets shorter as the ankle flexes
+ * below neutral, without force; above neutral it has its full length, and the ankle moves away from it. The latch that
+ * opens locks it at the length that it has, until the latch closes. So an open latch's spring is compressed by the
+ * motor's position less the ankle's whole way since then, flexing and extending: its force is k (x - (r - r_locked)), with
+ * r_locked = r at the release, at most 0. An ankle at or above neutral feels k (x - r), as every other plant's. */
 #include "model/trig.h"
 #include "sim_host/plant/plant_internal.h"
 #include "sim_host/plant/walk_internal.h"
@@ -35,12 +41,40 @@ static double ankle_m_of(const struct plant *plant, enum side side)
                              plantarflexion(&plant->reflex, side).angle_rad);
 }
 
-static double ankle_rate_m_s_of(const struct plant *plant, enum side side)
+/* The ankle's way from neutral, below 0 where it is flexed; a sensor's is never (recording.h). */
+static double way_m_of(const struct plant *plant, enum side side)
 {
     const struct recording_ankle *ankle = &plant->config.recording_format.ankle[side];
-    const struct flexion now = plantarflexion(&plant->reflex, side);
-    return sea_lever_at_m(&ankle->lever_table, ankle->lever_m, now.angle_rad - ankle->neutral_rad) *
-           now.rate_rad_s;
+    return sea_lever_way_m(&ankle->lever_table, ankle->lever_m,
+                           plantarflexion(&plant->reflex, side).angle_rad - ankle->neutral_rad);
+}
+
+/* What the way changes by with the angle: the moment of a force, too. */
+static double lever_m_of(const struct plant *plant, enum side side)
+{
+    const struct recording_ankle *ankle = &plant->config.recording_format.ankle[side];
+    return sea_lever_at_m(&ankle->lever_table, ankle->lever_m,
+                          plantarflexion(&plant->reflex, side).angle_rad - ankle->neutral_rad);
+}
+
+/* The strut follows the ankle behind a closed latch. Where the spring's end stands then. */
+static double follow_ankle(struct plant *plant, enum side side)
+{
+    const double way_m = way_m_of(plant, side);
+    if (plant->sea[side].latch == SEA_LATCH_CLOSED) {
+        plant->strut_m[side] = way_m < 0.0 ? way_m : 0.0;
+    }
+    return way_m - plant->strut_m[side];
+}
+
+double plant_reflex_spring_end_m(const struct plant *plant, enum side side)
+{
+    return way_m_of(plant, side) - plant->strut_m[side];
+}
+
+static double ankle_rate_m_s_of(const struct plant *plant, enum side side)
+{
+    return lever_m_of(plant, side) * plantarflexion(&plant->reflex, side).rate_rad_s;
 }
 
 static void look(const struct plant *plant, struct recorded_person_state *person)
@@ -61,6 +95,9 @@ void plant_init_reflex_person(struct plant *plant)
     params.step_s = plant->config.sea[SIDE_LEFT].drive_period_s;
     params.noise_seed = plant->config.seed;
     reflex_person_init(&plant->reflex, &params);
+    for (int side = 0; side < SIDE_COUNT; side++) {
+        (void)follow_ankle(plant, (enum side)side);
+    }
     look(plant, &plant->person);
 }
 
@@ -85,23 +122,24 @@ static void post_events(struct plant *plant, const struct recorded_person_state 
     }
 }
 
-static double force_N(const struct plant *plant, enum side side, double ankle_m)
+static double force_N(const struct plant *plant, enum side side, double end_m)
 {
-    return plant->config.unworn ? 0.0 : sea_ankle_force_N(&plant->sea[side], ankle_m);
+    return plant->config.unworn ? 0.0 : sea_ankle_force_N(&plant->sea[side], end_m);
 }
 
-/* A drive period. ankle_m: of both sides, at its begin, and then at its end. */
-static void run_period(struct plant *plant, double now_s, double ankle_m[SIDE_COUNT])
+/* A drive period. end_m: where the springs' ends stand if their latches are open, at its begin, and then at its end. */
+static void run_period(struct plant *plant, double now_s, double end_m[SIDE_COUNT])
 {
     struct reflex_person_loads loads = {.ankle_Nm = {0.0}};
     double before_N[SIDE_COUNT];
     for (int k = 0; k < SIDE_COUNT; k++) {
         const enum side side = (enum side)k;
-        plant_run_latch(plant, side, ankle_m[k], now_s);
-        sea_drive_period(&plant->sea[k], ankle_m[k]);
-        before_N[k] = force_N(plant, side, ankle_m[k]);
+        /* A motor that is home lets go of a strut, however far the ankle is flexed. */
+        plant_run_latch(plant, side, end_m[k] > 0.0 ? end_m[k] : 0.0, now_s);
+        sea_drive_period(&plant->sea[k], end_m[k]);
+        before_N[k] = force_N(plant, side, end_m[k]);
         if (before_N[k] != 0.0) {
-            loads.ankle_Nm[k] = before_N[k] * plant_ankle_lever_m(plant, side, ankle_m[k]);
+            loads.ankle_Nm[k] = before_N[k] * lever_m_of(plant, side);
         }
     }
     if (plant->tick >= plant->config.recording_start_tick && plant->walk.fault == WALK_FAULT_NONE) {
@@ -109,11 +147,11 @@ static void run_period(struct plant *plant, double now_s, double ankle_m[SIDE_CO
     }
     for (int k = 0; k < SIDE_COUNT; k++) {
         const enum side side = (enum side)k;
-        const double after_m = ankle_m_of(plant, side);
+        const double after_m = follow_ankle(plant, side);
         sea_finish_period(&plant->sea[k]);
         plant->person_work_J[k] +=
-            0.5 * (before_N[k] + force_N(plant, side, after_m)) * (after_m - ankle_m[k]);
-        ankle_m[k] = after_m;
+            0.5 * (before_N[k] + force_N(plant, side, after_m)) * (after_m - end_m[k]);
+        end_m[k] = after_m;
     }
 }
 
@@ -140,9 +178,10 @@ void plant_advance_reflex_person(struct plant *plant)
     const struct recorded_person_state before = plant->person;
     plant_run_switches(plant, true);
     plant_lay_reflex_ground(plant);
-    double ankle_m[SIDE_COUNT] = {ankle_m_of(plant, SIDE_LEFT), ankle_m_of(plant, SIDE_RIGHT)};
+    double end_m[SIDE_COUNT] = {plant_reflex_spring_end_m(plant, SIDE_LEFT),
+                                plant_reflex_spring_end_m(plant, SIDE_RIGHT)};
     for (int i = 0; i < periods; i++) {
-        run_period(plant, plant_now_s(plant) + (double)i * period_s, ankle_m);
+        run_period(plant, plant_now_s(plant) + (double)i * period_s, end_m);
     }
     look(plant, &plant->person);
     post_events(plant, &before);
@@ -162,5 +201,7 @@ void plant_reflex_truth(const struct plant *plant, struct plant_truth *truth)
         truth->toe_m[k][1] = ball.y;
         truth->ground_force_N[k][0] = -reflex->ground_N[k].x;
         truth->ground_force_N[k][1] = reflex->ground_N[k].y;
+        truth->way_m[k] = way_m_of(plant, (enum side)k);
+        truth->way_rate_m_s[k] = ankle_rate_m_s_of(plant, (enum side)k);
     }
 }
