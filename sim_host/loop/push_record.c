@@ -29,7 +29,7 @@ static void begin_stride(struct push_leg_record *leg, double time_s, bool counts
 void push_record_init(struct push_record *record, const struct loop *loop)
 {
     memset(record, 0, sizeof *record);
-    record->has_lever = loop->config.plant.kind == PLANT_RECORDED_PERSON;
+    record->has_lever = loop->config.plant.kind != PLANT_WALKER;
     for (int side = 0; side < SIDE_COUNT; side++) {
         struct push_leg_record *leg = &record->leg[side];
         leg->ankle_least_m = HUGE_VAL;

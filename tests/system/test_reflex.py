@@ -95,6 +95,17 @@ def test_the_dose_and_its_time_are_asked_for():
     assert late_s[30] - late_s[0] == pytest.approx(0.030, abs=0.002)
 
 
+def test_pushes_are_told_in_the_lever_s_units():
+    """At an ankle with the lever of 0.12 m: no moment beyond the spring's, an ankle that flexes on included, and its energy."""
+    done = run("--plant", "reflex", "--person", file_of("persons", "reflex-new"), "--device", file_of("devices", "virtual-adult"),
+               "--start-r0", 0.02, "--steps", 30, "--json", command="sim")
+    assert done.returncode == 0, done.stderr
+    for leg in (json.loads(done.stdout)["push"][side] for side in ("left", "right")):
+        assert leg["pushes"] > 5 and leg["lever_m"] == pytest.approx(0.12)
+        assert 0.6 < leg["peak_torque_Nm"] / (7000 * 0.02 * 0.12) < 1.3  # a tick after the release
+        assert 0.5 < leg["work_J"] / (0.5 * 7000 * 0.02 ** 2) < 1.1
+
+
 @pytest.mark.parametrize("options, words", [
     (("--recording", "x.csv", "--without-device"), "--without-device needs --plant reflex"),
     (("--fault-ms", "10"), "--fault-ms needs --fault NAME"),
