@@ -11,7 +11,6 @@
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <elf.h>
-#include <errno.h>
 #include <stdarg.h>
 #include <string.h>
 #include <sys/ptrace.h>
@@ -21,7 +20,7 @@
 /* More than any processor's state; the host gives what there is. */
 enum { STATE_BYTES = 65536 };
 
-typedef long ptrace_call(int request, pid_t pid, void *addr, void *data);
+typedef long ptrace_call(enum __ptrace_request request, ...);
 
 long ptrace(enum __ptrace_request request, ...)
 {
@@ -38,7 +37,7 @@ long ptrace(enum __ptrace_request request, ...)
         *(void **)&real = dlsym(RTLD_NEXT, "ptrace");
     }
     if (request != PTRACE_SETREGSET || addr != (void *)NT_X86_XSTATE) {
-        return real((int)request, pid, addr, data);
+        return real(request, pid, addr, data);
     }
     const struct iovec *const part = data;
     struct iovec whole = {state, sizeof state};
@@ -46,8 +45,8 @@ long ptrace(enum __ptrace_request request, ...)
         return -1;
     }
     if (part->iov_len > whole.iov_len) {
-        return real((int)request, pid, addr, data);
+        return real(request, pid, addr, data);
     }
     memcpy(state, part->iov_base, part->iov_len);
-    return real((int)request, pid, addr, &whole);
+    return real(request, pid, addr, &whole);
 }

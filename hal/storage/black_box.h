@@ -30,10 +30,15 @@ enum {
     BLACK_BOX_RAW_BYTES = 7, /* of a frame kept whole, its data left aside */
     BLACK_BOX_RECORD_MAX = BLACK_BOX_RAW_BYTES + CAN_FRAME_DATA_MAX,
     /* The most that a tick may carry: frames without data, of 47 bits (ISO 11898-1, the space to the next
-     * among them). No others take more bytes a bit. */
-    BLACK_BOX_TICK_FRAMES = TICK_PERIOD_US * (BUS_BITRATE / 1000) / 1000 / 47 + 1,
-    /* With less, a tick's frames may not fit. Twice, for own frames are recorded before they are on the bus. */
-    BLACK_BOX_TICK_LEAST = 2 * BLACK_BOX_TICK_FRAMES * BLACK_BOX_RAW_BYTES + BLACK_BOX_RECORD_MAX,
+     * among them), or error frames of 20: no others take more bytes a bit. */
+    BLACK_BOX_TICK_BITS = TICK_PERIOD_US * (BUS_BITRATE / 1000) / 1000,
+    BLACK_BOX_TICK_FRAMES = BLACK_BOX_TICK_BITS / 47 + 1,
+    BLACK_BOX_TICK_ERRORS = BLACK_BOX_TICK_BITS / 20 + 1,
+    BLACK_BOX_ERROR_BYTES = 11, /* of an error frame's record */
+    /* With less, a tick's records may not fit. Own frames are recorded before they are on the bus: then they come on
+     * top of what is there. */
+    BLACK_BOX_TICK_LEAST = BLACK_BOX_TICK_FRAMES * BLACK_BOX_RAW_BYTES +
+                           BLACK_BOX_TICK_ERRORS * BLACK_BOX_ERROR_BYTES + BLACK_BOX_RECORD_MAX,
     /* With less, a block should be followed by another. */
     BLACK_BOX_TICK_RESERVE = BLACK_BOX_TICK_LEAST > 1024 ? BLACK_BOX_TICK_LEAST : 1024,
     BLACK_BOX_ROW_MAX = 48

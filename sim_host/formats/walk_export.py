@@ -102,6 +102,8 @@ def ground_forces(names, columns):
         return None, "the table has no ground forces"
     places = tuple(f"pressure_{side}_{axis}_m" for side in ("left", "right") for axis in "xy")
     where = "pressure" if all(name in names for name in places) else "toe"
+    if where == "toe" and "trunk_lean_rad" in names:
+        return None, "the table is of a person, and has no centres of pressure: make it anew"
     wanted = ("time_s", *GROUND_COLUMNS, *(places if where == "pressure" else ()))
     values = {name: [number(text) for text in columns[names.index(name)]] for name in wanted}
     if any(math.isnan(value) for value in values["ground_left_y_N"]):

@@ -131,6 +131,28 @@ START_TEST(a_tick_of_a_full_bus_fits_what_is_left)
 }
 END_TEST
 
+/* So it takes all error frames of a disturbed bus, too: an error flag of 6 bits behind a start bit, its delimiter of 8,
+ * three of intermission, and two of the flag's echo at least (ISO 11898-1). The port's poll tells of 4 bytes each. */
+START_TEST(a_tick_of_error_frames_fits_what_is_left)
+{
+    const struct can_msg error = {.flags = CAN_FRAME_ERROR, .length = 4};
+    const struct can_msg own = {.id = 0x80, .length = 0};
+    const int bits = TICK_PERIOD_US * (BUS_BITRATE / 1000) / 1000;
+
+    while (!black_box_is_full(&box)) {
+        block()->used++;
+    }
+    block()->used--;
+    for (int i = 0; i < bits / 47; i++) {
+        black_box_record(&box, &own); /* before they are on the bus */
+    }
+    for (int i = 0; i < bits / 20; i++) {
+        black_box_record(&box, &error);
+    }
+    ck_assert_uint_eq(box.header.lost_frames, 0);
+}
+END_TEST
+
 static size_t too_large(const void *context, uint8_t *out, size_t capacity)
 {
     (void)context;
@@ -234,6 +256,7 @@ int main(void)
     tcase_add_test(tests, a_damaged_header_is_no_image);
     tcase_add_test(tests, the_first_reason_to_freeze_stays);
     tcase_add_test(tests, the_count_of_lost_frames_stays_at_its_end);
+    tcase_add_test(tests, a_tick_of_error_frames_fits_what_is_left);
     tcase_add_loop_test(tests, a_tick_of_a_full_bus_fits_what_is_left, 0, CAN_FRAME_DATA_MAX + 1);
     tcase_add_test(tests, a_snapshot_larger_than_its_room_is_none);
     tcase_add_test(tests, a_length_beyond_a_frame_s_copies_nothing);
