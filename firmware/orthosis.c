@@ -228,6 +228,18 @@ static void look_after_itself(struct orthosis *orthosis)
     }
 }
 
+/* Where nothing may move, a node that is silent is asked in each tick, and none may be quiet for as long as it is.
+ * An odd number: the board tells by two looks whether the line moves, which it does once a tick. */
+enum { LOOK_TICKS = 15 };
+
+static bool must_look(struct orthosis *orthosis)
+{
+    const enum supervisor_state state = orthosis->task.output.state;
+    orthosis->unlooked_ticks++;
+    return orthosis->unlooked_ticks >= LOOK_TICKS &&
+           (state == SUPERVISOR_FAULT || state == SUPERVISOR_INIT);
+}
+
 /* The SYNC waits for nothing that is not done in each cycle: the nodes count by it. */
 void orthosis_start_cycle(struct orthosis *orthosis)
 {
@@ -252,7 +264,8 @@ unsigned orthosis_poll(struct orthosis *orthosis)
         latch(orthosis, orthosis->forced_fault);
     }
     progress = control_task_poll(task);
-    if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0u) {
+    const bool ticked = (progress & (unsigned)CONTROL_TASK_TICKED) != 0u;
+    if (ticked) {
         program_update_tick(&orthosis->update);
     }
     /* Until the first own SYNC came back no command was ever sent, nothing can move, and a
@@ -264,11 +277,12 @@ unsigned orthosis_poll(struct orthosis *orthosis)
     }
     const bool fed =
         watchdog_gate_report(&orthosis->gate, has_bus ? progress : (uint32_t)WATCHDOG_ALL);
-    if ((progress & (unsigned)CONTROL_TASK_TICKED) != 0u) {
+    if (ticked) {
         drive_power_update(&orthosis->drive_power, task, fed);
     }
     /* Behind the tick's edge of the permit line, as where there is no tick: the board counts its edges. */
-    if (bus_recorder_take_quiet(&orthosis->recorder)) {
+    if (bus_recorder_take_quiet(&orthosis->recorder) || (ticked && must_look(orthosis))) {
+        orthosis->unlooked_ticks = 0;
         look_after_itself(orthosis);
     }
     return progress;

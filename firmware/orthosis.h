@@ -39,8 +39,9 @@ struct orthosis_config {
     const struct sync_pulse *sync_pulse;          /* given at each mark (0x2000:7); NULL: none */
     const struct nv_store *nv;
     const struct program_slots *program; /* where the program lies; NULL: nobody looks after it */
-    void (*in_quiet_ticks)(void);        /* called at the end of ticks with little to do; or NULL */
-    struct black_box *black_box;         /* in memory that a reset does not clear */
+    /* Called at the end of ticks with little to do; in INIT and FAULT after 14 others, too. Or NULL. */
+    void (*in_quiet_ticks)(void);
+    struct black_box *black_box; /* in memory that a reset does not clear */
     struct crash_record *crash;  /* as the last run left it, in such memory too; may be NULL */
     struct crash_streak *streak; /* likewise; NULL: no start is known to be power-on */
     bool restarted;              /* after a crash or by the watchdog: stay in the safe state */
@@ -64,6 +65,7 @@ struct orthosis {
     struct program_scan program_scan;
     void (*in_quiet_ticks)(void);
     uint32_t looked_at_tick; /* at the begin of the last cycle */
+    uint32_t unlooked_ticks; /* since it looked after itself; wraps */
     bool program_damaged;
     uint32_t program_rounds; /* that found it whole; saturates */
     struct program_update update;

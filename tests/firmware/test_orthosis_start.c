@@ -446,6 +446,18 @@ START_TEST(the_board_looks_at_the_permit_line_behind_the_tick_s_edge)
 }
 END_TEST
 
+/* While a node is silent it is asked in each tick, and none is quiet. A board that stands then is tested all the same. */
+START_TEST(a_board_in_fault_is_looked_after_on_a_full_bus)
+{
+    config.in_quiet_ticks = look_at_permit;
+    orthosis_init(&orthosis, &config); /* an empty memory: FAULT */
+    looks = 0;
+    run_busy(450);
+    ck_assert_int_eq(state(), SUPERVISOR_FAULT);
+    ck_assert_uint_ge(looks, 29);
+}
+END_TEST
+
 /* In FAULT, and no drive tells that it is off. After a restart the line is low again, as the pin is. */
 START_TEST(the_torque_is_taken_where_no_drive_says_that_it_is_off)
 {
@@ -639,6 +651,7 @@ int main(void)
     tcase_add_test(tests, without_a_tick_it_is_not_fed);
     tcase_add_test(tests, the_wearer_s_panel_is_read_and_lit);
     tcase_add_test(tests, without_a_bus_the_drives_get_no_power);
+    tcase_add_test(tests, a_board_in_fault_is_looked_after_on_a_full_bus);
     tcase_add_test(tests, the_board_looks_at_the_permit_line_behind_the_tick_s_edge);
     tcase_add_test(tests, the_torque_is_taken_where_no_drive_says_that_it_is_off);
     tcase_add_test(tests, the_torque_is_taken_also_where_nothing_is_fed);

@@ -18,7 +18,7 @@
 #include "hal/port_stm32g474/supply.h"
 #include "hal/port_stm32g474/system_registers.h"
 
-enum { EXCEPTION_NMI = 2, RETRY_MS = 1000, BOARD_PERIOD = 256, OSCILLATOR_PERIOD = 64 };
+enum { EXCEPTION_NMI = 2, RETRY_MS = 1000, BOARD_PERIOD = 255, OSCILLATOR_PERIOD = 64 };
 #define PROGRAM_RAM_BYTES 0x8000u /* link.ld; with parity */
 
 static struct orthosis orthosis;
