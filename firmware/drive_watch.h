@@ -31,17 +31,16 @@ enum {
 };
 
 struct drive_watch {
-    uint16_t
-        powered_ticks; /* while it stops: a drive is silent or under torque for so long; then the hold's */
+    uint16_t powered_ticks; /* a drive is silent or under torque for so long; then the hold's */
     uint8_t disobeys[SIDE_COUNT];    /* ticks a drive has been enabled in SUPERVISOR_FAULT */
     bool stops;                      /* the last tick was one of SUPERVISOR_UNLOADING or FAULT */
     uint8_t still_ticks[SIDE_COUNT]; /* ticks it has not come nearer to an empty spring */
     float nearest_m[SIDE_COUNT];     /* what it read then */
 };
 
-/* Once a tick, with the supervisor's state, what it asks of the drives (SIDE_COUNT) and the settings in force. Returns the legs (bit 1 << side) whose drive must
- * be stopped by NMT now: it still follows its target a while after the torque was to be off,
- * so it has not understood its controlword; stopped it unloads by itself (0x6007).
+/* Once a tick, with the supervisor's state, what it asks of the drives, and the settings in force. Returns
+ * the legs (bit 1 << side) whose drive must be stopped by NMT now: it still follows its target a while after
+ * the torque was to be off, so it has not understood its controlword; stopped it unloads by itself (0x6007).
  * Loop only; O(1). */
 unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *drives,
                             enum supervisor_state state,
@@ -49,8 +48,9 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
                             const struct control_params *params);
 
 /* True when the hardware must take the drives' power: for DRIVE_WATCH_POWER_TICKS one has been silent in
- * SUPERVISOR_UNLOADING or FAULT, has held its spring in UNLOADING, or was under torque in FAULT; or it was so DRIVE_WATCH_HOLD_TICKS ago, whatever the state
- * is now. A tick in which all are off takes one back from the count. O(1). */
+ * SUPERVISOR_UNLOADING or FAULT, has held its spring in UNLOADING, or was under torque in FAULT; or it was so
+ * less than DRIVE_WATCH_HOLD_TICKS ago, whatever the state is now. A tick in which all are off takes one back
+ * from the count. O(1). */
 static inline bool drive_watch_power_must_go(const struct drive_watch *watch)
 {
     return watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS;

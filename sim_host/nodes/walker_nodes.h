@@ -63,8 +63,8 @@ struct walker_nodes {
     uint32_t readings;
 };
 
-/* The nodes are those of *device (copied), which must be valid. Builds the plant (its heap is given back by walker_nodes_free), boots the nodes on
- * their busses and measures for the first SYNC. Returns 0, or -1 with the reason in message
+/* The nodes are those of *device (copied), which must be valid. Builds the plant (its heap is given back by
+ * walker_nodes_free), boots the nodes on their busses and measures for the first SYNC. Returns 0, or -1 with the reason in message
  * (PLANT_ERROR_MAX bytes); then nothing is held. *nodes must not move afterwards. */
 int walker_nodes_init(struct walker_nodes *nodes, const struct plant_config *plant,
                       const struct device_description *device,

@@ -179,8 +179,9 @@ START_TEST(an_ankle_and_a_motor_may_move_so_much_and_no_more)
 }
 END_TEST
 
-/* 0.007 m are more than one tick of the fastest motor, and less than two: an encoder that jumps so far stays rejected.
- * 0.02 m are seven ticks, and one that was silent so long may have moved there. After 120 ms, in which a walk has ended, the new place counts. */
+/* 0.007 m are more than one tick of the fastest motor, and less than two: an encoder that jumps so far stays
+ * rejected. 0.02 m are seven ticks, and one that was silent so long may have moved there. After 120 ms, in which a
+ * walk has ended, the new place counts. */
 START_TEST(a_motor_s_jump_is_no_motion_however_long_it_lasts)
 {
     (void)screened();
