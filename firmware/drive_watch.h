@@ -49,8 +49,8 @@ unsigned drive_watch_update(struct drive_watch *watch, const struct sea_drives *
 
 /* True when the hardware must take the drives' power: for DRIVE_WATCH_POWER_TICKS one has been silent in
  * SUPERVISOR_UNLOADING or FAULT, has held its spring in UNLOADING, or was under torque in FAULT; or it was so
- * less than DRIVE_WATCH_HOLD_TICKS ago, whatever the state is now. A tick in which all are off takes one back
- * from the count. O(1). */
+ * less than DRIVE_WATCH_HOLD_TICKS ago, whatever the state is now. A tick in which each is off, or led, takes
+ * one back from the count. O(1). */
 static inline bool drive_watch_power_must_go(const struct drive_watch *watch)
 {
     return watch->powered_ticks >= DRIVE_WATCH_POWER_TICKS;

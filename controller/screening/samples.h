@@ -4,8 +4,9 @@
  * one in the time between. Otherwise the last accepted value stands in for it (a leg's angle goes
  * on at its last rate), as for a sample that was lost. So one corrupted frame ends nothing. Of a motor
  * only ticks without an answer widen what is accepted, and three answers in a row that no motion explains
- * are a jump of its encoder: then 120 ms are rejected. How long this lasts is counted, and checks.h makes
- * a lasting one a fault, where a push may come.
+ * are a jump of its encoder (lost ones between do not count): then 120 ms are rejected. How long this lasts is
+ * counted, and checks.h makes a lasting one a fault in WALKING and UNLOADING. In other states the new place is
+ * taken for true after these 120 ms.
  */
 #ifndef CONTROLLER_SCREENING_SAMPLES_H
 #define CONTROLLER_SCREENING_SAMPLES_H
