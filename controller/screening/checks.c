@@ -279,11 +279,12 @@ static enum supervisor_fault sample_fault(const struct control_params *params,
     if (!leg->received_finite || !real_is_finite(sea->force_N)) {
         return SUPERVISOR_FAULT_NOT_FINITE;
     }
-    /* Where nothing can be released a jump is no danger: somebody puts it on, or lifts
-     * the one who fell. */
+    /* Where no step is walked a leg's jump is no danger: somebody puts it on, or lifts the one who fell.
+     * A motor's is one wherever its drive may load a spring. */
     const bool moves = state == SUPERVISOR_WALKING || state == SUPERVISOR_UNLOADING;
-    if (moves && (leg->angle_rejected_ticks > age_max || leg->extension_rejected_ticks > age_max ||
-                  leg->motor_rejected_ticks > age_max)) {
+    if ((moves &&
+         (leg->angle_rejected_ticks > age_max || leg->extension_rejected_ticks > age_max)) ||
+        (supervisor_may_enable(state) && leg->motor_rejected_ticks > age_max)) {
         return SUPERVISOR_FAULT_SENSOR_RATE;
     }
     return SUPERVISOR_FAULT_NONE;

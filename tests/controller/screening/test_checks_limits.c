@@ -493,6 +493,25 @@ START_TEST(a_jump_counts_while_something_may_be_released)
 }
 END_TEST
 
+/* A motor's jump counts wherever its drive may load a spring: else the wrong place would be taken for true after
+ * 120 ms. With torque off somebody may move it by hand. */
+START_TEST(a_motor_s_jump_counts_where_a_drive_has_torque)
+{
+    for (int state = 0; state < SUPERVISOR_STATES; state++) {
+        for (int side = 0; side < SIDE_COUNT; side++) {
+            warm_up(&rig, (enum supervisor_state)state);
+            rig.input.sea[side].precompression_m += REAL(0.017);
+            if (state == SUPERVISOR_ENGAGING || state == SUPERVISOR_WALKING ||
+                state == SUPERVISOR_UNLOADING || state == SUPERVISOR_COMMISSIONING) {
+                expect(&rig, SUPERVISOR_FAULT_SENSOR_RATE, 11, 11, true);
+            } else {
+                expect_none(60, true);
+            }
+        }
+    }
+}
+END_TEST
+
 /* Slack: within the motor's tolerance of 1 mm, to either side, and known. */
 START_TEST(springs_are_slack_within_the_tolerance)
 {
@@ -554,6 +573,7 @@ int main(void)
     tcase_add_test(tests, a_new_walk_gives_the_drives_their_time_again);
     tcase_add_test(tests, what_is_just_within_its_range_is_none);
     tcase_add_test(tests, a_jump_counts_while_something_may_be_released);
+    tcase_add_test(tests, a_motor_s_jump_counts_where_a_drive_has_torque);
     tcase_add_test(tests, springs_are_slack_within_the_tolerance);
     tcase_add_test(tests, checks_begin_with_nothing_remembered);
     suite_add_tcase(suite, tests);
