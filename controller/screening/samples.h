@@ -5,8 +5,8 @@
  * on at its last rate), as for a sample that was lost. So one corrupted frame ends nothing. Of a motor
  * only ticks without an answer widen what is accepted, and three answers in a row that no motion explains
  * are a jump of its encoder (lost ones between do not count): then 120 ms are rejected. How long this lasts is
- * counted, and checks.h makes a lasting one a fault in WALKING and UNLOADING. In other states the new place is
- * taken for true after these 120 ms.
+ * counted, and checks.h makes a lasting one a fault: a motor's wherever its drive may have torque. Cycles that
+ * the controller missed are not known here, so a motor that moved on meanwhile may look like a jump.
  */
 #ifndef CONTROLLER_SCREENING_SAMPLES_H
 #define CONTROLLER_SCREENING_SAMPLES_H
